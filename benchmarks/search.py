@@ -13,6 +13,7 @@ from cylcontact.datasets import reduce_grid
 from cylcontact.fitting import genetic
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import RmsLogPenetration
+from cylcontact.fitting.optimizers import ELITE
 from cylcontact.fitting.problem import Problem
 from cylcontact.laws.law import Parameter
 
@@ -73,7 +74,7 @@ def plain_pygad(problem: Problem, population: int, generations: int, seed: int) 
 
 
 def _sides(problem: Problem, population: int, generations: int) -> list[Side]:
-    points = np.random.default_rng(0).uniform(size=(population - genetic.ELITE, len(problem.free)))
+    points = np.random.default_rng(0).uniform(size=(population - ELITE, len(problem.free)))
     points = problem.low + points * (problem.high - problem.low)
 
     def objective_alone():
@@ -106,7 +107,7 @@ def _require_same_search(problem: Problem, population: int, generations: int) ->
         fitness_batch_size=population,
         crossover_type="uniform",
         mutation_type=genetic.mutate,
-        keep_elitism=genetic.ELITE,
+        keep_elitism=ELITE,
         random_seed=1,
         suppress_warnings=True,
     )

@@ -23,6 +23,7 @@ OWN = {
     "power K": laws.PowerLaw(n=1.2, K=3e5),
     "power K_star": laws.PowerLaw(n=0.9, K_star=0.3),
     "power C": laws.PowerLaw(n=1.0848, C=0.58),
+    "power by clearance": laws.PowerClearance(0.88, 0.72, 1.13, -0.02, 0.01, 0.001),
     "enhanced refitted": laws.Enhanced({"a": 0.4, "b": 1.05, "n": 1.09}),
     "explicit own": laws.Explicit({"c": 1.4, "A": 0.36, "B": 3.0}),
     "winkler stiff": laws.Winkler(depth=0.3),

@@ -43,6 +43,10 @@ TRUTHS: dict[tuple[str, str], dict[str, float]] = {
     ("power", "internal"): {"K_star": 3.0, "n": 1.1},
     ("power-one-pair", "internal"): {"K": 312148.0, "n": 1.237},
     ("power-dimensionless", "internal"): {"C": 0.9, "n": 1.14},
+    ("power-clearance", "internal"): {
+        **{"A": 0.9, "p": 0.7, "n0": 1.13, "n1": -0.02},
+        **{"q": 0.0, "n2": 0.0},
+    },
     ("enhanced", "external"): {"a": 0.4, "b": 0.9, "n": 1.09},
     ("explicit", "internal"): {"c": 1.5, "A": 0.4, "B": 3.0},
     ("persson", "internal"): {"modulus_factor": 1.1, "clearance_factor": 1.0},

@@ -5,9 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 from cylcontact import laws
 from cylcontact.fitting import calibrate, compare, read_campaign
+from cylcontact.fitting.calibration import problem_of
+from cylcontact.fitting.polish import minimise
 from cylcontact.fitting.results import FitResult
 from cylcontact.fitting.verify import compare_results
 
@@ -164,3 +167,51 @@ def test_round_off_is_not_compared_digit_by_digit():
 def test_any_seed_reaches_the_best_known_objective(name, seed):
     result = calibrate(read_campaign(ROOT / f"fitting/{name}.toml", seed=seed), jobs=2)
     assert result.objective.value <= BEST[name] * 1.001
+
+
+@pytest.mark.parametrize("name", ["internal", "internal-linear", "practical"])
+def test_the_bounds_of_a_campaign_do_not_cut_its_optimum_off(name):
+    """With the bounds of Y's logarithmic branch and of n twice as wide apart, nothing is gained."""
+    campaign = read_campaign(ROOT / f"fitting/{name}.toml")
+    problem, _ = problem_of(campaign, 1, lambda *_: None)
+    wider = tuple(
+        replace(p, low=1.5 * p.low - 0.5 * p.high, high=1.5 * p.high - 0.5 * p.low)
+        if p.name in ("Y_log_scale", "Y_log_exponent", "n_exponent")
+        else p
+        for p in problem.parameters
+    )
+    free = replace(problem, parameters=wider)
+    best = FitResult.read(ROOT / f"fitting/results/{name}.json")
+    assert free.value_of(best.coefficients) == pytest.approx(best.objective.value, rel=1e-10)
+    lowest = min(minimise(free, free.point(best.coefficients), seed)[1] for seed in range(4))
+    assert lowest >= best.objective.value * (1 - 1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "objective"),
+    [("", 0.0636), ("-five", 0.0594), ("-six", 0.0580)],
+)
+def test_few_constants_that_follow_the_clearance_reach_what_seven_do(name, objective):
+    """Once more by scipy, from the samples themselves."""
+    result = FitResult.read(ROOT / f"fitting/results/power-clearance{name}.json")
+    assert result.objective.value == pytest.approx(objective, abs=5e-5)
+    E, nu = np.geomspace(20.7e3, 1e7, 25), np.linspace(0.1, 0.5, 9)
+    E_star = (E[:, None] / (2 * (1 - nu**2))).ravel()[:, None, None]
+    dR, f = np.geomspace(0.05, 10.0, 61)[:, None], np.geomspace(10.0, 1000.0, 25)
+    inside = f <= 4 * np.pi / np.e**2 * E_star * dR
+    x, s = (
+        np.broadcast_to(each, inside.shape)[inside] for each in (np.log(dR), np.log(f / E_star))
+    )
+    with np.errstate(invalid="ignore", divide="ignore"):
+        j = (np.log(f / (np.pi * E_star) * (np.log(4 * np.pi * E_star * dR / f) - 1)))[inside]
+
+    def residuals(constants):
+        log_A, p, n0, n1, q, n2 = [*constants, 0.0, 0.0][:6]
+        log_K = log_A + (p + q * x) * x
+        return (s + x - log_K) / (n0 + (n1 + n2 * x) * x) - j
+
+    count = {"": 4, "-five": 5, "-six": 6}[name]
+    fitted = least_squares(residuals, [0.0, 0.7, 1.1, -0.01, 0.0, 0.0][:count], xtol=1e-12)
+    assert np.sqrt(np.mean(fitted.fun**2)) == pytest.approx(result.objective.value, rel=1e-8)
+    actual = [result.coefficients[k] for k in ("A", "p", "n0", "n1", "q", "n2")[:count]]
+    assert [np.exp(fitted.x[0]), *fitted.x[1:]] == pytest.approx(actual, rel=1e-4)

@@ -22,7 +22,8 @@ PAIRS = {
     "tight": CylinderPair.internal(R_i=10.0, R_j=9.98, material=STEEL, length=10.0),
     "rollers": CylinderPair.external(R_i=10.0, R_j=25.0, material=STEEL, length=10.0),
 }
-LAW_TYPES = [law for law in laws.LAW_TYPES if law is not laws.PowerLaw]
+WITHOUT_DEFAULTS = (laws.PowerLaw, laws.PowerClearance)
+LAW_TYPES = [law for law in laws.LAW_TYPES if law not in WITHOUT_DEFAULTS]
 
 # Every law with a name at pairs that it is for, laws with coefficients of one's own, two materials.
 OWN = {
@@ -30,6 +31,7 @@ OWN = {
     "power K": (laws.PowerLaw(n=1.2, K=3e5), "wide"),
     "power K_star": (laws.PowerLaw(n=0.9, K_star=0.3), "rollers"),
     "power C": (laws.PowerLaw(n=1.0848, C=0.58), "tight"),
+    "power by clearance": (laws.PowerClearance(0.88, 0.72, 1.13, -0.02, 0.01, 0.001), "tight"),
     "own constants": (laws.Explicit({"c": 1.4, "A": 0.36, "B": 3.0}), "wide"),
     "stiff foundation": (laws.Winkler(depth=0.3), "tight"),
 }

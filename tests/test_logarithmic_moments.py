@@ -84,3 +84,19 @@ def test_a_clearance_of_several_pieces_is_the_same_for_any_number_of_threads():
     for field in fields(Moments):
         assert np.array_equal(getattr(one, field.name), getattr(two, field.name))
     assert one.total == grid.size
+
+
+def test_interpolated_moments_are_the_sums_in_long_double():
+    """From Eq 1 itself, with nineteen digits where the machine has them."""
+    law, pair, load = laws.Johnson(), pairs(150), np.geomspace(0.1, 300.0, 170)
+    f, E_star = load.astype(np.longdouble), pair.E_star.astype(np.longdouble)[:, None]
+    pi = np.longdouble("3.14159265358979323846264338")
+    s = np.log(f) - np.log(E_star)
+    j = s - np.log(pi) + np.log(np.log(4 * pi * np.longdouble(pair.dR) / f * E_star) - 1)
+    s0, j0 = s - s.mean(), j - j.mean()
+    sums = [s.mean(), j.mean(), (s0 * s0).sum(), (s0 * j0).sum(), (j0 * j0).sum()]
+    m = row_moments(law, pair, load)
+    actual = [m.mean_s, m.mean_j, m.ss, m.sj, m.jj]
+    assert np.concatenate(actual) == pytest.approx(np.array(sums, dtype=float), rel=2e-14)
+    unexplained = sums[4] - sums[3] ** 2 / sums[2]
+    assert m.unexplained == pytest.approx(float(unexplained), rel=1e-10)

@@ -4,8 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
-from cylcontact import CylinderPair, Material
-from cylcontact.laws import LankaraniNikravesh, PowerLaw
+from cylcontact import CylinderPair, InputError, Material
+from cylcontact.fitting.law_models import MODELS
+from cylcontact.laws import LankaraniNikravesh, PowerClearance, PowerLaw
 from cylcontact.materials import material_in_MPa
 from tests.strategies import materials, powers_of_ten
 
@@ -74,6 +75,48 @@ def test_K_belongs_to_one_pair_and_K_star_carries_over(pair):
 @pytest.mark.parametrize(("n", "stiffness"), [(0.8, np.inf), (1.0, 7.0), (1.2, 0.0)])
 def test_the_stiffness_at_first_touch_depends_on_the_exponent(n, stiffness, pair):
     assert PowerLaw(n=n, K=7.0).stiffness(0.0, pair) == stiffness
+
+
+# --- factor and exponent by the clearance -----------------------------------------------------
+
+BENT = {"A": 0.88, "p": 0.72, "n0": 1.13, "n1": -0.02, "q": 0.012, "n2": 0.001}
+
+
+@given(materials, powers_of_ten(-2, 1), powers_of_ten(-6, -1))
+def test_factor_and_exponent_follow_the_clearance_at_forty_digits(material, dR, delta):
+    pair = CylinderPair.from_dR("internal", dR, material)
+    A, p, n0, n1, q, n2 = map(mp.mpf, BENT.values())
+    with mp.workdps(40):
+        x = mp.log(mp.mpf(dR))
+        K = A * mp.mpf(dR) ** p * mp.exp(q * x**2) * mp.mpf(float(pair.E_star)) / mp.mpf(dR)
+        load = K * mp.mpf(delta) ** (n0 + n1 * x + n2 * x**2)
+    assert PowerClearance(**BENT).load(delta, pair) == pytest.approx(float(load), rel=1e-14)
+
+
+def test_candidates_at_clearances_are_the_law():
+    dR, steel = np.geomspace(0.01, 9.0, 7), Material("steel", E=207e3, nu=0.3)
+    (K_star,), (n,) = MODELS["power-clearance", "internal"].power_form(
+        np.array([[*BENT.values()]]), dR
+    )
+    pair, law = CylinderPair.from_dR("internal", dR, steel), PowerClearance(**BENT)
+    assert law.exponent(pair) == pytest.approx(n, rel=1e-15)
+    assert law.factor(pair) == pytest.approx(K_star * pair.E_star / dR, rel=1e-14)
+
+
+def test_without_the_slopes_it_is_a_power_law(pair):
+    plain = PowerClearance(A=0.7, p=0.0, n0=1.2, n1=0.0)
+    assert plain.load(1e-3, pair) == pytest.approx(PowerLaw(n=1.2, K_star=0.7).load(1e-3, pair))
+
+
+def test_an_exponent_that_is_not_positive_is_no_law(steel):
+    law = PowerClearance(A=0.88, p=0.72, n0=1.1, n1=0.5)
+    assert np.isnan(law.load(1e-3, CylinderPair.from_dR("internal", 0.1, steel)))
+
+
+@pytest.mark.parametrize(("name", "value"), [("A", 0.0), ("A", np.nan), ("n1", np.inf)])
+def test_constants_that_are_no_numbers_are_refused(name, value):
+    with pytest.raises(InputError, match=f"PowerClearance: {name} = .*: must be finite"):
+        PowerClearance(**{**BENT, name: value})
 
 
 # --- Lankarani and Nikravesh ------------------------------------------------------------------

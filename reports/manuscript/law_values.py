@@ -581,13 +581,14 @@ LAW_NAMES: Mapping[str, str] = {
     "published": "2015 law",
     "refit": "2015 law, refitted",
     "power-dimensionless": "power law, two constants",
+    "power-clearance": "power law by clearance",
     "explicit": "explicit",
     "johnson": "Johnson",
 }
 
 
 def _laws_table(bench: Bench) -> pd.DataFrame:
-    """Return the errors of five laws over the paper's ranges."""
+    """Return the errors of the laws over the paper's ranges."""
     holes, rollers = (laws_to_use(contact, bench, "paper") for contact in ("internal", "external"))
     rows = []
     for hole, roller in zip(holes.to_dict("records"), rollers.to_dict("records"), strict=True):

@@ -20,8 +20,6 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray, IndexArray, require
 
-__all__ = ["Moments", "concatenate", "merge"]
-
 
 @dataclass(frozen=True, eq=False)
 class Moments:

@@ -26,16 +26,6 @@ from cylcontact.files import replacing, require_parquet, require_suffix
 from cylcontact.laws import LogarithmicLaw
 from cylcontact.parallel import Workers, call, run_calls
 
-__all__ = [
-    "BLOCK",
-    "PIECE",
-    "Block",
-    "Counts",
-    "blocks",
-    "reduce_grid",
-    "write_samples",
-]
-
 # Samples per block: its dozen temporaries, 0.5 MiB each, stay in the cache of a core.
 BLOCK = 1 << 16
 # Least number of samples per call of a worker, if a clearance has that many.
@@ -56,25 +46,16 @@ class Counts:
 
 @dataclass(frozen=True)
 class Block:
-    """Samples at one ΔR as flat arrays, without those outside the domain of the reference.
+    """Samples at one ΔR as flat arrays, without those outside the domain of the reference."""
 
-    Attributes
-    ----------
-    dR : float
-        ΔR in mm.
-    row_values : tuple of two arrays of float, shape (k,)
-        E in GPa and ν, or α and β.
-    load, penetration, E_star : array of float, shape (k,)
-        In N/mm, mm and MPa.
-    masked : int
-        Samples left out.
-    """
-
+    # In mm.
     dR: float
+    # E in GPa and ν, or α and β; then loads in N/mm, penetrations in mm and E* in MPa.
     row_values: tuple[FloatArray, FloatArray]
     load: FloatArray
     penetration: FloatArray
     E_star: FloatArray
+    # Samples left out.
     masked: int
 
     @property

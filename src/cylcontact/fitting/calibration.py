@@ -18,9 +18,9 @@ from cylcontact.fitting.objectives import (
     make_objective,
     max_abs_difference_percent,
 )
-from cylcontact.fitting.optimizers import require_installed
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.profiles import Profile, profile
+from cylcontact.fitting.profiles import Profile, profiles
 from cylcontact.fitting.records import MaxDifference, ObjectiveValue, SampleCounts
 from cylcontact.fitting.results import LawFit
 from cylcontact.fitting.runs import best_of, published_on, run_all, searches
@@ -92,7 +92,7 @@ def calibrate(
     {'a': 0.39, 'b': 0.85, 'n': 1.094}
     """
     spec = campaign.spec
-    require_installed(spec.optimizer, campaign.source)
+    OPTIMIZERS[spec.optimizer].require_installed(campaign.source, spec.optimizer)
     provenance = campaign.provenance  # of what is run, not of what is there when it ends
     problem, counts = problem_of(campaign, jobs, progress)
     journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
@@ -164,13 +164,7 @@ def _require_few(grid: AnyGrid, campaign: Campaign) -> None:
 
 
 def _require_defined_somewhere(problem: Problem, source: str) -> None:
-    """Refuse bounds within which the law is undefined at every sampled point.
-
-    Raises
-    ------
-    InputError
-        If the law is undefined at some sample for every one of 4098 sets of coefficients.
-    """
+    """Refuse bounds if the law is undefined at some sample for each of 4098 sets within them."""
     unit = np.random.default_rng(0).uniform(size=(1 << 12, len(problem.free)))
     corners = np.vstack([np.zeros(len(problem.free)), np.ones(len(problem.free)), unit])
     points = problem.low + corners * (problem.high - problem.low)
@@ -190,12 +184,10 @@ def _profiles(
 ) -> dict[str, Profile]:
     """Profile the objective over every free parameter, with the published values if there are."""
     best, *published = compared
-    calls = [
-        call(profile, problem, name, best, published[0][name] if published else None)
-        for name in problem.names
-    ]
+    # One batch from moments; from rows a worker for each.
+    is_batch = isinstance(problem.objective, RmsLogPenetration)
+    groups = [problem.names] if is_batch else [[name] for name in problem.names]
+    calls = [call(profiles, problem, group, best, next(iter(published), None)) for group in groups]
     progress("profiling", 0, len(calls))
-    if isinstance(problem.objective, RmsLogPenetration):
-        jobs = 1  # starting the workers would take longer
-    profiles = collect(calls, jobs, progress, "profiling")
-    return dict(zip(problem.names, profiles, strict=True))
+    curves = collect(calls, 1 if is_batch else jobs, progress, "profiling")
+    return {name: each for some in curves for name, each in some.items()}

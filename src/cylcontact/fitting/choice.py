@@ -61,7 +61,9 @@ _AICC, _STANDARD_ERRORS = 7.0, 1.0
 # Names that a sentence lists.
 _LISTED = 5
 _FREED = ("offset", "compliance")
-_ONE_PAIR = ("power-one-pair", "power-dimensionless")
+# Laws that are compared if they are named, and those that are the same for a single pair.
+_IF_NAMED = ("power-one-pair", "power-clearance")
+_SAME_FOR_ONE = (*_IF_NAMED, "power-dimensionless")
 
 
 @dataclass(frozen=True, eq=False)
@@ -327,7 +329,8 @@ def _with_error(factor: float, value: float, error: float) -> str:
 def laws_for(contact: Contact, pairs: int) -> list[str]:
     """Return the names of the laws that may be fitted to measurements of a contact.
 
-    Power laws that are the same for a single pair are listed once.
+    Power laws that are the same for a single pair are listed once, and none whose factor and
+    exponent follow the clearance.
 
     Examples
     --------
@@ -338,7 +341,7 @@ def laws_for(contact: Contact, pairs: int) -> list[str]:
     for law in LAW_TYPES:
         models = [model.law for model in law.models() if model.contact == contact]
         names += models or [law.name] * (contact in law.contacts)
-    left_out = _ONE_PAIR if pairs == 1 else _ONE_PAIR[:1]
+    left_out = _SAME_FOR_ONE if pairs == 1 else _IF_NAMED
     return [name for name in dict.fromkeys(names) if name not in left_out]
 
 

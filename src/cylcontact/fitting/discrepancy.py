@@ -33,8 +33,6 @@ from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 from cylcontact.text_tables import Table
 
-__all__ = ["RISES", "DiscrepancyStudy", "study_discrepancy"]
-
 # Contours of pairs: the relative rise of the best objective.
 RISES = (0.01, 0.05, 0.10)
 # Width of the bins of ln(δ/δ_reference), the precision of its quantiles, and its range.

@@ -14,7 +14,6 @@ return bit-identical offspring.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,59 +22,22 @@ from numpy.random import RandomState
 from numpy.typing import NDArray
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
+from cylcontact.fitting.optimizers import ELITE, Search
 from cylcontact.fitting.problem import ParameterSpace
-
-__all__ = ["CROSSOVERS", "ELITE", "OPERATORS", "Search", "WholePopulations", "mutate", "search"]
 
 # A crossover of PyGAD: from parents and the shape of the offspring to the offspring.
 _Operator = Callable[[FloatArray, tuple[int, int], pygad.GA], FloatArray]
 
 _MUTATION_PROBABILITY = 0.2
 _STEP_DECADES = (-3.0, -0.5)
-ELITE = 2
 # The fitness of an undefined law; PyGAD refuses NaN.
 _WORST_FITNESS = -1e300
-
-
-@dataclass(frozen=True)
-class Search:
-    """The result of a search.
-
-    Attributes
-    ----------
-    point : array of float, shape (k,)
-        The best free parameters.
-    value : float
-        Their objective.
-    evaluations : int
-        Candidates evaluated.
-    """
-
-    point: FloatArray
-    value: float
-    evaluations: int
 
 
 def search(
     problem: ParameterSpace, population: int, generations: int, crossover: str, seed: int
 ) -> Search:
-    """Search a problem genetically.
-
-    Parameters
-    ----------
-    problem : Problem or Fit
-        What to minimise.
-    population, generations : int
-        Size of the population and number of generations.
-    crossover : str
-        One of `CROSSOVERS`.
-    seed : int
-        The same seed gives the same result.
-
-    Returns
-    -------
-    Search
-    """
+    """Return the best of a genetic search with one of `CROSSOVERS`."""
     low, span = problem.low, problem.high - problem.low
 
     def points(genes: FloatArray) -> FloatArray:

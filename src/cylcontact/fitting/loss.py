@@ -14,8 +14,6 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 
-__all__ = ["LOSSES", "TUNING", "Loss"]
-
 # C in standard deviations: with Huber's loss 1.345 keeps 95 % of the efficiency of least squares
 # (Huber 1981), and the other losses are similar.
 TUNING = 1.345

@@ -27,22 +27,6 @@ from cylcontact.fitting.samples import Form, PowerForm, Samples, form_of, sample
 from cylcontact.laws.law import LawModel
 from cylcontact.parallel import Workers, call, run_calls
 
-__all__ = [
-    "OBJECTIVES",
-    "ON_ROWS",
-    "Largest",
-    "MaxDifference",
-    "MaxRelativeForce",
-    "Objective",
-    "RmsDifference",
-    "RmsLogPenetration",
-    "RmsLogPenetrationOnRows",
-    "RmsRelativeForce",
-    "RootMeanSquare",
-    "make_objective",
-    "max_abs_difference_percent",
-]
-
 # The polish of a largest magnitude sees the extremes of at least this many groups of samples.
 _GROUPS = 400
 # Step of the log ratio for the derivative of a deviation.
@@ -107,13 +91,17 @@ class RmsLogPenetration:
         level, tilt = self._parts(form)
         return np.concatenate([level, tilt], axis=1)
 
-    def slopes(self, form: PowerForm, dc: FloatArray, dn: FloatArray) -> FloatArray:
-        """Return the derivatives of the residuals by k parameters from those of c and n."""
+    def slopes(self, form: PowerForm, d_log_K: FloatArray, dn: FloatArray) -> FloatArray:
+        """Return the derivatives of the residuals by k parameters from those of ln K* and n."""
         level_weight, tilt_weight, _ = self._constants
-        u = (1 / form.n)[:, None]
-        du = -(u**2) * dn
-        level = level_weight * (dc * u + (self.moments.mean_s + form.c)[:, None] * du)
-        return np.concatenate([level, tilt_weight * du], axis=-1)
+        u = 1 / form.n
+        mean = level_weight * u * u * (self.moments.mean_s + form.c)
+        slopes = np.empty((*dn.shape[:-1], self.size))
+        level, tilt = slopes[..., : dn.shape[-1]], slopes[..., dn.shape[-1] :]
+        np.multiply(-mean[:, None], dn, out=level)
+        level -= (level_weight * u)[:, None] * d_log_K
+        np.multiply((-tilt_weight * u * u)[:, None], dn, out=tilt)
+        return slopes
 
     @cached_property
     def bound(self) -> float:
@@ -210,14 +198,14 @@ class RootMeanSquare(_RowObjective):
         # Over √N, their squares add up to the objective's.
         return as_floats(self.deviation(log_ratio) / np.sqrt(log_ratio.size))
 
-    def slopes(self, form: PowerForm, dc: FloatArray, dn: FloatArray) -> FloatArray:
-        """Return the derivatives of the residuals by k parameters from those of c and n."""
+    def slopes(self, form: PowerForm, d_log_K: FloatArray, dn: FloatArray) -> FloatArray:
+        """Return the derivatives of the residuals by k parameters from those of ln K* and n."""
         rows, u = self.rows, 1 / form.n
         du = -((u**2)[:, None]) * dn
         if self.of_load:
-            level, tilt, at = -dc, dn, rows.j
+            level, tilt, at = d_log_K, dn, rows.j
         else:
-            level, tilt, at = dc * u[:, None] + form.c[:, None] * du, du, rows.s
+            level, tilt, at = form.c[:, None] * du - d_log_K * u[:, None], du, rows.s
         log_ratio = np.array([self._log_ratio(form, k) for k in _all(form)])
         ahead, behind = (self.deviation(log_ratio + step) for step in (_STEP, -_STEP))
         weight = (ahead - behind) / (2 * _STEP * np.sqrt(at.size))
@@ -365,24 +353,10 @@ def max_abs_difference_percent(
     jobs: Workers = 1,
     progress: Callable[[int], None] | None = None,
 ) -> FloatArray:
-    """Return the largest |Eq 9| in percent over a grid for each of several coefficient sets.
+    """Return the largest |Eq 9| in percent over a grid for each of P coefficient sets.
 
-    Parameters
-    ----------
-    grid : Grid or DimensionlessGrid
-        The grid, sampled block by block.
-    model : LawModel
-        The law.
-    candidates : sequence of mapping
-        Coefficients by name, P of them.
-    jobs : int or Cluster
-        Threads, or a Dask cluster; the result does not depend on it.
-    progress : callable, optional
-        Called with the number of clearances done.
-
-    Returns
-    -------
-    array of float, shape (P,)
+    The grid is sampled block by block, by `jobs` threads. `progress` is called with the number of
+    clearances done.
     """
     points = model.candidates(*candidates)
     work = [call(_at_clearance, grid, model, points, float(dR)) for dR in grid.dR]

@@ -10,7 +10,7 @@ from statistics import median
 
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.problem import ParameterSpace
 from cylcontact.fitting.records import RunRecord
 from cylcontact.fitting.results import SAME_BASIN, same_basin
@@ -19,15 +19,6 @@ from cylcontact.fitting.table_campaign import TableCampaign
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress, silent
 from cylcontact.text_tables import Table
-
-__all__ = [
-    "CSV_COLUMNS",
-    "OptimizerRuns",
-    "as_csv",
-    "as_text",
-    "best_objective",
-    "compare_optimizers",
-]
 
 CSV_COLUMNS = ("optimizer", "run", "seed", "searched", "polished", "evaluations", "seconds")
 _TEXT_COLUMNS = (
@@ -43,15 +34,7 @@ _TEXT_COLUMNS = (
 
 @dataclass(frozen=True)
 class OptimizerRuns:
-    """The runs of one optimiser, in the order of the campaign.
-
-    Attributes
-    ----------
-    optimizer : str
-        Its name.
-    records : tuple of RunRecord
-        Its runs.
-    """
+    """The runs of one optimiser, in the order of the campaign."""
 
     optimizer: str
     records: tuple[RunRecord, ...]
@@ -65,28 +48,10 @@ def compare_optimizers(
 ) -> list[OptimizerRuns]:
     """Run a campaign with several optimisers, with the same seeds, budget and polish.
 
-    Parameters
-    ----------
-    campaign : Campaign or TableCampaign
-        From `read_campaign`; its own optimiser is ignored.
-    optimizers : collection of str
-        Some of `OPTIMIZERS`.
-    jobs : int or Cluster
-        Worker processes, or a Dask cluster; only the seconds depend on it.
-    progress : callable, optional
-        As for `calibrate`; the stages are the optimisers.
-
-    Returns
-    -------
-    list of OptimizerRuns
-
-    Raises
-    ------
-    InputError
-        As for `calibrate`, or if an optimiser's library is missing.
+    The optimisers are the stages of the progress.
     """
     for optimizer in optimizers:
-        require_installed(optimizer, campaign.source)
+        OPTIMIZERS[optimizer].require_installed(campaign.source, optimizer)
     problem: ParameterSpace
     if isinstance(campaign, TableCampaign):
         problem = campaign.fit()

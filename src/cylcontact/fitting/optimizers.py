@@ -10,7 +10,7 @@ The command line reads the names, so slow and optional libraries are imported in
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
@@ -22,32 +22,25 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from cylcontact.fitting.genetic import Search
     from cylcontact.fitting.problem import ParameterSpace
 
-    # From problem, population, generations, crossover and seed.
-    _Search = Callable[[ParameterSpace, int, int, str | None, int], Search]
-    # Restarts with this population until the budget raises an error.
-    _Restarts = Callable[["EvaluationBudget", int, np.random.Generator], None]
-
-__all__ = [
-    "OPTIMIZERS",
-    "BudgetSpentError",
-    "EvaluationBudget",
-    "Optimizer",
-    "budget_of",
-    "require_installed",
-    "search",
-]
-
+# The elite that a genetic search does not evaluate again.
+ELITE = 2
 # Differential evolution: Storn and Price (1997), best/1/bin with dithered differences.
 _DE_CONVERGED = 1e-8
 # CMA-ES: the first step, relative to the bounds, and the spread at which it restarts.
 _CMA_STEP, _CMA_CONVERGED = 0.3, 1e-9
 # The objective of an undefined law, for optimisers that need a number.
 _WORST = 1e30
+
+
+@dataclass(frozen=True)
+class Search:
+    """The best free parameters of a search, shape (k,), their objective, and its evaluations."""
+
+    point: FloatArray
+    value: float
+    evaluations: int
 
 
 @dataclass(frozen=True)
@@ -66,11 +59,20 @@ class Optimizer:
         The optional library that it needs, if any, and the package's extra that has it.
     """
 
-    search: _Search
+    search: Callable[[ParameterSpace, int, int, str | None, int], Search]
     has_crossover: bool = False
     spends_budget: bool = True
     library: str = ""
     extra: str = ""
+
+    def require_installed(self, source: str, name: str) -> None:
+        """Refuse the optimiser if its library is missing."""
+        try:
+            import_module(self.library or "numpy")
+        except ImportError:
+            remedy = f"make extras, or pip install 'cylcontact[{self.extra}]'"
+            rule = f"needs the extra '{self.extra}'"
+            raise InputError(source, "optimizer", name, rule, remedy) from None
 
 
 def budget_of(population: int, generations: int) -> int:
@@ -81,62 +83,7 @@ def budget_of(population: int, generations: int) -> int:
     >>> budget_of(60, 300)
     17460
     """
-    from cylcontact.fitting.genetic import ELITE
-
     return population + generations * (population - min(ELITE, population - 1))
-
-
-def search(
-    problem: ParameterSpace,
-    optimizer: str,
-    population: int,
-    generations: int,
-    crossover: str | None,
-    seed: int,
-) -> Search:
-    """Search a problem with one of the optimisers.
-
-    Parameters
-    ----------
-    problem : Problem or Fit
-        What to minimise.
-    optimizer : str
-        One of `OPTIMIZERS`.
-    population, generations : int
-        Of the genetic search; the others get their `budget_of`.
-    crossover : str or None
-        Of the genetic search.
-    seed : int
-        The same seed gives the same result.
-
-    Returns
-    -------
-    Search
-    """
-    return OPTIMIZERS[optimizer].search(problem, population, generations, crossover, seed)
-
-
-def require_installed(optimizer: str, source: str) -> None:
-    """Refuse an optimiser whose library is missing.
-
-    Raises
-    ------
-    InputError
-        If it needs an extra that is not installed.
-    """
-    library, extra = OPTIMIZERS[optimizer].library, OPTIMIZERS[optimizer].extra
-    if not library:
-        return
-    try:
-        import_module(library)
-    except ImportError:
-        raise InputError(
-            source,
-            "optimizer",
-            optimizer,
-            f"needs the extra '{extra}'",
-            f"make extras, or pip install 'cylcontact[{extra}]'",
-        ) from None
 
 
 def _genetic(
@@ -150,10 +97,7 @@ def _genetic(
 
 def _random(problem: ParameterSpace, population: int, _: int, __: str | None, seed: int) -> Search:
     """Return the best of a population of random points, from which the polish descends."""
-    from cylcontact.fitting.genetic import Search
-    from cylcontact.fitting.polish import scatter
-
-    points = scatter(problem, np.random.default_rng(seed), population)
+    points = problem.scatter(np.random.default_rng(seed), population)
     values = problem.values(points)
     return Search(points[values.argmin()], float(values.min()), population)
 
@@ -165,23 +109,8 @@ class BudgetSpentError(Exception):
 class EvaluationBudget:
     """A problem with a limited number of evaluations, in coordinates scaled to [0, 1].
 
-    Parameters
-    ----------
-    problem : Problem or Fit
-        What to minimise.
-    budget : int
-        Candidates that may be evaluated; the last one raises `BudgetSpentError`.
-
-    Attributes
-    ----------
-    size : int
-        Free parameters, k.
-    spent : int
-        Candidates evaluated.
-    point : array of float, shape (k,)
-        The best candidate, unscaled.
-    value : float
-        Its objective.
+    The last candidate that the budget allows raises `BudgetSpentError`; `point` and `value` are the
+    best so far.
     """
 
     def __init__(self, problem: ParameterSpace, budget: int) -> None:
@@ -220,20 +149,20 @@ class EvaluationBudget:
             raise BudgetSpentError
 
 
-def _within_budget(restart: _Restarts) -> _Search:
+def _within_budget(
+    restart: Callable[[EvaluationBudget, int, np.random.Generator], None],
+) -> Callable[[ParameterSpace, int, int, str | None, int], Search]:
     """Return the search that restarts until it has spent the budget of a genetic run."""
 
-    def search_within_budget(
+    def search(
         problem: ParameterSpace, population: int, generations: int, _: str | None, seed: int
     ) -> Search:
-        from cylcontact.fitting.genetic import Search
-
         budget = EvaluationBudget(problem, budget_of(population, generations))
         with suppress(BudgetSpentError):
             restart(budget, population, np.random.default_rng(seed))
         return Search(budget.point, budget.value, budget.spent)
 
-    return search_within_budget
+    return search
 
 
 @_within_budget

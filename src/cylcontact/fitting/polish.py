@@ -11,17 +11,15 @@ smoothed, which gives both branches a gradient, and sharpened in steps.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 
 import numpy as np
 from scipy.optimize import linprog
 
-from cylcontact.arrays import FloatArray, IndexArray, as_floats
+from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.fitting.objectives import Largest, RmsLogPenetration, RootMeanSquare
 from cylcontact.fitting.problem import ParameterSpace
 from cylcontact.fitting.samples import PowerForm
-
-__all__ = ["central_differences", "descend", "minimise", "minimise_largest", "polish", "scatter"]
 
 # A restart that gains less than this, relatively, ends the polish.
 _MIN_GAIN = 1e-10
@@ -29,7 +27,7 @@ _MAX_RESTARTS = 20
 # Starts beside that of a search, and the numbers in their slopes, which limit the starts.
 _STARTS, _SLOPES = 31, 1 << 22
 # Numbers in the slopes that are formed together: they stay in the cache of a core.
-_AT_ONCE = 1 << 15
+_AT_ONCE = 1 << 16
 # The maximum in a law is smoothed over this much, in units of Y, and then less and less.
 _LADDER = (0.3, 0.15, 0.07, 0.035, 0.018, 0.009, 0.004)
 # Relative gain at the end of a rough descent, as on the ladder, and of a finer one.
@@ -57,24 +55,9 @@ _Residuals = Callable[[FloatArray], FloatArray]
 def polish(
     problem: ParameterSpace, start: FloatArray, precision: float = 1e-14
 ) -> tuple[FloatArray, float]:
-    """Descend from a point to a local minimum, and restart until that gains nothing.
+    """Return the local minimum below a point, by descents until one gains nothing, and its value.
 
-    Parameters
-    ----------
-    problem : Problem or Fit
-        What to minimise.
-    start : array of float, shape (k,)
-        Free parameters within their bounds.
-    precision : float
-        Relative change of the objective below which a descent ends; the coefficients are then
-        known to about its square root.
-
-    Returns
-    -------
-    point : array of float, shape (k,)
-        The minimum; the start itself if nothing better was found.
-    value : float
-        Its objective.
+    The coefficients are known to about the square root of the relative `precision`.
     """
     point, value = start, problem.value(start)
     for _ in range(_MAX_RESTARTS):
@@ -88,31 +71,13 @@ def polish(
 
 
 def minimise(problem: ParameterSpace, start: FloatArray, seed: int = 0) -> tuple[FloatArray, float]:
-    """Descend from a point and from random ones, then from beside the lowest, and return it.
+    """Return the lowest minimum below a point, random points and points beside it, and its value.
 
-    Parameters
-    ----------
-    problem : Problem or Fit
-        What to minimise.
-    start : array of float, shape (k,)
-        Free parameters within their bounds.
-    seed : int
-        Of the other starts.
-
-    Returns
-    -------
-    point : array of float, shape (k,)
-        The lowest minimum found.
-    value : float
-        Its objective.
-
-    Notes
-    -----
     Where a descent needs every sample, or a law has no formula for its slopes, there are fewer
-    random starts or none.
+    random points or none.
     """
     rng = np.random.default_rng(seed)
-    starts = np.vstack([start, scatter(problem, rng, affordable_starts(problem))])
+    starts = np.vstack([start, problem.scatter(rng, affordable_starts(problem))])
     starts = np.vstack([start, climb_down(problem, starts)])
     ends, values = descend(problem, starts, _FINER)
     point, value = ends[values.argmin()], values.min()
@@ -129,11 +94,6 @@ def minimise(problem: ParameterSpace, start: FloatArray, seed: int = 0) -> tuple
             return polish(problem, point)
 
 
-def scatter(problem: ParameterSpace, rng: np.random.Generator, number: int) -> FloatArray:
-    """Return random points between the bounds, shape (number, k)."""
-    return rng.uniform(problem.low, problem.high, (number, len(problem.free)))
-
-
 def affordable_starts(problem: ParameterSpace) -> int:
     """Return how many random starts a polish can afford."""
     objective = problem.objective
@@ -143,11 +103,11 @@ def affordable_starts(problem: ParameterSpace) -> int:
 
 
 def climb_down(
-    problem: ParameterSpace, points: FloatArray, held: Collection[int] = ()
+    problem: ParameterSpace, points: FloatArray, held: BoolArray | None = None
 ) -> FloatArray:
     """Descend the ladder of smoothed maxima from P points, and return where it ends.
 
-    A law without a maximum has no ladder. The columns `held` stay as they are.
+    A law without a maximum has no ladder. What is `held` stays as it is.
     """
     for smooth in _LADDER if _has_formula(problem) else ():
         points = _descend_squares(problem, points, _ROUGH, held, smooth, _ROUGH_STEPS)
@@ -155,37 +115,22 @@ def climb_down(
 
 
 def descend(
-    problem: ParameterSpace, starts: FloatArray, precision: float, held: Collection[int] = ()
+    problem: ParameterSpace, starts: FloatArray, precision: float, held: BoolArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
-    """Descend once from each of P points.
+    """Return the ends of descents from P points, shape (P, k), and their objectives.
 
-    Parameters
-    ----------
-    problem : Problem or Fit
-        What to minimise.
-    starts : array of float, shape (P, k)
-        Free parameters within their bounds.
-    precision : float
-        Relative gain below which a descent ends.
-    held : collection of int
-        Columns that stay as they are.
-
-    Returns
-    -------
-    points : array of float, shape (P, k)
-        The ends; a start itself if nothing better was found.
-    values : array of float, shape (P,)
-        Their objectives.
+    A descent ends when it gains less than `precision`, relatively, and no higher than it began.
+    What is `held`, of the same shape, stays as it is.
     """
+    held = np.zeros(starts.shape, dtype=bool) if held is None else held
     before = problem.values(starts)
-    if starts.shape[1] == len(held) or not np.isfinite(before).any():
+    if held.all() or not np.isfinite(before).any():
         return starts, before
     if isinstance(problem.objective, Largest):
-        ends = np.array([_descend_largest(problem, start, precision, held) for start in starts])
+        each = zip(starts, held, strict=True)
+        ends = np.array([_descend_largest(problem, *both, precision) for both in each])
     else:
         ends = _descend_squares(problem, starts, precision, held)
-    columns = list(held)
-    ends[:, columns] = starts[:, columns]
     after = problem.values(ends)
     lower = after < before
     return np.where(lower[:, None], ends, starts), np.where(lower, after, before)
@@ -195,7 +140,7 @@ def _descend_squares(
     problem: ParameterSpace,
     starts: FloatArray,
     precision: float,
-    held: Collection[int],
+    held: BoolArray | None,
     smooth: float = 0.0,
     most_steps: int = _STEPS,
 ) -> FloatArray:
@@ -205,34 +150,35 @@ def _descend_squares(
     the bound that −g points to, a step solves
 
         (A + diag(|g|/v) + λ·(tr A/k)·diag(1/v))·step = −g.
+
+    What is held has no slopes, and so no step.
     """
     low, span = problem.low, problem.high - problem.low
-    free = np.setdiff1d(np.arange(low.size), list(held))
+    fixed = np.zeros(starts.shape, dtype=bool) if held is None else held
+    ends = (starts - low) / span
+    ends = np.where(fixed, ends, np.clip(ends, _MARGIN, 1 - _MARGIN))
+    here, t, free = np.arange(len(ends)), ends, 1.0 - fixed
 
     def expanded(t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return r², A and g of points that differ in the free columns."""
-        points = ends[here]
-        points[:, free] = t
-        return _normal_equations(problem, low + points * span, free, smooth)
+        """Return r², A and g."""
+        cost, A, g = _normal_equations(problem, low + t * span, smooth)
+        return cost, A * free[:, :, None] * free[:, None, :], g * free
 
-    ends = (starts - low) / span
-    here = np.arange(len(ends))
-    t = np.clip(ends[:, free], _MARGIN, 1 - _MARGIN)
     cost, A, g = expanded(t)
     damping, growth = np.full(here.size, _FIRST_DAMPING), np.full(here.size, 2.0)
     small = np.zeros(here.size)
-    eye = np.eye(len(free))
+    eye = np.eye(low.size)
     for _ in range(most_steps):
         on = (small < _SMALL_GAINS) & (damping < _MOST_DAMPING) & np.isfinite(cost)
         if not on.all():
-            ends[np.ix_(here[~on], free)] = t[~on]
-            here, t, cost, A, g = here[on], t[on], cost[on], A[on], g[on]
+            ends[here[~on]] = t[~on]
+            here, t, cost, A, g, free = here[on], t[on], cost[on], A[on], g[on], free[on]
             damping, growth, small = damping[on], growth[on], small[on]
             if not here.size:
                 break
         # In the unknowns step/√v the matrix is well conditioned up to the bounds.
-        root = np.sqrt(np.where(g < 0, 1 - t, t))
-        scale = damping * np.trace(A, axis1=1, axis2=2) / len(free) + np.finfo(float).tiny
+        root = np.sqrt(np.where(g < 0, 1 - t, np.where(g > 0, t, 1.0)))
+        scale = damping * np.trace(A, axis1=1, axis2=2) / low.size + np.finfo(float).tiny
         matrix = root[:, :, None] * A * root[:, None, :]
         matrix += eye * (np.abs(g) + scale[:, None])[:, None, :]
         step = root * np.linalg.solve(matrix, -(root * g)[..., None])[..., 0]
@@ -252,12 +198,12 @@ def _descend_squares(
         t, cost = np.where(better[:, None], candidate, t), np.where(better, reached, cost)
         A = np.where(better[:, None, None], A_there, A)
         g = np.where(better[:, None], g_there, g)
-    ends[np.ix_(here, free)] = t
-    return as_floats(low + ends * span)
+    ends[here] = t
+    return np.where(fixed, starts, low + ends * span)
 
 
 def _normal_equations(
-    problem: ParameterSpace, points: FloatArray, free: IndexArray, smooth: float
+    problem: ParameterSpace, points: FloatArray, smooth: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the sum of squares, JᵀJ and Jᵀr at P points, in coordinates from 0 to 1."""
     objective = problem.objective
@@ -265,15 +211,13 @@ def _normal_equations(
     at_once = max(1, _AT_ONCE // size)
     if len(points) > at_once:
         parts = [
-            _normal_equations(problem, points[first : first + at_once], free, smooth)
+            _normal_equations(problem, points[first : first + at_once], smooth)
             for first in range(0, len(points), at_once)
         ]
         cost, A, g = (np.concatenate(each) for each in zip(*parts, strict=True))
         return cost, A, g
     residuals, slopes = _linearised(problem, points, smooth)
-    if len(free) < len(problem.free):
-        slopes = slopes[:, free]
-    span = (problem.high - problem.low)[free]
+    span = problem.high - problem.low
     with np.errstate(all="ignore"):
         g = span * (slopes @ residuals[..., None])[..., 0]
         A = span[:, None] * (slopes @ slopes.transpose(0, 2, 1)) * span
@@ -289,11 +233,9 @@ def _linearised(
     if form_of_law is None or not isinstance(objective, _SLOPED):
         residuals, low, high = problem.finite_residuals, problem.low, problem.high
         return residuals(points), central_differences(residuals, low, high, points)
-    log_dR = np.log(objective.dR)
     with np.errstate(all="ignore"):
-        K_star, n, K_slopes, n_slopes = form_of_law(problem.complete(points), objective.dR, smooth)
-        form = PowerForm(log_dR - np.log(K_star), np.where(n > 0, n, np.nan))
-        by_all = -K_slopes / K_star[:, None], n_slopes
+        log_K, n, *by_all = form_of_law(problem.complete(points), objective.dR, smooth)
+        form = PowerForm(np.log(objective.dR) - log_K, np.where(n > 0, n, np.nan))
         slopes = objective.slopes(form, *(_by_free(problem, points, each) for each in by_all))
         return objective.residuals(form), slopes
 
@@ -330,10 +272,10 @@ def central_differences(
 
 
 def _descend_largest(
-    problem: ParameterSpace, start: FloatArray, precision: float, held: Collection[int]
+    problem: ParameterSpace, start: FloatArray, held: BoolArray, precision: float
 ) -> FloatArray:
     """Minimise the largest magnitude of the residuals within the bounds."""
-    free = [column for column in range(start.size) if column not in held]
+    free = ~held
 
     def residuals(points: FloatArray) -> FloatArray:
         whole = np.tile(start, (len(points), 1))
@@ -359,24 +301,6 @@ def minimise_largest(
     Each programme minimises the largest magnitude of the linearised residuals within a trust
     region (Osborne and Watson 1969).
 
-    Parameters
-    ----------
-    residuals : callable
-        From points, shape (P, k), to residuals, shape (P, q).
-    low, high : array of float, shape (k,)
-        The bounds of the parameters.
-    start : array of float, shape (k,)
-        A point within the bounds.
-    precision : float
-        Relative gain of the largest residual below which the descent ends.
-
-    Returns
-    -------
-    array of float, shape (k,)
-        A local minimum; the start if nothing better was found.
-
-    Examples
-    --------
     The best straight line through a parabola from 0 to 1 has an error of 1/8:
 
     >>> x = np.linspace(0, 1, 101)

@@ -35,6 +35,7 @@ class ParameterSpace:
     """
 
     model: LawModel
+    # One for each of the model's names, in their order.
     parameters: tuple[Parameter, ...]
     objective: object
 
@@ -83,6 +84,10 @@ class ParameterSpace:
         for index, parameter in enumerate(self.parameters):
             complete[:, index] = columns[parameter.name]
         return complete
+
+    def scatter(self, rng: np.random.Generator, number: int) -> FloatArray:
+        """Return random points between the bounds, shape (number, k)."""
+        return rng.uniform(self.low, self.high, (number, len(self.free)))
 
     # What a search needs; a problem on a grid and a fit to readings have their own.
 

@@ -1,37 +1,42 @@
-"""Profiles of a fit to a law: how far coefficients may move before it gets worse by so much.
+"""Profiles of a fit to a reference law: how far coefficients may move before it gets worse.
 
-A profile fixes a coefficient and refits the others. A law has no noise and no confidence interval:
-the 1 % interval holds the values for which the objective stays within 1 % of the optimum.
+A reference law has no noise, and a fit to it no confidence interval. The 1 % interval of a
+coefficient holds the values for which the objective, with all others re-optimised, stays within
+1 % of the optimum.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import product
+from dataclasses import dataclass
+from itertools import islice, product
 
 import numpy as np
 from pydantic import Field
-from scipy.optimize import brentq
+from scipy.optimize import elementwise
 
-from cylcontact.arrays import FloatArray, IndexArray
-from cylcontact.fitting.polish import affordable_starts, climb_down, descend, scatter
+from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
+from cylcontact.fitting.polish import affordable_starts, climb_down, descend
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.records import FAIRLY, WELL, Ends
 from cylcontact.laws.law import Coefficients
 from cylcontact.spec import Spec
 
-# Precision of an interval's ends, relative to the distance from the optimum, and the largest rise.
-_EDGE_PRECISION, _FAR = 1e-4, 1e6
-# Half-widths of the 1 % intervals on either side of the optimum in a map of a pair, whose contour
-# of 10 % is at about 3.2.
-_REACH = 4.0
-# Values of each coefficient in a map of a pair, and in a profile of the objective.
-_PAIR_POINTS, _CURVE_POINTS = 21, 41
-# Random starts for each refit of a law, the steps to the neighbours that are refitted from it, the
-# relative gain for which they are, and those of the descents and of the last one.
-_LADDERS, _NEIGHBOURS, _GAIN, _FINER, _PRECISE = 4, (1, 4), 1e-6, 1e-6, 1e-10
-# The rise of the objective at the ends of the interval of a law.
+# The rise of the objective at the ends of the interval of a coefficient.
 TOLERANCE = 0.01
+# Values of a coefficient in a profile.
+_CURVE_POINTS = 41
+# And of each coefficient in a map of a pair.
+_PAIR_POINTS = 21
+# Half-widths of the intervals on either side of the optimum in a map of a pair: the contour of 10 %
+# is at about 3.2.
+_REACH = 4.0
+_FAR = 1e6
+# Precision of an interval's ends, relative to the distance from the optimum.
+_EDGE_PRECISION = 1e-4
+# Random starts for each refit, the steps to the neighbours that are refitted from it, the relative
+# gain for which they are, and those of the descents and of the last one.
+_LADDERS, _NEIGHBOURS, _GAIN, _FINER, _PRECISE = 3, (1, 4), 1e-6, 1e-6, 1e-10
 
 
 class Profile(Ends):
@@ -71,38 +76,38 @@ class DiscrepancyPair(Spec):
 
 
 class _Minima:
-    """The lowest minima of a law with some parameters fixed at each of a lattice of values.
+    """The lowest minima of a law with some parameters held at each of N places.
 
     All refits are one batch, from the best coefficients and from random points. Then each is
     repeated from the minima of its neighbours, until that gains nothing. If only few descents are
-    affordable, they spread from the values that are nearest to the best.
+    affordable, they spread from the places that are nearest to the best.
+
+    `points` are the best coefficients but for what is `held`, shape (N, k) both, and `neighbours`
+    pairs of places, shape (pairs, 2).
     """
 
     def __init__(
-        self, problem: Problem, best: Coefficients, names: Sequence[str], axes: Sequence[FloatArray]
+        self,
+        problem: Problem,
+        best: FloatArray,
+        points: FloatArray,
+        held: BoolArray,
+        neighbours: IndexArray,
     ) -> None:
-        self._problem = problem
-        self._held = [problem.names.index(name) for name in names]
-        lattice = np.meshgrid(*axes, indexing="ij")
-        self._fixed = np.stack([axis.ravel() for axis in lattice], axis=1)
-        places = np.arange(len(self._fixed))
-        self.points = np.tile(problem.point(best), (places.size, 1))
-        self.points[:, self._held] = self._fixed
-        self.values = np.full(places.size, np.inf)
+        self._problem, self._fixed, self._held = problem, points, held
+        self.points, self.values = points.copy(), np.full(len(points), np.inf)
+        places = np.arange(len(points))
         if affordable_starts(problem):
-            random = scatter(problem, np.random.default_rng(0), _LADDERS * places.size)
-            many = np.tile(places, 1 + _LADDERS)
-            random[:, self._held] = self._fixed[many[places.size :]]
-            random = climb_down(problem, random, self._held)
-            changed = self._refit(np.vstack([self.points, random]), many)
+            many = np.tile(places, _LADDERS)
+            random = problem.scatter(np.random.default_rng(0), many.size)
+            random = climb_down(problem, np.where(held[many], points[many], random), held[many])
+            changed = self._refit(np.vstack([points, random]), np.tile(places, 1 + _LADDERS))
         else:
-            span = (problem.high - problem.low)[self._held]
-            away = np.abs(self._fixed - problem.point(best)[self._held]) / span
-            nearest = places[[away.sum(axis=1).argmin()]]
-            changed = self._refit(self.points[nearest], nearest)
-        beside = _neighbours(places.reshape(lattice[0].shape))
+            away = (np.abs(points - best) / (problem.high - problem.low)).sum(axis=1)
+            nearest = np.flatnonzero(away == away.min())
+            changed = self._refit(points[nearest], nearest)
         while changed.size:
-            here, there = beside[np.isin(beside[:, 0], changed)].T
+            here, there = neighbours[np.isin(neighbours[:, 0], changed)].T
             changed = self._refit(self.points[here], there)
         self._refit(self.points, places, precision=_PRECISE)
 
@@ -110,43 +115,23 @@ class _Minima:
         self, starts: FloatArray, places: IndexArray, precision: float = _FINER
     ) -> IndexArray:
         """Refit from starts at some places, and return those where that is noticeably lower."""
-        starts = starts.copy()
-        starts[:, self._held] = self._fixed[places]
-        ends, values = descend(self._problem, starts, precision, self._held)
+        held = self._held[places]
+        starts = np.where(held, self._fixed[places], starts)
+        ends, values = descend(self._problem, starts, precision, held)
         before = self.values.copy()
         for end, value, place in zip(ends, values, places, strict=True):
             if value < self.values[place]:
                 self.points[place], self.values[place] = end, value
         return np.flatnonzero(self.values < before * (1 - _GAIN))
 
-    def end(self, best: float, optimum: float, bound: float) -> tuple[float, bool]:
-        """Return the end towards a bound of the 1 % interval, and whether it is the bound.
-
-        For a lattice of one parameter, with the optimum among its values.
-        """
-        values, way = self._fixed[:, 0], 1 if bound > best else -1
-        (middle,) = np.flatnonzero(values == best)
-        limit = np.sqrt(TOLERANCE * optimum)
-
-        def excess(objective: float) -> float:
-            # This root is nearly linear in the parameter.
-            return float(min(np.sqrt(max(objective - optimum, 0.0)) / limit, _FAR) - 1)
-
-        towards = range(middle, values.size) if way > 0 else range(middle, -1, -1)
-        outer = next((k for k in towards if excess(self.values[k]) > 0), None)
-        if outer is None:
-            return bound, True
-        inner = outer - way
-
-        def excess_at(distance: float) -> float:
-            starts = self.points[[inner, outer]]
-            starts[:, self._held] = best + distance
-            return excess(descend(self._problem, starts, _PRECISE, self._held)[1].min())
-
-        distance = brentq(
-            excess_at, values[inner] - best, values[outer] - best, rtol=_EDGE_PRECISION, xtol=1e-14
+    def value_at(self, fixed: FloatArray, inner: IndexArray, outer: IndexArray) -> FloatArray:
+        """Return the lowest values with others held than at two places, from whose minima."""
+        held = self._held[inner]
+        starts = np.concatenate(
+            [np.where(held, fixed[:, None], self.points[k]) for k in (inner, outer)]
         )
-        return best + float(distance), False
+        values = descend(self._problem, starts, _PRECISE, np.tile(held, (2, 1)))[1]
+        return as_floats(values.reshape(2, -1).min(axis=0))
 
 
 def _neighbours(places: IndexArray) -> IndexArray:
@@ -160,45 +145,98 @@ def _neighbours(places: IndexArray) -> IndexArray:
     return np.concatenate(pairs)
 
 
-def profile(problem: Problem, name: str, best: Coefficients, published: float | None) -> Profile:
-    """Profile the objective over one free parameter.
+@dataclass(frozen=True)
+class _Curve:
+    """The places at which a coefficient is held for its profile, and its values there."""
 
-    Parameters
-    ----------
-    problem : Problem
-        The problem.
-    name : str
-        The parameter.
-    best : mapping
-        The coefficients at the optimum.
-    published : float or None
-        The published value, which the curve includes.
+    name: str
+    places: IndexArray
+    values: FloatArray
 
-    Returns
-    -------
-    Profile
-        At 41 equidistant values between the bounds, the optimum and the published value, except
-        where the law is undefined.
+
+def profiles(
+    problem: Problem, names: Sequence[str], best: Coefficients, published: Coefficients | None
+) -> dict[str, Profile]:
+    """Profile the objective over some of the free parameters.
+
+    A curve has equidistant values between the bounds, the best and the published value, except
+    those for which the law is undefined.
     """
-    parameter = next(p for p in problem.free if p.name == name)
-    extra = [best[name]] + ([published] if published is not None else [])
-    grid = np.union1d(np.linspace(parameter.low, parameter.high, _CURVE_POINTS), extra)
-    minima = _Minima(problem, best, [name], [grid])
-    objective = minima.values
+    curves: list[_Curve] = []
+    for name in names:
+        (parameter,) = (p for p in problem.free if p.name == name)
+        extra = [each[name] for each in (best, published) if each]
+        even = np.linspace(parameter.low, parameter.high, _CURVE_POINTS)
+        values, first = np.union1d(even, extra), sum(each.values.size for each in curves)
+        curves.append(_Curve(name, np.arange(first, first + values.size), values))
+    points = np.tile(problem.point(best), (curves[-1].places[-1] + 1, 1))
+    held = np.zeros(points.shape, dtype=bool)
+    for curve in curves:
+        column = problem.names.index(curve.name)
+        points[curve.places, column], held[curve.places, column] = curve.values, True
+    neighbours = np.concatenate([_neighbours(curve.places) for curve in curves])
+    minima = _Minima(problem, problem.point(best), points, held, neighbours)
+    ends = _ends(minima, curves, best, problem.value_of(best))
+    return {
+        curve.name: _profile(problem, minima, curve, end, published)
+        for curve, end in zip(curves, ends, strict=True)
+    }
+
+
+def _ends(
+    minima: _Minima, curves: Sequence[_Curve], best: Coefficients, optimum: float
+) -> FloatArray:
+    """Return the ends of the 1 % intervals, shape (curves, 2); NaN where a bound cuts one off."""
+
+    def excess(objective: FloatArray) -> FloatArray:
+        # This root is nearly linear in the coefficient.
+        root = np.sqrt(np.maximum(objective - optimum, 0.0) / (TOLERANCE * optimum))
+        return as_floats(np.minimum(root, _FAR) - 1)
+
+    is_outside = excess(minima.values) > 0
+    brackets: list[tuple[int, ...]] = []
+    for number, curve in enumerate(curves):
+        middle = int(np.searchsorted(curve.values, best[curve.name]))
+        for side, towards in enumerate((range(middle, -1, -1), range(middle, curve.values.size))):
+            outside = (k for k in curve.places[list(towards)] if is_outside[k])
+            brackets += [(number, side, k - towards.step, k) for k in islice(outside, 1)]
+    ends = np.full((len(curves), 2), np.nan)
+    if brackets:
+        number, side, inner, outer = np.array(brackets).T
+        middle = np.array([best[curve.name] for curve in curves])[number]
+        values = np.concatenate([curve.values for curve in curves])
+        root = elementwise.find_root(
+            lambda step, middle, *places: excess(minima.value_at(middle + step, *places)),
+            (values[inner] - middle, values[outer] - middle),
+            args=(middle, inner, outer),
+            tolerances={"xrtol": _EDGE_PRECISION},
+        )
+        # Where the refit at the outer place gains a little more, the end is there.
+        ends[number, side] = np.where(root.success, middle + root.x, values[outer])
+    return ends
+
+
+def _profile(
+    problem: Problem,
+    minima: _Minima,
+    curve: _Curve,
+    ends: FloatArray,
+    published: Coefficients | None,
+) -> Profile:
+    """Return the profile of one coefficient."""
+    (parameter,) = (p for p in problem.free if p.name == curve.name)
+    low, high = np.where(np.isnan(ends), [parameter.low, parameter.high], ends)
+    objective = minima.values[curve.places]
     defined = np.isfinite(objective)
-    optimum = problem.value_of(best)
-    low, low_is_bound = minima.end(best[name], optimum, parameter.low)
-    high, high_is_bound = minima.end(best[name], optimum, parameter.high)
+    at_published = defined & (curve.values == (published or {}).get(curve.name))
     return Profile(
-        values=[float(v) for v in grid[defined]],
-        objective=[float(v) for v in objective[defined]],
-        low=low,
-        high=high,
-        low_is_bound=low_is_bound,
-        high_is_bound=high_is_bound,
-        objective_at_published=None
-        if published is None or not defined[np.searchsorted(grid, published)]
-        else float(objective[np.searchsorted(grid, published)]),
+        values=curve.values[defined].tolist(),
+        objective=objective[defined].tolist(),
+        low=float(low),
+        high=float(high),
+        low_is_bound=bool(np.isnan(ends[0])),
+        high_is_bound=bool(np.isnan(ends[1])),
+        objective_at_published=next(iter(objective[at_published].tolist()), None),
     )
 
 
@@ -216,23 +254,15 @@ def discrepancy_pair(
     best: Coefficients,
     profiles: Mapping[str, Profile],
 ) -> DiscrepancyPair:
-    """Return the rise of the objective over two coefficients, all others re-optimised.
-
-    Parameters
-    ----------
-    problem, best
-        As for `profile`.
-    names : tuple of str
-        The two coefficients.
-    profiles : mapping
-        Their profiles, which set the extent of the map.
-
-    Returns
-    -------
-    DiscrepancyPair
-    """
+    """Map the objective over two coefficients, as far as their profiles reach."""
     x, y = (_around(problem, best, name, profiles[name]) for name in names)
-    minima = _Minima(problem, best, names[::-1], [np.array(y), np.array(x)])
-    rise = minima.values.reshape(len(y), len(x)) / problem.value_of(best) - 1
+    columns = [problem.names.index(name) for name in names]
+    places = np.arange(len(y) * len(x)).reshape(len(y), len(x))
+    points = np.tile(problem.point(best), (places.size, 1))
+    points[:, columns] = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    held = np.zeros(points.shape, dtype=bool)
+    held[:, columns] = True
+    minima = _Minima(problem, problem.point(best), points, held, _neighbours(places))
+    rise = minima.values.reshape(places.shape) / problem.value_of(best) - 1
     rows = [[float(v) if np.isfinite(v) else None for v in row] for row in rise]
     return DiscrepancyPair(names=names, x=x, y=y, rise=rows)

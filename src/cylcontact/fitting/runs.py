@@ -12,7 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.optimizers import OPTIMIZERS, search
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.polish import minimise
 from cylcontact.fitting.problem import ParameterSpace
 from cylcontact.fitting.records import Published, RunRecord
@@ -143,8 +143,8 @@ def execute(problem: ParameterSpace, plan: RunPlan, source: str = "campaign") ->
     """
     started = time.perf_counter()
     with threadpool_limits(limits=1):
-        best = search(
-            problem, plan.optimizer, plan.population, plan.generations, plan.crossover, plan.seed
+        best = OPTIMIZERS[plan.optimizer].search(
+            problem, plan.population, plan.generations, plan.crossover, plan.seed
         )
         point, value = minimise(problem, best.point, plan.seed)
     if not np.isfinite(value):

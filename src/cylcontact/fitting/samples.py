@@ -20,41 +20,18 @@ from cylcontact.laws.law import ContactLaw, LawModel
 from cylcontact.materials import material_in_MPa
 from cylcontact.pair import Contact, CylinderPair
 
-__all__ = [
-    "Form",
-    "LawForm",
-    "PowerForm",
-    "Samples",
-    "collect_samples",
-    "form_of",
-    "law_form_of",
-    "samples_of",
-]
-
 # With E = 2 MPa and ν = 0 the composite modulus is 1 MPa.
 _UNIT = material_in_MPa("of unit composite modulus", 2.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples sorted by clearance and, within one, by s.
-
-    Attributes
-    ----------
-    contact : {"internal", "external"}
-        The contact.
-    dR : array of float, shape (m,)
-        The clearances in mm.
-    index : array of int, shape (N,)
-        The clearance of each sample.
-    s, j : array of float, shape (N,)
-        ln(f/E*) and ln δ.
-    dundurs : tuple of two arrays of float, shape (N,), optional
-        α and β of each sample, on a dimensionless grid.
-    """
+    """Samples sorted by clearance and, within one, by s."""
 
     contact: Contact
+    # The m clearances in mm.
     dR: FloatArray
+    # Of each of N samples its clearance, ln(f/E*) and ln δ, and on a dimensionless grid α and β.
     index: IndexArray
     s: FloatArray
     j: FloatArray
@@ -96,24 +73,7 @@ def samples_of(grid: AnyGrid, block: Block) -> Samples:
 
 
 def collect_samples(grid: AnyGrid) -> tuple[Samples, Counts]:
-    """Sample a grid into memory, without clearances that are masked completely.
-
-    Parameters
-    ----------
-    grid : Grid or DimensionlessGrid
-        The grid.
-
-    Returns
-    -------
-    rows : Samples
-    counts : Counts
-        Samples used and masked.
-
-    Raises
-    ------
-    InputError
-        If every sample is masked.
-    """
+    """Sample a grid into memory, without clearances that are masked completely."""
     clearances: list[tuple[float, FloatArray, FloatArray]] = []
     masked, dundurs = 0, None
     for dR in grid.dR:
@@ -158,15 +118,7 @@ class Form(Protocol):
 
 @dataclass(frozen=True)
 class PowerForm:
-    """P power laws at m clearances.
-
-    Attributes
-    ----------
-    c : array of float, shape (P, m)
-        ln ΔR − ln K*; NaN where K* is not positive.
-    n : array of float, shape (P, m)
-        Exponent; NaN where it is not positive.
-    """
+    """P power laws at m clearances: c = ln ΔR − ln K* and n, NaN where K* or n is not positive."""
 
     c: FloatArray
     n: FloatArray

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.estimates import uncertainty_of
 from cylcontact.fitting.measured import Fit
-from cylcontact.fitting.optimizers import require_installed
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.records import MaxDifference, ObjectiveValue, RunRecord, SampleCounts
 from cylcontact.fitting.results import DataFit
@@ -54,7 +54,7 @@ def fit_table(
     """
     spec = campaign.spec
     if spec.optimizer is not None:
-        require_installed(spec.optimizer, campaign.source)
+        OPTIMIZERS[spec.optimizer].require_installed(campaign.source, spec.optimizer)
     elif isinstance(jobs, int) and len(campaign.measurements) <= _FEW_ROWS:
         jobs = 1
     provenance = campaign.provenance  # of what is run, not of what is there when it ends

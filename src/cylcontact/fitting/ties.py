@@ -19,8 +19,6 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 
-__all__ = ["evaluate", "names_in", "require_valid"]
-
 _BINARY: dict[type[ast.operator], Callable[[FloatArray, FloatArray], FloatArray]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -40,20 +38,6 @@ _ARITHMETIC = "numbers, names of parameters, parentheses and + - * / **"
 def evaluate(expression: str, values: Mapping[str, ArrayLike]) -> FloatArray:
     """Return the value of a valid expression; inf or NaN where the arithmetic has none.
 
-    Parameters
-    ----------
-    expression : str
-        Checked by `require_valid`.
-    values : mapping
-        The parameters that it names: numbers, or arrays of one shape.
-
-    Returns
-    -------
-    array of float
-        Of that shape, or a number if no array is named.
-
-    Examples
-    --------
     >>> float(evaluate("1 + Y_log_scale/10", {"Y_log_scale": 1.51}))
     1.151
     """
@@ -62,13 +46,7 @@ def evaluate(expression: str, values: Mapping[str, ArrayLike]) -> FloatArray:
 
 
 def names_in(expression: str) -> frozenset[str]:
-    """Return the names of parameters in a valid expression.
-
-    Examples
-    --------
-    >>> sorted(names_in("(a + b)/2"))
-    ['a', 'b']
-    """
+    """Return the names of parameters in a valid expression."""
     return frozenset(
         node.id for node in ast.walk(_parsed(expression)) if isinstance(node, ast.Name)
     )
@@ -77,28 +55,9 @@ def names_in(expression: str) -> frozenset[str]:
 def require_valid(
     ties: Mapping[str, str], own_tables: Collection[str], names: Collection[str], source: str
 ) -> None:
-    """Refuse ties that cannot be computed.
+    """Refuse ties that cannot be computed from parameters of the law that are not tied themselves.
 
-    Parameters
-    ----------
-    ties : mapping
-        Expressions by the parameters that they set.
-    own_tables : collection of str
-        The parameters that have a table of their own in the campaign.
-    names : collection of str
-        All parameters of the law.
-    source : str
-        The campaign's name in errors.
-
-    Raises
-    ------
-    InputError
-        If a tied parameter is not one of the law's or has a table of its own, or an expression is
-        not arithmetic on parameters that are not tied themselves.
-
-    Examples
-    --------
-    >>> require_valid({"b": "a/10"}, ["a"], ["a", "b"], "example")
+    `own_tables` are the parameters that have a table of their own in the campaign.
     """
     for name, expression in ties.items():
         key = f"ties.{name}"

@@ -31,6 +31,7 @@ from cylcontact.laws.logarithmic import (
 )
 from cylcontact.laws.parametric import Parametric
 from cylcontact.laws.power import Iso16281, LankaraniNikravesh, Palmgren, PowerLaw
+from cylcontact.laws.power_clearance import PowerClearance
 
 __all__ = [
     "LAWS",
@@ -61,6 +62,7 @@ __all__ = [
     "Parametric",
     "ParametricCoefficients",
     "Persson",
+    "PowerClearance",
     "PowerLaw",
     "Radzimovsky",
     "RadzimovskyRadii",
@@ -99,11 +101,12 @@ LAW_TYPES: tuple[type[Any], ...] = (
     Palmgren,
     Iso16281,
     PowerLaw,
+    PowerClearance,
 )
 
 # The laws with default coefficients, by the names that specs and commands use.
 LAWS: dict[str, Callable[[], ContactLaw]] = {
-    law.name: law for law in LAW_TYPES if law is not PowerLaw
+    law.name: law for law in LAW_TYPES if law not in (PowerLaw, PowerClearance)
 }
 
 # Those that need ΔR only, no radii or length, which a grid can sample.

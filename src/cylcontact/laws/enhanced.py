@@ -177,17 +177,18 @@ def _power_form(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, Flo
 def _smooth_internal_form(
     candidates: FloatArray, dR: FloatArray, smooth: float
 ) -> tuple[FloatArray, ...]:
-    """Return K*, n and their derivatives, with Y = ½(Y₁ + Y₂ + √((Y₁ − Y₂)² + ε²))."""
+    """Return ln K*, n and their derivatives, with Y = ½(Y₁ + Y₂ + √((Y₁ − Y₂)² + ε²))."""
     a, b, scale, exponent, slope, offset, n_exponent = candidates.T[:, :, None]
-    power, reach = np.log(1000 * dR) ** exponent, dR**n_exponent
+    K_star, log_dR, log_log = a * dR + b, np.log(dR), np.log(np.log(1000 * dR))
+    power, reach = np.exp(exponent * log_log), np.exp(n_exponent * log_dR)
     first, second = scale * power, slope * dR + offset
-    gap = np.hypot(first - second, smooth)
-    share = 0.5 + 0.5 * np.divide(first - second, gap, out=np.zeros_like(gap), where=gap > 0)
+    gap = np.sqrt((first - second) ** 2 + smooth**2 + np.finfo(float).tiny)
     n = 0.5 * (first + second + gap) * reach
-    logarithmic, linear = share * reach, (1 - share) * reach
+    linear = (0.5 - 0.5 * (first - second) / gap) * reach
+    logarithmic = reach - linear
     K_slopes, n_slopes = np.zeros((2, *candidates.shape, dR.size))
-    K_slopes[:, 0], K_slopes[:, 1] = dR, 1.0
+    K_slopes[:, 0], K_slopes[:, 1] = dR / K_star, 1 / K_star
     n_slopes[:, 2] = logarithmic * power
-    n_slopes[:, 3] = logarithmic * first * np.log(np.log(1000 * dR))
-    n_slopes[:, 4], n_slopes[:, 5], n_slopes[:, 6] = linear * dR, linear, n * np.log(dR)
-    return as_floats(a * dR + b), n, K_slopes, n_slopes
+    n_slopes[:, 3] = logarithmic * first * log_log
+    n_slopes[:, 4], n_slopes[:, 5], n_slopes[:, 6] = linear * dR, linear, n * log_dR
+    return np.log(K_star), n, K_slopes, n_slopes

@@ -1,4 +1,4 @@
-"""Five laws for each contact, from the published one to Johnson's, to choose one from.
+"""Laws for each contact, from the published one to Johnson's, to choose one from.
 
 Those for a pin in a hole are compared over practical clearances, with the enhanced law refitted
 there, or over the paper's ranges of E, ν, ΔR and load, those for rollers over the latter; both as
@@ -39,16 +39,17 @@ _TIMED = {"power": "enhanced law", "explicit": "explicit law", "johnson": "Johns
 _ROUND_OFF = 1e-9
 _ENHANCED = "f = (a·ΔR + b)·E*/ΔR·δⁿ"
 _POWER = "f = C·E*·ΔR·(δ/ΔR)ⁿ"
+_CLEARANCE = "f = K*·E*/ΔR·δⁿ, ln K* = ln A + p·x + q·x², n = n0 + n1·x + n2·x², x = ln ΔR"
 _EXPLICIT = "f = π·E*·δ/(c + ln(1 + A/d·(c + ln(1 + A/d·ln(B/d))))), d = δ/ΔR"
 _JOHNSON = "f = π·E*·δ/(−W₋₁(−e·δ/(4ΔR)))"
 
-# The campaigns of the enhanced and of the power law, by contact and ranges.
+# The campaigns of the enhanced law and of the power laws, by contact and ranges.
 Ranges = Literal["practical", "paper"]
-_REFITS: dict[tuple[Contact, Ranges], tuple[str, str]] = {
-    ("internal", "practical"): ("practical", "power-practical"),
-    ("internal", "paper"): ("internal", "power-internal"),
-    ("external", "practical"): ("external", "power-external"),
-    ("external", "paper"): ("external", "power-external"),
+_REFITS: dict[tuple[Contact, Ranges], tuple[str, ...]] = {
+    ("internal", "practical"): ("practical", "power-practical", "power-clearance-practical-six"),
+    ("internal", "paper"): ("internal", "power-internal", "power-clearance-six"),
+    ("external", "practical"): ("external", "power-external", "power-clearance-external"),
+    ("external", "paper"): ("external", "power-external", "power-clearance-external"),
 }
 _PLACES = {
     "practical": "practical clearances",
@@ -88,7 +89,7 @@ class _Candidate:
 
 
 def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") -> pd.DataFrame:
-    """Compare five laws on the samples that the enhanced one was refitted to.
+    """Compare laws on the samples that the enhanced one was refitted to.
 
     Parameters
     ----------
@@ -124,7 +125,7 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
     explicit               0.0005
     johnson                0.0000
     """
-    enhanced, power = _REFITS[contact, ranges]
+    enhanced, *powers = _REFITS[contact, ranges]
     result = bench.result(enhanced)
     samples, _ = collect_samples(grid_from(result.settings["dataset"], result.name))
     # What to add to ln(δ/δ_Johnson) for another reference.
@@ -134,7 +135,7 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
         references["conformal"] = as_floats(samples.j - np.log(truth))
     times = _relative_times(bench)
     rows = []
-    for candidate in _candidates(result, bench.result(power), samples):
+    for candidate in _candidates(result, [bench.result(name) for name in powers], samples):
         ratio = candidate.form.log_penetration_ratio(0, samples)
         errors: dict[str, float] = {}
         for reference, shift in references.items():
@@ -218,21 +219,22 @@ def error_text(value: float, form: str) -> str:
     return "0" if value < _ROUND_OFF else format(value, form)
 
 
-def _candidates(refit: FitResult, power: FitResult, samples: Samples) -> list[_Candidate]:
-    """Return the five laws."""
+def _candidates(refit: FitResult, powers: list[FitResult], samples: Samples) -> list[_Candidate]:
+    """Return the laws to compare."""
     contact = refit.contact
     published = asdict(PUBLISHED[contact])
     phi = samples.load / samples.pair.dR
     low, high = BOUNDED[contact]
     within = f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm"
-    enhanced = partial(
+    in_mm = partial(
         _Candidate,
         units="mm, N, MPa",
-        defined=within if contact == "internal" else "every ΔR",
         calibrated=f"ΔR {samples.dR.min():g}…{samples.dR.max():g} mm",
         timed="power",
     )
+    enhanced = partial(in_mm, defined=within if contact == "internal" else "every ΔR")
     dimensionless = partial(_Candidate, units="any")
+    power, *by_clearance = powers
     return [
         enhanced("published", _ENHANCED, published, _fitted(refit, published, samples)),
         enhanced(
@@ -249,6 +251,16 @@ def _candidates(refit: FitResult, power: FitResult, samples: Samples) -> list[_C
             defined="every ΔR",
             calibrated=f"φ {phi.min():.1e}…{phi.max():.2g}",
             timed="power",
+        ),
+        *(
+            in_mm(
+                fit.law,
+                _CLEARANCE,
+                fit.coefficients,
+                _fitted(fit, fit.coefficients, samples),
+                defined="every ΔR",
+            )
+            for fit in by_clearance
         ),
         dimensionless(
             "explicit",
