@@ -24,7 +24,7 @@ from benchmarks.page import AIMS, RESULTS, TITLES, find, load, page, save
 from benchmarks.sampling import grid_of
 from benchmarks.search import problem_of
 from cylcontact import InputError
-from cylcontact.fitting.calibration import execute, plan_runs
+from cylcontact.fitting.runs import execute, plan_runs
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw
 from tests.programs import require_program

@@ -176,7 +176,7 @@ def test_a_fit_in_a_known_housing_finds_the_stiffness_of_the_materials(tmp_path,
 def test_choose_holds_the_compliance_of_laws_that_know_the_housing(tmp_path):
     choice = choose(readings(tmp_path), PAIR, laws=["conformal", "johnson"], housing=EYE)
     assert choice.table.index[0] == "conformal" or choice.table.iloc[0]["law"] == "conformal"
-    names = {law.law: law.problem.model.names for law in choice.laws}
+    names = {law.law: law.optimum.fit.model.names for law in choice.laws}
     assert "compliance" not in names["conformal"]
     assert "compliance" in names["johnson"]
 

@@ -9,10 +9,11 @@ from scipy.optimize import least_squares
 
 from benchmarks.own_grids import GRIDS, campaign_of
 from cylcontact.fitting import calibrate, polish, read_campaign
-from cylcontact.fitting.calibration import problem_of, search_all
+from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.profiles import profiles
 from cylcontact.fitting.results import SAME_BASIN
+from cylcontact.fitting.runs import run_all, searches
 from cylcontact.progress import silent
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -33,7 +34,9 @@ TINY = {"populations": [4], "generations": 1}
 def objectives(campaign):
     """Return the problem of a campaign and the objective of each run."""
     problem, _ = problem_of(campaign, 1, silent)
-    return problem, np.array([r.objective for r in search_all(problem, campaign, 2, silent)])
+    spec = campaign.spec
+    calls = searches(problem, spec.optimizer, spec.genetic, spec.seed, campaign.source)
+    return problem, np.array([r.objective for r in run_all(calls, 2, silent, None, False)])
 
 
 def at_best(values, best):
@@ -105,7 +108,7 @@ def test_slopes_by_formula_are_differences_of_the_residuals(few_points):
 def test_descents_end_where_least_squares_of_scipy_does(few_points):
     """From the same starts; where both are in one basin, they agree to 1e-9."""
     begun = starts(few_points, 12)
-    _, values = polish.few_points.minimise(begun, 1e-14)
+    _, values = polish.descend(few_points, begun, 1e-14)
     theirs = []
     for start in begun:
         solution = least_squares(
@@ -123,10 +126,10 @@ def test_descents_end_where_least_squares_of_scipy_does(few_points):
 
 def test_an_end_does_not_depend_on_the_others_of_its_batch(few_points):
     begun = starts(few_points, 7)
-    together, _ = polish.few_points.minimise(polish.climb_down(few_points, begun), 1e-6)
+    together, _ = polish.descend(few_points, polish.climb_down(few_points, begun), 1e-6)
     for start, end in zip(begun, together, strict=True):
         down = polish.climb_down(few_points, start[None, :])
-        alone, _ = polish.few_points.minimise(down, 1e-6)
+        alone, _ = polish.descend(few_points, down, 1e-6)
         assert np.array_equal(alone[0], end)
 
 
@@ -151,7 +154,7 @@ def test_what_is_held_is_as_good_as_fixed(few_points):
     ends, values = polish.descend(few_points, begun, 1e-14, held)
     assert np.array_equal(ends[held], begun[held])
     for k, parameter in enumerate(few_points.free[:6]):
-        fixed = few_points.fixing(parameter.name, float(begun[k, k]))
+        fixed = few_points.fixing(**{parameter.name: float(begun[k, k])})
         rest = np.delete(begun[k], k)[None, :]
         assert polish.descend(fixed, rest, 1e-14)[1][0] == pytest.approx(values[k], rel=1e-6)
 
