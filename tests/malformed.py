@@ -16,8 +16,8 @@ from cylcontact.datasets.grid import DimensionlessGridSpec, GridSpec
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.specs import CampaignSpec, MeasuredSpec
 from cylcontact.materials import COLUMNS
-from cylcontact.mechanism.joint_spec import ClearanceJointSpec
-from cylcontact.mechanism.spec import MechanismSpec
+from cylcontact.mechanism.joint import ClearanceJointSpec
+from cylcontact.mechanism.model import MechanismSpec
 from cylcontact.plots.style import StyleFile
 from tests.spec_files import CAMPAIGN, DROP, GRID, changed, toml
 

@@ -18,7 +18,7 @@ import pytest
 from cylcontact import fitting
 from cylcontact.choices import CHOICE_FILES
 from cylcontact.cli import init
-from cylcontact.mechanism import movie
+from cylcontact.mechanism import drawing
 from tests.counts import counted
 from tests.faults import ERRORS, REMOVING, changed, failing, no_file_above
 from tests.killable import ROOT
@@ -194,7 +194,7 @@ def bench(tmp_path, monkeypatch, small_result):
     monkeypatch.chdir(folder)
     monkeypatch.setattr(tempfile, "tempdir", str(folder / "scratch"))
     monkeypatch.setattr(init, "FOLDERS", ("datasets/examples",))
-    monkeypatch.setattr(movie, "FRAMES_PER_REVOLUTION", 2)
+    monkeypatch.setattr(drawing, "FRAMES_PER_REVOLUTION", 2)
     return folder
 
 

@@ -27,8 +27,7 @@ from cylcontact.fitting import FitResult, calibrate, read_campaign
 from cylcontact.formats import FORMATS, upgraded
 from cylcontact.journal import Journal
 from cylcontact.materials import read_materials
-from cylcontact.mechanism import Plan, Trajectory, cases, read_mechanism, sweep
-from cylcontact.mechanism.clearance_joint import read_joint
+from cylcontact.mechanism import Plan, Trajectory, cases, read_joint, read_mechanism, sweep
 from cylcontact.plots.style import choose
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.fit_figures import runs_table
@@ -78,7 +77,6 @@ OPENS = {
     "fit-result-0-measured.json": 0.03862425256147237,
     "fit-result-1.json": 0.9546326270326118,
     "fit-result-1-measured.json": 0.03862425256147237,
-    "trajectory-0.parquet": 53190.88164845541,
     "trajectory-1.parquet": 53190.88164845541,
     "finite-elements-0.csv": 0.0004004685,
     "finite-elements-1.csv": 0.0004004685,
@@ -234,14 +232,13 @@ def test_a_stored_result_saved_again_is_of_todays_format(tmp_path):
     assert FitResult.read(path).coefficients == again["coefficients"]
 
 
-def test_a_trajectory_without_all_integrals_is_refused():
-    """Their energies would be read from the columns of other states."""
+def test_a_trajectory_with_a_table_of_its_clearance_is_refused():
     require_package("pyarrow")
-    path = STORED / "trajectory-0-seven-states.parquet"
+    path = STORED / "trajectory-0.parquet"
     with pytest.raises(InputError) as caught:
         Trajectory.load(path)
-    rule = "has 7 states where its mechanism has 9"
-    assert_told(caught, path, "", None, rule, "an older version of cylcontact wrote it")
+    rule = "is of a version of cylcontact with one clearance"
+    assert_told(caught, path, "", None, rule, "simulate anew")
 
 
 @pytest.mark.parametrize("kind", PARTS)
@@ -453,7 +450,7 @@ def test_every_stored_file_is_tried_and_every_format_is_stored():
         "specs/datasets/examples/pin-in-hole.csv",
         "specs/datasets/finite_element/recommended-embedded.csv",
     }
-    refused = {"trajectory-0-seven-states.parquet"}
+    refused = {"trajectory-0.parquet"}
     tried = {*OPENS, *WRITTEN, *COMMANDS, *COMMITTED}
     assert stored == tried | journals | beside | specs | needed | refused
     today = {kind_of(name) for name in {*OPENS, *WRITTEN} if "-1" in name}

@@ -19,8 +19,6 @@ from tests.spec_files import CAMPAIGN, GRID, changed, write_bench, write_toml
 pytestmark = pytest.mark.slow
 
 
-ROOT = Path(__file__).resolve().parents[1]
-CRANK = str(ROOT / "datasets/slider_crank.toml")
 MANY = 10**7
 # Grids whose samples, pairs or calls would not fit.
 AXIS = {"min": 1.0, "max": 2.0, "points": MANY, "spacing": "linear"}
@@ -32,7 +30,6 @@ PAIRS = {
     "reference": "conformal",
     "axes": {"alpha": SIGNED, "beta": SIGNED, "phi": {"values": [1.0]}},
 }
-NUMBERS = ",".join(map(str, range(1, 3000)))
 # A name, the command and what it says.
 REQUESTS = [
     ("samples on a disk", ("sample", "huge.toml", "-o", "out.parquet"), "of disk space"),
@@ -40,35 +37,6 @@ REQUESTS = [
     ("pairs of a grid", ("sample", "pairs.toml", "-o", "out.parquet"), "thin alpha or beta"),
     ("moments of a grid", ("fit", "huge-fit.toml", "-j", "1", "-o", "out.json"), "thin the axes"),
     ("workers", ("fit", "fitting/small.toml", "-j", "100000", "-o", "out.json"), "jobs = 100000"),
-    ("revolutions", ("simulate", CRANK, "--revolutions", "1000000000"), "revolutions = 1000000000"),
-    (
-        "revolutions of a trajectory",
-        ("simulate", CRANK, "--revolutions", "1000000000", "-o", "out.parquet"),
-        "revolutions = 1000000000",
-    ),
-    (
-        "frames",
-        ("simulate", CRANK, "--revolutions", "1000000", "-o", "out.gif"),
-        "film fewer, or write a .mp4",
-    ),
-    (
-        "cases",
-        *(
-            (
-                *("simulate", CRANK, "--study", "cases", "-o", "out.csv", "--clearance", NUMBERS),
-                *("--restitution", NUMBERS, "--friction", NUMBERS),
-            ),
-            "vary fewer values at a time",
-        ),
-    ),
-    (
-        "clearances",
-        (
-            *("simulate", CRANK, "--study", "bifurcation", "-o", "out.csv"),
-            *("--points", "1000000000000"),
-        ),
-        "--points = 1000000000000: needs about",
-    ),
     ("width", ("figure", "fig12"), "width_mm = 1000000000.0: must be"),
 ]
 

@@ -37,6 +37,7 @@ _LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+
 _KINDS = (
     ("a fit result", {"coefficients"}),
     ("a fit result", {"settings"}),
+    ("a mechanism", {"bodies", "joint"}),
     ("a mechanism", {"bodies", "joints"}),
     ("a joint", {"bearing", "pin"}),
     ("a finite-element set-up", {"hole_radius", "load_on"}),

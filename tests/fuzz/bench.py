@@ -43,7 +43,7 @@ SEAMS = (
     *(f"cylcontact.parallel.run.{name}" for name in ("in_processes", "in_threads", "on_cluster")),
     *("cylcontact.fitting.uncertainty.discrepancy.blocks", "cylcontact.datasets.sampling.blocks"),
     *("cylcontact.fitting.measured_fit.descend", "cylcontact.fitting.choice.descend"),
-    *("cylcontact.mechanism.simulate.advance", "cylcontact.mechanism.impact.advance"),
+    "cylcontact.mechanism.run.Run.advance",
     *("cylcontact.export.fmi._library", "cylcontact.cli.init.copy_files"),
 )
 TABLES = ("datasets/examples/pin-in-hole.csv", "datasets/finite_element/recommended-embedded.csv")

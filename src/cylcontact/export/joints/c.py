@@ -15,7 +15,7 @@ from cylcontact.export.joints.element import (
     table_parts,
 )
 from cylcontact.export.render import filled
-from cylcontact.mechanism.clearance_joint import ClearanceJoint
+from cylcontact.mechanism.joint import ClearanceJoint
 
 _USAGE = """\
 #include "$stem.h" and link with -lm:

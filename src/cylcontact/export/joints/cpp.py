@@ -5,7 +5,7 @@ from __future__ import annotations
 from cylcontact.export.joints.c import body_parts
 from cylcontact.export.joints.element import Element
 from cylcontact.export.render import filled
-from cylcontact.mechanism.clearance_joint import ClearanceJoint
+from cylcontact.mechanism.joint import ClearanceJoint
 
 _USAGE = """\
 #include "$stem.hpp":

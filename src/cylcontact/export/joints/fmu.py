@@ -6,7 +6,7 @@ from pathlib import Path
 
 from cylcontact.export.fmi import Model, Variable, fmu
 from cylcontact.export.joints import c
-from cylcontact.mechanism.clearance_joint import ClearanceJoint
+from cylcontact.mechanism.joint import ClearanceJoint
 from cylcontact.plain_text import comment
 
 _MOTION = (

@@ -15,7 +15,7 @@ from cylcontact.export.joints.element import (
     table_parts,
 )
 from cylcontact.export.render import filled
-from cylcontact.mechanism.clearance_joint import ClearanceJoint
+from cylcontact.mechanism.joint import ClearanceJoint
 
 # The standard allows 255 lines for a statement; a table is cut into arrays of as many nodes.
 _NODES = 800

@@ -16,7 +16,7 @@ from cylcontact.export.joints.element import (
 )
 from cylcontact.export.matlab import DIALECT
 from cylcontact.export.render import filled
-from cylcontact.mechanism.clearance_joint import ClearanceJoint
+from cylcontact.mechanism.joint import ClearanceJoint
 
 _USAGE = """\
 joint = $stem();                                     (this file is $stem.m)
