@@ -35,15 +35,17 @@ class Statistics(NamedTuple):
 def slider_crank(restitution: float, friction: float) -> Mechanism:
     """Return the mechanism."""
     data = read_toml(SPEC)
-    data["clearance"]["factor"] = "hunt-crossley"
+    for joint in data["joint"]:
+        if "law" in joint:
+            joint["dissipation"]["factor"] = "hunt-crossley"
     return mechanism_from(data, str(SPEC), restitution=restitution, friction=friction)
 
 
 def stored_energy(mechanism: Mechanism, penetration: np.ndarray) -> np.ndarray:
     """Return the elastic energy in J at penetrations in m."""
-    clearance = mechanism.clearance
+    contact = mechanism.clearance.contact
     delta = np.linspace(0, 1.01 * 1e3 * max(penetration.max(), 1e-6), 4001)  # mm
-    force = np.nan_to_num(clearance.law.load(delta, clearance.pair)) * clearance.length
+    force = np.nan_to_num(contact.law.load(delta, contact.pair)) * contact.pair.length
     energy = 1e-3 * cumulative_trapezoid(force, delta, initial=0.0)
     return np.interp(np.maximum(penetration, 0) * 1e3, delta, energy)
 

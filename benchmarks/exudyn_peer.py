@@ -109,7 +109,7 @@ def simulate_in_exudyn(
     power = stored(moment)[:, 1] * -mechanism.driver.speed
     return Run(
         times,
-        eccentricity - clearance.radial,
+        eccentricity - 1e-3 * clearance.contact.radial,
         seconds,
         np.asarray(energy),
         cumulative_trapezoid(power, times, initial=0.0),
@@ -119,20 +119,12 @@ def simulate_in_exudyn(
 
 def joint_of(mechanism, **changes) -> ClearanceJoint:
     """Return a mechanism's clearance joint as a force element in SI units."""
-    c, clearance = mechanism.data["clearance"], mechanism.clearance
-    body = {"E": c["E"], "nu": c["nu"]}
-    pin = {"R": c["R_bearing"] - c["radial"], "point": [1e3 * x for x in clearance.point_j]}
-    data = {
-        "name": c["joint"],
-        "units": "SI",
-        "length": c["length"],
-        "law": c["law"],
-        "bearing": body | {"R": c["R_bearing"], "point": [1e3 * x for x in clearance.point_i]},
-        "pin": body | pin,
-        "dissipation": {"factor": c["factor"], "restitution": c["restitution"]},
-        "friction": {"coefficient": c["friction"], "v0": c["v0"], "v1": c["v1"]},
+    clearance = mechanism.clearance
+    points = {
+        body: clearance.contact.data[body] | {"point": [1e3 * x for x in point]}
+        for body, point in (("bearing", clearance.point_i), ("pin", clearance.point_j))
     }
-    return joint_from(data | changes)
+    return joint_from(clearance.contact.data | points | changes)
 
 
 def module_of(joint: ClearanceJoint) -> ModuleType:
@@ -172,7 +164,7 @@ def _assemble(system, mechanism, start: Trajectory):
         )
 
     for joint in mechanism.joints:
-        if joint.kind == "revolute" and joint.name != mechanism.clearance.joint:
+        if joint.kind == "revolute" and joint.clearance is None:
             pins = [marker(joint.i, joint.point_i), marker(joint.j, joint.point_j)]
             system.AddObject(ObjectJointRevolute2D(markerNumbers=pins))
     return nodes, marker
@@ -236,8 +228,9 @@ def _our_contact(system, joint: ModuleType, bearing: int, pin: int) -> list[tupl
 
 def _contact(system, clearance, marker) -> None:
     """Put the journal into its bearing, with Exudyn's own contact."""
-    law: PowerShaped = clearance.law
-    factor, n = law.factor_and_exponent(clearance.pair)
+    contact = clearance.contact
+    law: PowerShaped = contact.law
+    factor, n = law.factor_and_exponent(contact.pair)
     data = system.AddNode(NodeGenericData(numberOfDataCoordinates=4, initialCoordinates=[0.0] * 4))
     centres = [
         marker(clearance.j, clearance.point_j),
@@ -247,15 +240,15 @@ def _contact(system, clearance, marker) -> None:
         ObjectContactSphereSphere(
             markerNumbers=centres,
             nodeNumber=data,
-            spheresRadii=[clearance.R_bearing - clearance.radial, clearance.R_bearing],
+            spheresRadii=[1e-3 * contact.pair.R_j, 1e-3 * contact.pair.R_i],
             isHollowSphere1=True,
             # N/mm per mmⁿ, times the length in mm, to N per mⁿ.
-            contactStiffness=float(factor) * clearance.length * 1000 ** float(n),
+            contactStiffness=float(factor) * contact.pair.length * 1000 ** float(n),
             contactStiffnessExponent=float(n),
-            dynamicFriction=clearance.friction,
-            frictionProportionalZone=clearance.v1,
+            dynamicFriction=contact.friction,
+            frictionProportionalZone=1e-3 * contact.v1,
             # Hunt and Crossley's χ = 3(1 − e)/2.
-            restitutionCoefficient=1.0 - clearance.chi / 1.5,
+            restitutionCoefficient=1.0 - contact.chi / 1.5,
             impactModel=1,
         )
     )

@@ -13,7 +13,8 @@ import numpy as np
 from benchmarks.exudyn_peer import Run, simulate_in_exudyn
 from benchmarks.harness import Row, Side, rows, timings
 from cylcontact.choices import METHODS
-from cylcontact.mechanism import long_run, read_mechanism, simulate
+from cylcontact.mechanism import long_run, mechanism_from, read_mechanism, simulate
+from cylcontact.spec import read_toml
 
 SPEC = Path(__file__).parents[1] / "datasets" / "slider_crank.toml"
 # Where Exudyn and we are compared: elastic, without friction, so that the force laws are the
@@ -34,6 +35,7 @@ def measure(short: bool) -> Iterator[list[Row]]:
     keeps hitting and whirling, and the first revolutions say little about the rest.
     """
     yield from _cases(short)
+    yield _several(short)
     yield _accuracy(short)
 
 
@@ -58,6 +60,25 @@ def _cases(short: bool) -> Iterator[list[Row]]:
         seconds |= {name: [total / revolutions for total in measured[name]] for name in FORMS}
         case = f"{law}, {clearance} mm, restitution {restitution}, friction {friction}"
         yield rows("mechanism", case, seconds, "ms per revolution", 1e3)
+
+
+def _several(short: bool) -> list[Row]:
+    """Time one clearance and two, in the equations that take any number of them."""
+    revolutions, data = 1 if short else 50, read_toml(SPEC)
+    pin = next(joint for joint in data["joint"] if "law" in joint)
+    second = [pin | joint if joint["name"] == "crank-pin" else joint for joint in data["joint"]]
+    mechanisms = {
+        "one clearance": mechanism_from(data, str(SPEC)),
+        "two clearances": mechanism_from(data | {"joint": second}, str(SPEC)),
+    }
+    sides = [
+        Side(name, partial(long_run, mechanism, revolutions, method="multiplier"))
+        for name, mechanism in mechanisms.items()
+    ]
+    measured = timings(sides, 1)
+    seconds = {name: [total / revolutions for total in measured[name]] for name in mechanisms}
+    case = "several clearances: enhanced, 0.5 mm, restitution 0.9, friction 0.1"
+    return rows("mechanism", case, seconds, "ms per revolution", 1e3)
 
 
 def _accuracy(short: bool) -> list[Row]:

@@ -48,9 +48,8 @@ run
 # The result carries its assumptions.
 
 # %%
-for assumption in run.assumptions[:6]:
+for assumption in run.assumptions:
     print(assumption)
-print(f"... and {len(run.assumptions) - 6} more")
 
 # %% [markdown]
 # The energies balance: the work of the drive is stored or dissipated in the contact.

@@ -105,15 +105,15 @@ class JointState:
 
 def _joint_at(run: Trajectory, revolution: float) -> JointState:
     """Return the joint at the first step in contact after a revolution of the driver."""
-    joint = run.mechanism.clearance
+    joint, contact = run.mechanism.clearance, run.joint.contact
     sliding = run.in_contact & (run.penetration > 0)
     row = int(np.flatnonzero(sliding & (run.revolution >= revolution))[0])
     e = run.eccentricity[row] * 1e3
     other = run.coordinates[row, joint.i, :2] - run.point(joint.i, joint.point_i)[0][row]
     return JointState(
-        R_i=joint.R_bearing * 1e3,
-        R_j=(joint.R_bearing - joint.radial) * 1e3,
-        clearance=joint.radial * 1e3,
+        R_i=float(np.asarray(contact.pair.R_i)),
+        R_j=float(np.asarray(contact.pair.R_j)),
+        clearance=contact.radial,
         penetration=float(run.penetration[row]) * 1e3,
         normal=e / np.hypot(*e),
         normal_force=float(run.normal_force[row]),

@@ -56,11 +56,12 @@ def draw(bench: Bench) -> Drawing:
     run = simulate(slider_crank, revolutions=2)
     row = int(np.searchsorted(run.revolution, REVOLUTION))
     (pose,) = poses(run, run.time[row : row + 1])
-    joint = Magnified.of(slider_crank)
+    joint = Magnified.of(slider_crank.clearance.contact)
     crank_pin = pose.points["crank"]["pin"]
+    (eccentricity,) = pose.eccentricity.values()
     headline = {
         "radius of the crank circle, mm": float(np.hypot(*crank_pin)),
-        "eccentricity, mm": float((pose.eccentricity[0] ** 2 + pose.eccentricity[1] ** 2) ** 0.5),
+        "eccentricity, mm": float(np.hypot(*eccentricity)),
         "magnification of the clearance, -": joint.factor,
     }
     bodies, clearance = slider_crank.bodies, slider_crank.clearance
@@ -109,7 +110,8 @@ def _draw_panels(slider_crank: Mechanism, pose: Pose, joint: Magnified) -> Figur
 
 def _draw_clearance(axes: Axes, slider_crank: Mechanism, pose: Pose, joint: Magnified) -> None:
     """Draw the magnified joint, and name its bodies where there is room."""
-    centre = draw_magnified(axes, joint, pose.eccentricity)
+    (eccentricity,) = pose.eccentricity.values()
+    centre = draw_magnified(axes, joint, eccentricity)
     draw_clearance_circle(axes, DRAWN, zorder=5)
     for at in ((0.0, 0.0), centre):
         cross(axes, at, zorder=6)

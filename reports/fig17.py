@@ -54,8 +54,7 @@ def draw(bench: Bench) -> Drawing:
         case = Case("johnson", float(str(clearance)), 0.9, 0.0)
         speed = runs[case].contacts["impact_rate_m_per_s"].iloc[0]
         impacts.append(f"{speed:.3g} m/s at {clearance:g} mm")
-        pair = runs[case].mechanism.clearance.pair
-        assert pair is not None
+        pair = runs[case].mechanism.clearance.contact.pair
         deepest = rows.loc[rows["law"] == case.law, "penetration_um"].max() * 1e-3
         equal = crossings(force_ratio("johnson", "enhanced", pair, deepest))
         crossed.append(f"from {1e3 * equal[-1]:.3g} µm on at {clearance:g} mm")
@@ -63,7 +62,7 @@ def draw(bench: Bench) -> Drawing:
         for law, loop in rows.groupby("law", sort=False):
             headline[f"{clearance:g} mm, {law}: penetration, um"] = loop["penetration_um"].max()
             headline[f"{clearance:g} mm, {law}: force, N"] = loop["force_N"].max()
-    length = next(iter(runs.values())).mechanism.clearance.length
+    length = next(iter(runs.values())).mechanism.clearance.contact.pair.length
     method = METHOD.format(
         impacts=", ".join(impacts),
         crossed=", ".join(crossed),
@@ -80,8 +79,7 @@ def _impact(case: Case, run: Trajectory) -> pd.DataFrame:
     """Return force and penetration over the first contact of a run."""
     onset, release = run.contacts[["onset_s", "release_s"]].to_numpy(dtype=float)[0]
     rows = run.in_contact & (run.time >= onset) & (run.time <= release)
-    pair = run.mechanism.clearance.pair
-    assert pair is not None
+    pair = run.mechanism.clearance.contact.pair
     # At the ends of a contact the root leaves a rounding error of either sign.
     depth = np.maximum(run.penetration[rows], 0.0)
     return pd.DataFrame(

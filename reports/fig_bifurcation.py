@@ -67,14 +67,15 @@ def draw(bench: Bench) -> Drawing:
     still = runs[runs["held_m_per_s"] == held]["impact_rate_m_per_s"] == held
     headline[f"{held:g} m/s held: to the end"] = float(still.sum())
     model = mechanism(bench)
-    clearance = model.data["clearance"]
+    contact = model.clearance.contact
+    restitution = contact.data["dissipation"]["restitution"]
     caption = CAPTION.format(
         first=sections["revolution"].min() + 1,
         last=sections["revolution"].max() + 1,
         rate=held,
     )
     method = METHOD.format(
-        losses=f"c_e = {clearance['restitution']:g} and c_f = {clearance['friction']:g}",
+        losses=f"c_e = {restitution:g} and c_f = {contact.friction:g}",
         longest=LONGEST,
         repeats=REPEATS,
         held=HELD,

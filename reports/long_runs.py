@@ -187,12 +187,11 @@ PLAN = sorted(
 def key_of(run: LongRun, data: Mapping[str, Any]) -> str:
     """Return a hash of all that the numbers of a run depend on."""
     model = run.mechanism(data)
-    joint = model.clearance
-    assert joint.pair is not None
+    joint = model.clearance.contact
     law = LAWS[vars(run.case)["law"]]()
     depth = np.minimum(np.array(PROBES) * 1e-3, 0.9 * float(law.max_penetration(joint.pair)))
     loads = [f"{load:.9g}" for load in law.load(depth, joint.pair)]
-    described = {k: v for k, v in model.data.items() if k not in ("name", "provenance")}
+    described = {k: v for k, v in model.data.items() if k != "name"}
     parts = (described, run.revolutions, FIRST, run.allowed, loads, f"{joint.chi:.9g}")
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
 

@@ -24,8 +24,8 @@ from cylcontact.mechanism import (
     read_mechanism,
     simulate,
 )
+from cylcontact.mechanism.joint import TANGENT_FROM
 from cylcontact.mechanism.model import Body
-from cylcontact.mechanism.system import TANGENT_FROM
 from cylcontact.pair import CylinderPair
 from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
 from cylcontact.reports.bench import Bench, MissingInputError
@@ -73,8 +73,8 @@ def _simulated(data: str, source: str, revolutions: int) -> Trajectory:
 
 def law_limit(mechanism: Mechanism) -> float:
     """Return the largest penetration of the mechanism's contact law in mm, inf without one."""
-    joint = mechanism.clearance
-    return np.inf if joint.pair is None else float(joint.law.max_penetration(joint.pair))
+    contact = mechanism.clearance.contact
+    return float(contact.law.max_penetration(contact.pair))
 
 
 def assumed(mechanism: Mechanism) -> str:
@@ -83,7 +83,7 @@ def assumed(mechanism: Mechanism) -> str:
     owner = "ground" if joint.i < 0 else mechanism.bodies[joint.i].name
     parts = [
         *(_body(mechanism, body) for body in mechanism.bodies),
-        f"friction from {joint.v0 * 1e3:g} to {joint.v1 * 1e3:g} mm/s (Eq 15)",
+        f"friction from {joint.contact.v0:g} to {joint.contact.v1:g} mm/s (Eq 15)",
         f"the bearing is the {owner}'s",
         "at the start the journal is centred and at rest in it",
     ]
@@ -117,11 +117,12 @@ def _continued_contacts(run: Trajectory) -> str:
     continued = int((deepest > TANGENT_FROM * limit).sum())
     if not continued:
         return ""
-    joint, data = run.mechanism.clearance, run.mechanism.data["clearance"]
-    case = f"c_e = {data['restitution']:g}, c_f = {joint.friction:g}"
+    contact = run.joint.contact
+    restitution = contact.data["dissipation"]["restitution"]
+    case = f"c_e = {restitution:g}, c_f = {contact.friction:g}"
     left = int((deepest > limit).sum())
     return (
-        f"{JOINT_LAWS[data['law']]} at {case}, {continued} of {deepest.size} contacts, "
+        f"{JOINT_LAWS[contact.law.name]} at {case}, {continued} of {deepest.size} contacts, "
         f"{left} of them beyond the limit of {limit * 1e3:.4g} µm"
     )
 

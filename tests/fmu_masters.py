@@ -7,8 +7,8 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from cylcontact.export.fmu import VARIABLES
-from cylcontact.mechanism.assembly import assemble, evaluate, joint_table
-from cylcontact.mechanism.clearance_joint import JointState
+from cylcontact.mechanism.joint import JointState
+from cylcontact.mechanism.linkage import assemble, closure, constraint_table
 
 REALS = [name for name, quantity, *_ in VARIABLES if quantity]
 INPUTS, OUTPUTS = list(range(12)), list(range(12, len(REALS)))
@@ -224,7 +224,7 @@ class SliderCrank:
     """
 
     def __init__(self, mechanism):
-        self.table = joint_table(mechanism.constraints)
+        self.table = constraint_table([j for j in mechanism.joints if j.clearance is None])
         self.bearing, self.pin = mechanism.clearance.i, mechanism.clearance.j
         self.mass = np.array([x for b in mechanism.bodies for x in (b.mass, b.mass, b.inertia)])
         self.alpha, self.beta = mechanism.integration.alpha, mechanism.integration.beta
@@ -238,7 +238,7 @@ class SliderCrank:
 
     def derivative(self, t, y, wrench):
         q, v = y.reshape(2, -1)
-        value, rate, jacobian, gamma = evaluate(self.table, t, q, v)
+        value, rate, jacobian, gamma = closure(self.table, t, q, v)
         force = np.zeros((q.size // 3, 3))
         force[self.bearing] += wrench[:3]
         force[self.pin] += wrench[3:]

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cylcontact.mechanism import contact, dop853, mechanism_from
+from cylcontact.mechanism import Settings, dop853, mechanism_from
+from cylcontact.mechanism.run import Run
 from tests.spec_files import changed
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -37,34 +38,63 @@ ODD = {
     "bodies.rod.points": {"pin": [-0.05, -0.004], "eye": [0.07, 0.006]},
     "bodies.slider.points": {"pin": [0.004, -0.003]},
     "bodies.slider.guess": [0.16, 0.05, 20.0],
-    "joints.slide.direction": 15.0,
-    "joints.slide.angle": 20.0,
-    "joints.drive.angle": 40.0,
+    "joint.slide.direction": 15.0,
+    "joint.slide.angle": 20.0,
+    "joint.drive.angle": 40.0,
 }
+
+
+# The wrist pin's bearing in the slider.
+TURNED = {"joint.wrist-pin.between": ["slider.pin", "rod.eye"]}
+
+
+def yields_at(stress):
+    """Return the change of the spec that gives pin and bearing a yield stress in MPa."""
+    return {f"joint.wrist-pin.{body}.yield_stress": stress for body in ("bearing", "pin")}
+
+
+# A second clearance, as that of the wrist pin.
+CLEARANCE = {
+    key: value
+    for key, value in next(j for j in SLIDER_CRANK["joint"] if "law" in j).items()
+    if key not in ("name", "between")
+}
+
+
+def with_clearance(spec, name, **changes):
+    """Return a spec with the clearance of the wrist pin at another joint as well."""
+    return changed(
+        spec, {f"joint.{name}.{key}": value for key, value in (CLEARANCE | changes).items()}
+    )
 
 
 class Equations:
     """The compiled right-hand side of a mechanism, called from Python in either mode."""
 
-    def __init__(self, system):
-        self.model, self.p = system.model, system.block.copy()
-        m = self.p[int(self.p[contact.MODEL_START]) :]
-        self.blocks = self.p, contact.law_of(self.p), m
-        self.size = system.start.size - 5
-        self.space = dop853.workspace(self.model, self.size, m)
+    def __init__(self, mechanism, method="minimal", beyond="stop"):
+        self.run = Run.start(mechanism, Settings(method, 1e-8, 1e-4, beyond))
+        self.size = self.run.scale.size
+        self.space = np.zeros((dop853.STAGES + 1, self.run.state.values.size))
+
+    @property
+    def joint(self):
+        """The one joint with clearance, a record."""
+        return self.run.joints[0]
 
     def rates(self, t, y):
         """Return the rates of coordinates and ledgers."""
-        turn = dop853.crank(self.model, t, self.blocks[2])
-        y = np.ascontiguousarray(y[: self.size], dtype=float)
-        dop853.evaluate(self.model, t, *turn, y, 0, self.blocks, self.space)
-        return self.space[0][0].copy()
+        run, y = self.run, np.ascontiguousarray(y[: self.size], dtype=float)
+        turn = dop853.clock(t, run.crank)
+        dop853.evaluate(
+            t, *turn, y, 0, run.joints, run.laws, run.crank, run.linkage, self.space
+        )  # fmt: skip
+        return self.space[0].copy()
 
     def gap(self, t, y):
         """Return δ in m and δ̇ in m/s."""
-        turn = dop853.crank(self.model, t, self.blocks[2])
-        y = np.ascontiguousarray(y[: self.size], dtype=float)
-        e_x, e_y, u_x, u_y, *_ = dop853.motion(self.model, *turn, y, self.blocks[2], self.space[2])
+        run, y = self.run, np.ascontiguousarray(y[: self.size], dtype=float)
+        turn = dop853.clock(t, run.crank)
+        e_x, e_y, u_x, u_y, *_ = dop853.motion(*turn, y, self.joint, run.crank, run.linkage)
         distance = math.hypot(e_x, e_y)
         rate = (e_x * u_x + e_y * u_y) / distance if distance > 0 else 0.0
-        return distance - self.p[contact.CLEARANCE], rate
+        return distance - self.joint["clearance"], rate

@@ -71,18 +71,27 @@ def golden(name: str) -> Any:
 
 
 def changed(spec: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
-    """Return a copy of a spec with values set by dotted key, or dropped."""
+    """Return a copy of a spec with values set by dotted key, or dropped.
+
+    An entry of a list goes by its name.
+    """
     result = copy.deepcopy(spec)
     for key, value in changes.items():
         *tables, last = key.split(".")
         table = result
         for name in tables:
-            table = table.setdefault(name, {})
+            table = _entry(table, name) if isinstance(table, list) else table.setdefault(name, {})
+        if isinstance(table, list):
+            last = table.index(_entry(table, last))
         if value is DROP:
             del table[last]
         else:
             table[last] = copy.deepcopy(value)
     return result
+
+
+def _entry(table: list[dict[str, Any]], name: str) -> dict[str, Any]:
+    return next(entry for entry in table if entry["name"] == name)
 
 
 def toml(value: Any) -> str:

@@ -31,6 +31,7 @@ from cylcontact.mechanism import Case, long_run, mechanism_from, simulate
 from cylcontact.reports.bench import Bench
 from tests.claim_files import claims_of
 from tests.paper_equations import e_star, factor_and_exponent, johnson, johnson_end
+from tests.spec_files import changed
 
 ROOT = Path(__file__).parents[1]
 BENCH = Bench(ROOT, jobs=2)
@@ -129,7 +130,7 @@ class TestLongRuns:
             for data in (
                 SPEC,
                 SPEC | {"integration": SPEC["integration"] | {"tolerance": 1e-9}},
-                SPEC | {"clearance": SPEC["clearance"] | {"E": 200.0}},
+                changed(SPEC, {"joint.wrist-pin.pin.E": 200.0}),
             )
         }
         assert len(keys) == 9

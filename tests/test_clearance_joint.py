@@ -18,7 +18,7 @@ from cylcontact.mechanism import (
     read_joint,
     simulate,
 )
-from cylcontact.mechanism.clearance_joint import BEYOND_LAW, YIELDS
+from cylcontact.mechanism.joint import BEYOND_LAW, YIELDS
 from cylcontact.spec import read_toml
 from tests.export_runners import compile_with, run_program
 from tests.joint_runners import RUNNERS, run_c, run_library, run_octave, run_python, write
@@ -61,9 +61,13 @@ def run_of(law, clearance):
     """Two revolutions of the slider-crank with that joint."""
     mechanism = slider_crank(law, 10.0 - (10.0 - clearance))
     joint = joint_for(law, clearance)
-    unlike = replace(mechanism.clearance, pair=joint.pair, law=joint.law)
-    mechanism = replace(mechanism, clearance=unlike)
+    joints = (replace(j, clearance=joint) if j.clearance else j for j in mechanism.joints)
+    mechanism = replace(mechanism, joints=tuple(joints))
     return simulate(mechanism, revolutions=2, beyond="tangent")
+
+
+def elastic_force(joint, penetration):
+    return contact.elastic_force(penetration, joint.block, joint.kernel.parameters)
 
 
 def rows_of(run, relative=True):
@@ -73,7 +77,7 @@ def rows_of(run, relative=True):
     coordinates knows of the joint exactly.
     """
     joint = run.mechanism.clearance
-    rate = np.where(run.in_contact, np.maximum(run.rows.impact_rate, joint.rate_floor), 0.0)
+    rate = np.where(run.in_contact, np.maximum(run.impact_rate, joint.contact.rate_floor), 0.0)
     rows = np.zeros((run.time.size, 13))
     rows[:, 0] = rate
     for first, body in ((1, joint.i), (7, joint.j)):
@@ -135,9 +139,8 @@ def test_moments_are_those_of_the_compiled_contact(case):
     answers, rows = run_library(joint, rows_of(run)), rows_of(run)
     block = joint.block.copy()
     for row, answer in zip(rows[run.in_contact][::7], answers[run.in_contact][::7], strict=True):
-        block[contact.IMPACT_RATE] = row[0]
-        e, e_rate = tuple(-row[7:9]), tuple(-row[10:12])
-        wanted = contact.contact_force(e, e_rate, row[6], row[12], block)
+        motion = (*-row[7:9], *-row[10:12], row[6], row[12])
+        wanted = contact.forces_at(*motion, row[0], block, joint.kernel.parameters)
         np.testing.assert_allclose(answer[2:4], wanted[2:4], rtol=1e-12, atol=1e-15)
 
 
@@ -176,7 +179,7 @@ def test_forces_and_moments_balance_and_dissipate(case):
         (force * rows[:, 4:6]).sum(axis=1) + (opposite * rows[:, 10:12]).sum(axis=1)
         + (moment * spins).sum(axis=1)
     )  # fmt: skip
-    elastic = np.array([contact.elastic_force(d, joint.block) for d in answers[:, 4]])
+    elastic = np.array([elastic_force(joint, d) for d in answers[:, 4]])
     balance = power + answers[:, POWER] + elastic * answers[:, 5]
     np.testing.assert_allclose(balance, 0.0, atol=1e-12 * peak * np.abs(rows[:, 3:]).max())
 
@@ -327,7 +330,7 @@ def test_states_may_be_arrays():
 def test_the_flag_tells_first_yield_and_the_end_of_the_law():
     soft = {"bearing.yield_stress": 100.0, "pin.yield_stress": 200.0}
     joint = joint_for("johnson", 0.05, **soft)
-    last = joint.block[contact.LAST_PENETRATION]
+    last = joint.block["last_penetration"]
     assert last == pytest.approx(0.9 * float(joint.law.max_penetration(joint.pair)))
     yields = float(joint.law.penetration(joint.first_yield / 10.0, joint.pair))
     assert yields < last
@@ -452,7 +455,7 @@ def test_texts_are_plain_and_name_every_number(target, units):
     assert all(part.endswith("\n") and "\n\n\n\n" not in part for part in texts.values())
     assert max(map(len, text.splitlines())) <= 130  # Fortran takes 132
     unit = 1e-3 if units == "SI" else 1.0
-    last = joint.block[contact.LAST_PENETRATION]
+    last = joint.block["last_penetration"]
     for number in (10.0 * unit, 3.0 * unit, 4.0 * unit, 10.0 * unit, joint.chi, float(last)):
         assert repr(number) in text
     assert f"moments in N {'m' if units == 'SI' else 'mm'}" in text
@@ -521,7 +524,7 @@ def test_materials_may_be_named_or_given():
 
 NOT_FOR_IT = ROOT / "fitting/results/external.json"
 MISTAKES = {
-    "missing key": ({"pin.R": DROP}, "pin.R: is required; add the radius in mm"),
+    "missing key": ({"pin.R": DROP}, "pin.R: is required; give R of the pin, or the clearance"),
     "missing table": ({"friction": DROP}, "friction: is required; add a table [friction]"),
     "no modulus": ({"pin.E": DROP}, "pin.E: is required; give E, or material = NAME"),
     "no unit": ({"pin.E": "hard"}, "pin.E = 'hard': must be a number; give Young's modulus in GPa"),

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from cylcontact import InputError
 from cylcontact.export import export_joint
 from cylcontact.mechanism import joint_from, read_joint, read_mechanism, simulate
-from cylcontact.mechanism.clearance_joint import JointState
+from cylcontact.mechanism.joint import JointState
 from cylcontact.spec import read_toml
 from tests.fmu_masters import (
     OUTPUTS,

@@ -11,7 +11,6 @@ import pytest
 import cylcontact as cc
 from cylcontact.errors import InputError
 from cylcontact.fitting import FitResult
-from cylcontact.fitting.law_models import law_of
 from cylcontact.laws import LAWS
 from cylcontact.materials import material_in_MPa
 from cylcontact.reports.laws_table import case, comparison, to_text

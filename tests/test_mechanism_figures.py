@@ -22,8 +22,7 @@ from _cylcontact_bench.slider_crank import (
 from PIL import Image
 
 from cylcontact.mechanism import Case, read_mechanism, simulate
-from cylcontact.mechanism.drawing import driver_circle, poses
-from cylcontact.mechanism.movie import FRAMES_PER_REVOLUTION, film
+from cylcontact.mechanism.drawing import FRAMES_PER_REVOLUTION, driver_circle, film, poses
 from cylcontact.reports.bench import Bench
 from tests.paper_equations import e_star, effective_radius, johnson
 
@@ -225,7 +224,7 @@ class TestSteps:
 class TestFilm:
     @pytest.mark.slow
     def test_film_is_short_enough_and_the_same_again(self, tmp_path, settled, monkeypatch):
-        monkeypatch.setattr("cylcontact.mechanism.movie.FRAMES_PER_REVOLUTION", 6)
+        monkeypatch.setattr("cylcontact.mechanism.drawing.FRAMES_PER_REVOLUTION", 6)
         calls = []
         for name in ("a.gif", "b.gif"):
             frames = film(settled, tmp_path / name, 2, lambda *call: calls.append(call))
@@ -245,7 +244,7 @@ class TestFilmCommand:
     @pytest.fixture
     def run(self, run, monkeypatch):
         """Run `cylcontact simulate` in this process, with few frames."""
-        monkeypatch.setattr("cylcontact.mechanism.movie.FRAMES_PER_REVOLUTION", 4)
+        monkeypatch.setattr("cylcontact.mechanism.drawing.FRAMES_PER_REVOLUTION", 4)
         return functools.partial(run, "simulate")
 
     def test_writes_a_film_and_tells_what_is_assumed(self, run, tmp_path):
@@ -260,7 +259,7 @@ class TestFilmCommand:
         ("arguments", "message"),
         [
             (("-o", "x.avi"), "x.avi: is neither .parquet nor .gif nor .mp4; name the output"),
-            (("-o", "no/x.gif", "--clearance", "-1"), "clearance.radial = -1.0"),
+            (("-o", "no/x.gif", "--clearance", "-1"), "joint.wrist-pin.clearance = -1.0"),
         ],
     )
     def test_bad_input_is_one_line_and_leaves_nothing(

@@ -5,27 +5,16 @@ import pytest
 import scipy.integrate
 from sksundae.cvode import CVODE
 
-from cylcontact.mechanism import contact, dop853, read_mechanism, simulate
-from cylcontact.mechanism.system import build
+from cylcontact.mechanism import long_run, read_mechanism, simulate
+from cylcontact.mechanism import slider_crank as sc
 from tests.mechanism_cases import CASES, ROOT, Equations, slider_crank
-
-
-def test_the_coefficients_are_those_of_scipy():
-    theirs, n = scipy.integrate.DOP853, dop853.STAGES
-    np.testing.assert_allclose(dop853._A[:n], theirs.A[:n, :n], rtol=1e-15, atol=0)
-    np.testing.assert_allclose(dop853._A[n], theirs.B, rtol=1e-15, atol=0)
-    np.testing.assert_allclose(dop853._C, theirs.C[:n], rtol=1e-15, atol=0)
-    np.testing.assert_allclose(dop853._E3, theirs.E3[:n], rtol=1e-15, atol=0)
-    np.testing.assert_allclose(dop853._E5, theirs.E5[:n], rtol=1e-15, atol=0)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-3, -0.0999, 0.1001, -2.0])
 def test_the_crank_turns_to_the_last_digit(angle):
-    m = build(slider_crank(), "minimal").block
-    m = m[int(m[contact.MODEL_START]) :]
-    omega = m[dop853.minimal.OMEGA]
-    c, s = dop853.crank(dop853.MINIMAL, 0.0012, m)
-    actual = dop853.turned(dop853.MINIMAL, c, s, angle / omega, m)
+    m = slider_crank().slider_crank.record
+    c, s = sc.crank_turn(0.0012, m)
+    actual = sc.turned(c, s, angle / m["omega"], m)
     assert complex(*actual) == pytest.approx(complex(c, s) * np.exp(1j * angle), abs=3e-16)
 
 
@@ -37,19 +26,19 @@ def cvode_run(mechanism, end):
 
     CVODE's Adams method on the forces as they are, kinks and all, from event to event.
     """
-    equations = Equations(build(mechanism, "minimal", "tangent"))
-    p = equations.p
+    equations = Equations(mechanism, "minimal", "tangent")
+    joint = equations.joint
     t, y, contacts = 0.0, np.zeros(4), []
 
     def rhs(t, y, out):
         out[:] = equations.rates(t, y)[:4]
 
     def gap(t, y, out):
-        out[0] = equations.gap(t, y)[0] / p[contact.CLEARANCE]
+        out[0] = equations.gap(t, y)[0] / joint["clearance"]
 
     gap.terminal = [True]
     while t < end:
-        touching = p[contact.MODE] == contact.CONTACT
+        touching = bool(joint["touching"])
         gap.direction = [-1 if touching else 1]
         solver = CVODE(
             rhs, method="Adams", rtol=1e-12, atol=np.array([1e-16, 1e-16, 1e-12, 1e-12]),
@@ -62,11 +51,11 @@ def cvode_run(mechanism, end):
             break
         if touching:
             contacts[-1][2] = t
-            p[contact.MODE] = contact.FREE
+            joint["touching"] = 0
         else:
             rate = equations.gap(t, y)[1]
             contacts.append([t, rate, np.nan])
-            p[contact.MODE], p[contact.IMPACT_RATE] = contact.CONTACT, rate
+            joint["touching"], joint["impact_rate"] = 1, rate
     return np.array(contacts), y
 
 
@@ -96,7 +85,7 @@ def test_sundials_gives_the_same_contacts(case):
 def test_the_first_contact_begins_when_the_journal_has_crossed_its_clearance(law, clearance):
     """Free flight by SciPy; the law has no part in it."""
     mechanism = slider_crank(law, clearance)
-    equations = Equations(build(mechanism, "minimal"))
+    equations = Equations(mechanism)
 
     def gap(_, y):
         return np.hypot(y[0], y[1]) - 1e-3 * clearance
@@ -152,18 +141,5 @@ def test_events_are_where_the_forces_change_piece():
 @pytest.mark.slow
 @pytest.mark.parametrize("clearance", [0.5, 0.02])
 def test_energy_is_conserved_over_a_thousand_revolutions_without_dissipation(clearance):
-    from cylcontact.mechanism.loop import Run, advance
-
-    mechanism = slider_crank("enhanced", clearance, 1.0, 0.0)
-    system = build(mechanism, "minimal")
-    run = Run.start(system, 1e-8, 1e-4)
-    part = simulate(mechanism, revolutions=1)
-    largest = 0.0
-    for revolution in range(1000):
-        rows, _ = advance(run, (revolution + 1) * mechanism.period)
-        last = type(rows)(*(getattr(rows, name)[-1:] for name in (
-            "time", "values", "in_contact", "impact_rate", "revolution")), rows.counts)  # fmt: skip
-        at_end = type(part)(mechanism, part.settings, last, system.block)
-        stored = at_end.kinetic_energy + at_end.elastic_energy - at_end.drive_work
-        largest = max(largest, abs(float(stored[0] - part.kinetic_energy[0])))
-    assert largest < 1e-2
+    run = long_run(slider_crank("enhanced", clearance, 1.0, 0.0), 1000)
+    assert run.revolutions["energy_error_J"].abs().max() < 1e-2

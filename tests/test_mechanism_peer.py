@@ -119,9 +119,9 @@ def test_statistics_of_a_revolution_agree_where_they_are_steady():
 
 def test_the_stored_energy_is_that_of_a_power_law(mechanism):
     """F = K·δⁿ stores F·δ/(n + 1)."""
-    clearance = mechanism.clearance
-    factor, n = clearance.law.factor_and_exponent(clearance.pair)
+    contact = mechanism.clearance.contact
+    factor, n = contact.law.factor_and_exponent(contact.pair)
     delta = 20e-6  # m
-    force = float(factor) * (1e3 * delta) ** float(n) * clearance.length
+    force = float(factor) * (1e3 * delta) ** float(n) * contact.pair.length
     (stored,) = stored_energy(mechanism, np.array([delta]))
     assert stored == pytest.approx(force * delta / (float(n) + 1), rel=1e-5)

@@ -5,13 +5,23 @@ import pytest
 
 from cylcontact import InputError, dissipation
 from cylcontact.laws import Johnson
-from cylcontact.laws.kernels import kernel_load
-from cylcontact.mechanism import LawDomainError, contact, loop, mechanism_from, simulate
-from cylcontact.mechanism.simulate import begin, one_revolution, settings_for
-from cylcontact.mechanism.step_history import State
-from cylcontact.mechanism.studies import eccentricity_at, horizon
-from cylcontact.mechanism.system import TANGENT_FROM
-from tests.mechanism_cases import CASES, FOUR_BAR, LAWS, ODD, slider_crank
+from cylcontact.mechanism import LawDomainError, horizon, mechanism_from, simulate
+from cylcontact.mechanism import run as running
+from cylcontact.mechanism.joint import TANGENT_FROM
+from cylcontact.mechanism.run import Run, State, settings_for
+from cylcontact.mechanism.study import eccentricity_at
+from cylcontact.progress import silent
+from tests.mechanism_cases import (
+    CASES,
+    FOUR_BAR,
+    LAWS,
+    ODD,
+    SLIDER_CRANK,
+    TURNED,
+    slider_crank,
+    with_clearance,
+)
+from tests.spec_files import changed
 
 # Those that keep to one path, as the horizons in datasets/mechanism show.
 NOT_SENSITIVE = [(law, 0.5, 0.9, 0.1) for law in LAWS] + [
@@ -25,7 +35,9 @@ CLOSE = {"integration.max_step": 1e-5}
 def apart(one, other, end, points=5000):
     """How far two runs are from each other up to a time, in m."""
     time = np.linspace(0.0, end, points)
-    return np.hypot(*(eccentricity_at(one, time) - eccentricity_at(other, time)).T).max()
+    return np.hypot(
+        *(eccentricity_at(one.joint, time) - eccentricity_at(other.joint, time)).T
+    ).max()
 
 
 def in_both_forms(mechanism):
@@ -45,7 +57,7 @@ def test_both_forms_agree_over_a_revolution(case):
 
 def test_both_forms_agree_for_odd_lengths_angles_and_gravity():
     for bearing in ("rod", "slider"):
-        spec = ODD | CLOSE | {"clearance.bearing": bearing}
+        spec = ODD | CLOSE | (TURNED if bearing == "slider" else {})
         runs = in_both_forms(slider_crank("lankarani-nikravesh", 0.02, spec=spec))
         for name in ("drive_work", "friction_dissipation", "potential_energy", "kinetic_energy"):
             ends = [getattr(run, name)[-1] for run in runs]
@@ -57,7 +69,7 @@ def test_the_side_of_the_bearing_matters_only_through_friction():
     ends = {}
     for friction in (0.0, 0.1):
         for bearing in ("rod", "slider"):
-            spec = {"clearance.bearing": bearing}
+            spec = TURNED if bearing == "slider" else {}
             run = simulate(slider_crank("johnson", 0.02, 0.9, friction, spec), revolutions=1)
             sign = 1 if bearing == "slider" else -1
             ends[friction, bearing] = sign * run.eccentricity[-1]
@@ -110,7 +122,10 @@ def test_no_shallow_contact_is_leapt_over():
     """Without a look at turning points, a contact 10 nm deep is missed in this run."""
     run = simulate(slider_crank(friction=0.0), revolutions=10, tolerance=1e-6)
     time = np.linspace(0, run.time[-1], 200_000)
-    excess = np.hypot(*eccentricity_at(run, time).T) - run.mechanism.clearance.radial
+    excess = (
+        np.hypot(*eccentricity_at(run.joint, time).T)
+        - run.mechanism.clearance.contact.radial * 1e-3
+    )
     row = np.searchsorted(run.time, time, side="left")
     free = ~run.in_contact[row] & (row > 0)
     assert excess[free].max() < 1e-9
@@ -123,7 +138,7 @@ def test_the_first_contact_is_a_nearly_isolated_impact():
     before = np.searchsorted(run.time, first["onset_s"])
     after = np.searchsorted(run.time, first["release_s"])
     achieved = -run.penetration_rate[after] / run.penetration_rate[before]
-    expected = float(dissipation.achieved_restitution(run.mechanism.clearance.chi))
+    expected = float(dissipation.achieved_restitution(run.mechanism.clearance.contact.chi))
     assert achieved == pytest.approx(expected, abs=0.02)
 
 
@@ -146,7 +161,7 @@ def test_johnsons_law_is_left_and_says_where():
     with pytest.raises(LawDomainError) as caught:
         simulate(slider_crank("johnson", 0.02, 1.0, 0.1), revolutions=3)
     message = str(caught.value)
-    assert "clearance.law = 'johnson': leaves its domain at t = 0.00109" in message
+    assert "joint.wrist-pin.law = 'johnson': leaves its domain at t = 0.00109" in message
     assert "reaches 10.83 µm and the limit is 10.83 µm" in message
     assert "tangent" in caught.value.remedy
 
@@ -154,19 +169,19 @@ def test_johnsons_law_is_left_and_says_where():
 def test_the_tangent_takes_over_smoothly_and_is_told():
     mechanism = slider_crank("johnson", 0.02, 1.0, 0.1)
     run = simulate(mechanism, revolutions=1, beyond="tangent")
-    limit = TANGENT_FROM * float(Johnson().max_penetration(mechanism.clearance.pair))
+    limit = TANGENT_FROM * float(Johnson().max_penetration(mechanism.clearance.contact.pair))
     assert run.penetration.max() * 1e3 > limit
     note = run.statistics().continuation
     assert note in run.assumptions
     assert note.startswith("beyond 9.744 µm the law goes on along its tangent, up to ")
     below, above = (
-        contact.elastic_force(limit * 1e-3 * factor, run.block) for factor in (1 - 1e-9, 1 + 1e-9)
+        run.joint.elastic_force(limit * 1e-3 * factor) for factor in (1 - 1e-9, 1 + 1e-9)
     )
     assert below == pytest.approx(above, rel=1e-8)
-    deeper = contact.elastic_force(1.1 * limit * 1e-3, run.block)
-    slope = float(Johnson().stiffness(limit, mechanism.clearance.pair)) * 10.0
+    deeper = run.joint.elastic_force(1.1 * limit * 1e-3)
+    slope = float(Johnson().stiffness(limit, mechanism.clearance.contact.pair)) * 10.0
     assert deeper == pytest.approx(below + slope * 0.1 * limit, rel=1e-8)
-    assert np.isnan(kernel_load(0, run.block[contact.HEADER : contact.HEADER + 2], 1.2 * limit))
+    assert np.isnan(run.joint.contact.kernel.load(1.2 * limit))
 
 
 def test_no_continuation_is_told_where_none_was_needed():
@@ -204,16 +219,18 @@ AFTER_782 = (
 def test_a_step_that_passes_a_kink_and_turns_back_to_it_is_not_repeated_forever():
     """v_t passes −v1, where friction bends, and would turn within the step to pass it again."""
     mechanism = slider_crank("enhanced", 0.02, 1.0, 0.1, LONG_ROD)
-    state = State(9.384, np.array(AFTER_782), True, 0.05485815933107521)
-    run = begin(mechanism, settings_for(mechanism), 783, state)
-    rows = one_revolution(run, 782, mechanism.period)
+    y, ledgers = AFTER_782[:4], AFTER_782[4:]
+    values = np.array((*y, ledgers[0], 0.0, *ledgers[1:]))
+    state = State(9.384, values, np.array([True]), np.array([0.05485815933107521]))
+    run = Run.start(mechanism, settings_for(mechanism), state)
+    (rows,) = run.revolutions(783, silent, 782)
     assert rows.time[-1] == pytest.approx(783 * mechanism.period, rel=1e-15)
     assert rows.counts[0, 0] < 3000
 
 
 def test_a_revolution_has_a_largest_number_of_steps(monkeypatch):
     for name, value in {"_BUFFER": 64, "_MOST_STEPS": 200, "_MORE_PER_SECOND": 0}.items():
-        monkeypatch.setattr(loop, name, value)
+        monkeypatch.setattr(running, name, value)
     with pytest.raises(
         InputError, match=r"revolution 0 has not ended after 256 steps, at t = 0\.00"
     ):
@@ -233,23 +250,31 @@ def test_impossible_settings_are_told(arguments, message):
 
 
 def test_minimal_coordinates_are_for_a_slider_crank():
-    with pytest.raises(InputError, match="is for a slider-crank whose clearance is between rod"):
+    with pytest.raises(
+        InputError, match="is for a slider-crank at constant speed with one clearance"
+    ):
         simulate(mechanism_from(FOUR_BAR), "minimal")
-    elsewhere = slider_crank(spec={"clearance.joint": "crank-pin"})
+    elsewhere = moved("crank-pin")
     with pytest.raises(InputError, match='use "multiplier"'):
         simulate(elsewhere, "minimal")
 
 
-def test_the_clearance_may_sit_at_any_revolute_joint():
-    for joint, bearing in (("crank-pin", "rod"), ("main", "ground")):
-        spec = {"clearance.joint": joint, "clearance.bearing": bearing}
-        if joint == "main":
-            # The crank is a rotor that whirls in its bearing; slowly, to keep the forces low.
-            spec["joints.drive.speed"] = 600.0
-        run = simulate(slider_crank(clearance=0.1, spec=spec), revolutions=1)
-        assert run.settings.method == "multiplier"
-        assert len(run.contacts) > 0
-        assert np.abs(run.energy_error).max() < 1e-5 * run.kinetic_energy.max()
+def moved(joint, **changes):
+    """The slider-crank with the clearance of the wrist pin at another joint."""
+    ideal = {"joint.wrist-pin": {"name": "wrist-pin", "between": ["rod.eye", "slider.pin"]}}
+    return mechanism_from(changed(with_clearance(SLIDER_CRANK, joint, **changes), ideal))
+
+
+@pytest.mark.parametrize("joint", ["crank-pin", "main"])
+def test_the_clearance_may_sit_at_any_revolute_joint(joint):
+    mechanism = moved(joint, clearance=0.1)
+    if joint == "main":
+        # The crank is a rotor that whirls in its bearing; slowly, to keep the forces low.
+        mechanism = mechanism_from(changed(mechanism.data, {"joint.drive.speed": 600.0}))
+    run = simulate(mechanism, revolutions=1)
+    assert run.settings.method == "multiplier"
+    assert len(run.contacts) > 0
+    assert np.abs(run.energy_error).max() < 1e-5 * run.kinetic_energy.max()
 
 
 def test_an_undefined_law_is_told():

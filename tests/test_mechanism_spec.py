@@ -1,47 +1,51 @@
 """Specs of mechanisms: every mistake told in one line."""
 
+import numpy as np
 import pytest
 
 from cylcontact import InputError, Material
-from cylcontact.mechanism import mechanism_from, read_mechanism
-from cylcontact.mechanism.assumptions import assumptions
+from cylcontact.mechanism import joint_from, mechanism_from, read_mechanism
+from cylcontact.spec import read_toml
 from tests.mechanism_cases import FOUR_BAR, ROOT, SLIDER_CRANK
 from tests.spec_files import DROP, changed
 
+PIN = "joint.wrist-pin"
 MISTAKES = [
-    ({"clearance.radial": 10.0}, "clearance.radial = 10.0: leaves no journal"),
+    ({f"{PIN}.clearance": 10.0}, f"{PIN}.clearance = 10.0: leaves no pin"),
+    ({f"{PIN}.pin.R": 9.0}, f"{PIN}.pin.R = 9.0: is given twice"),
+    ({f"{PIN}.clearance": DROP}, f"{PIN}.pin.R: is required; give R of the pin, or the clearance"),
+    ({f"{PIN}.bearing.R": DROP}, f"{PIN}.bearing.R: is required"),
     ({"bodies.ground": SLIDER_CRANK["bodies"]["rod"]}, "bodies.ground: is no body's name"),
-    ({"clearance.law": "jonson"}, "clearance.law = 'jonson': is not a law; choose johnson"),
-    ({"clearance.factor": "none"}, "clearance.factor = 'none': is not known; choose hunt-crossley"),
-    ({"clearance.yield_stress": -1}, "clearance.yield_stress = -1: must be greater than 0; give "
-     "the yield stress of both bodies in MPa"),
-    ({"clearance.E": 207e3}, "clearance.E = 207000.0: a bare number is in GPa, and diamond has "
-     '1200; did you mean 207? Or write "207000 GPa"'),
-    ({"clearance.E": "207"}, "clearance.E = '207': must be a number; give Young's modulus"),
-    ({"clearance.E": "hard Pa"}, "clearance.E = 'hard Pa': must be a number with a unit; write"),
-    ({"clearance.E": -1.0}, "clearance.E = -1.0: must be greater than 0; give Young's modulus"),
-    ({"clearance.E": True}, "clearance.E = True: must be a number; give Young's modulus"),
-    ({"clearance.E": DROP}, "clearance.E: is required; give E, or pin and hole"),
-    ({"clearance.pin": "PEEK"}, "clearance.hole: is required; give hole, or E and nu"),
-    ({"clearance.pin": "PEEK", "clearance.hole": "PEEK"},
-     "clearance.E = 207.0: is that of the materials already; remove it"),
-    ({"clearance.pin": "soap"}, "clearance.pin = 'soap': is not in the tables of materials"),
-    ({"clearance.v1": 0.5}, "clearance.v1 = 0.5: must be above v0 = 1.0"),
-    ({"clearance.joint": "slide"}, "'slide': is not a revolute joint; choose main, crank-pin"),
-    ({"clearance.bearing": "crank"}, "clearance.bearing = 'crank': is not at that joint"),
-    ({"joints.drive.speed": 0.0}, "joints.drive.speed = 0.0: must not be zero"),
-    ({"joints.drive.speed": DROP}, "joints.drive.speed: is required for a driver"),
-    ({"joints.slide.direction": DROP}, "joints.slide.direction: is required for a prismatic"),
-    ({"joints.main.speed": 3.0}, "joints.main.speed = 3.0: is not for a revolute"),
-    ({"joints.main.between": ["ground.pivot", "wheel.hub"]}, "'wheel.hub': names no body"),
-    ({"joints.main.between": ["ground.pivot", "crank.end"]}, "'crank.end': names no point"),
-    ({"joints.drive.between": ["ground", "crank.pin"]}, "'crank.pin': names a point"),
-    ({"joints.drive.type": "revolute", "joints.drive.speed": DROP,
-      "joints.drive.between": ["ground.pivot", "crank.pivot"]}, "there must be one driver"),
-    ({"provenance.paper": ["clearance"], "provenance.assumed": ["gravity"]},
-     "provenance = 'ground.points.pivot': has no provenance; list it under paper, derived"),
-    ({"provenance.derived": ["bodies.flywheel"]}, "'bodies.flywheel': covers nothing in the file"),
-    ({"provenance.derived": ["bodies"]}, "provenance = 'bodies': is listed twice"),
+    ({f"{PIN}.law": "jonson"}, f"{PIN}.law = 'jonson': is neither a law nor a fit result"),
+    ({f"{PIN}.dissipation.factor": "none"},
+     f"{PIN}.dissipation.factor = 'none': is not known; choose hunt-crossley"),
+    ({f"{PIN}.pin.E": 207e3}, f"{PIN}.pin.E = 207000.0: a bare number is in GPa, and diamond has"),
+    ({f"{PIN}.pin.E": DROP}, f"{PIN}.pin.E: is required; give E, or material = NAME"),
+    ({f"{PIN}.pin.material": "soap", f"{PIN}.pin.E": DROP, f"{PIN}.pin.nu": DROP},
+     f"{PIN}.pin.material = 'soap': is not in the tables of materials"),
+    ({f"{PIN}.friction.v1": 0.5}, f"{PIN}.friction.v1 = 0.5: must be above v0 = 1.0"),
+    ({f"{PIN}.pin.point": [1.0, 0.0]}, f"{PIN}.pin.point: is where `between` says; remove it"),
+    ({f"{PIN}.housing": {"R_o": 30.0}}, f"{PIN}.law = 'enhanced': knows no housing; choose"),
+    ({f"{PIN}.wear": 1.0}, "joint.2.wear = 1.0: is not a known key; known keys here: name, type"),
+    ({"joint.slide.law": "explicit"}, "joint.slide.type = 'prismatic': has no clearance; give it"),
+    ({"joint.main.name": "slide"}, "joint = 'slide': is the name of two joints; give each a name"),
+    ({"joint.drive.speed": 0.0}, "speed = 0.0: must not be zero"),
+    ({"joint.drive.speed": DROP}, "speed: is required for a driver; give speed in rpm, or torque"),
+    ({"joint.drive.torque": 1.0}, "speed = -5000.0: is given beside a torque"),
+    ({"joint.slide.direction": DROP}, "direction: is required for a prismatic"),
+    ({"joint.main.speed": 3.0}, "speed = 3.0: is not for a revolute"),
+    ({"joint.main.between": ["ground.pivot", "wheel.hub"]}, "'wheel.hub': names no body"),
+    ({"joint.main.between": ["ground.pivot", "crank.end"]}, "'crank.end': names no point"),
+    ({"joint.drive.between": ["ground", "crank.pin"]}, "'crank.pin': names a point"),
+    ({"spring": [{"between": ["ground", "crank.pin"]}]}, "'ground': names no point"),
+    ({"load": [{"at": "crank"}]}, "load.at = 'crank': names no point"),
+    ({"joint.drive.speed": DROP, "joint.drive.torque": 1.0},
+     "integration.period: is required without a driver of a given speed; add what counts as one"),
+    ({"clearance": {"joint": "wrist-pin", "bearing": "slider", "radial": 0.5, "E": 207.0},
+      "joints": {"wrist-pin": {"between": ["rod.eye", "slider.pin"]}}},
+     '[clearance]: is an entry of [[joint]] now; write [[joint]] with name = "wrist-pin", '
+     'between = ["slider.pin", "rod.eye"], clearance = 0.5, bearing = { R = 10.0, E = 207.0 }'),
+    ({"joints": {}}, "[joints]: is an entry of [[joint]] now; write [[joint]] with name"),
 ]  # fmt: skip
 
 
@@ -63,25 +67,39 @@ def test_the_shipped_specs_are_read():
 def test_every_number_of_the_paper_is_the_papers():
     """Sect. 4.2: 5000 rpm clockwise, 10 mm, 10 mm, 207 GPa, .3, .9, .1, α = β = .5, 1e-4 s."""
     mechanism = read_mechanism(ROOT / "datasets/slider_crank.toml")
-    clearance, integration = SLIDER_CRANK["clearance"], SLIDER_CRANK["integration"]
+    contact, integration = mechanism.clearance.contact, SLIDER_CRANK["integration"]
     assert mechanism.driver.speed == pytest.approx(-523.5987755982989)
-    keys = ("R_bearing", "length", "E", "nu", "restitution", "friction")
-    assert [clearance[key] for key in keys] == [10.0, 10.0, 207.0, 0.3, 0.9, 0.1]
+    steel = Material("", 207e3, 0.3)
+    for material in (contact.pair.material_i, contact.pair.material_j):
+        assert (material.E, material.nu) == (steel.E, steel.nu)
+    assert (contact.pair.R_i, contact.pair.length, contact.friction) == (10.0, 10.0, 0.1)
+    assert contact.data["dissipation"]["restitution"] == 0.9
     assert [integration[key] for key in ("alpha", "beta", "max_step")] == [0.5, 0.5, 1e-4]
-    disclosed = " ".join(mechanism.assumptions)
-    for name in ("R_bearing", "length", "clearance.E", "restitution", "speed", "alpha"):
-        assert name not in disclosed
 
 
-def test_changes_take_the_place_of_the_specs_values_and_of_their_provenance():
+def test_changes_take_the_place_of_the_specs_values():
     mechanism = mechanism_from(FOUR_BAR, clearance=0.2, law="johnson", friction=0.0)
-    assert mechanism.clearance.radial == pytest.approx(2e-4)
-    assert mechanism.clearance.law.name == "johnson"
-    assert mechanism.data["provenance"]["chosen"] == [
-        "clearance.radial", "clearance.friction", "clearance.law",
-    ]  # fmt: skip
-    assert not any(text.startswith("clearance.radial") for text in mechanism.assumptions)
-    assert FOUR_BAR["clearance"]["radial"] == 0.1
+    contact = mechanism.clearance.contact
+    assert (contact.radial, contact.law.name, contact.friction) == (0.2, "johnson", 0.0)
+    assert mechanism_from(mechanism.data).clearance.contact.pair == contact.pair
+    assert mechanism_from(FOUR_BAR).clearance.contact.radial == 0.1
+
+
+def test_a_clearance_may_have_what_a_joint_has():
+    """Two materials, a fit's result, a yield stress, a housing: by the keys of a joint's file."""
+    joint = read_toml(ROOT / "datasets/joint.toml")
+    entry = joint | {"between": ["rod.eye", "slider.pin"], "housing": {"R_o": 30.0}}
+    mechanism = mechanism_from(changed(SLIDER_CRANK, {PIN: entry}))
+    (found,) = mechanism.clearances
+    alone = joint_from(joint | {"housing": {"R_o": 30.0}})
+    assert (found.contact.pair, found.contact.first_yield) == (alone.pair, alone.first_yield)
+    depth = np.linspace(0, 0.02, 9)
+    assert np.array_equal(
+        found.contact.law.load(depth, alone.pair), alone.law.load(depth, alone.pair)
+    )
+    assert found.contact.point_bearing == (60.0, 0.0)
+    fitted = mechanism_from(SLIDER_CRANK, law=str(ROOT / "fitting/results/internal.json"))
+    assert fitted.clearance.contact.origin.startswith("fit result 'internal'")
 
 
 def test_what_cannot_be_changed_is_told():
@@ -89,36 +107,22 @@ def test_what_cannot_be_changed_is_told():
         mechanism_from(FOUR_BAR, speed=3)
 
 
-def test_a_modulus_may_come_with_its_unit():
-    def material(E):
-        return mechanism_from(changed(SLIDER_CRANK, {"clearance.E": E})).clearance.pair.material_i
-
-    assert material("207 GPa") == material("207000 MPa") == material(207.0)
-    assert material("2000 GPa").E == pytest.approx(2e6)
-    table = {"paper": ["joints.drive.speed", "integration"], "assumed": ["clearance"]}
-    assert assumptions({"clearance": {"E": "207 GPa"}, "provenance": table}) == (
-        "clearance.E = 207 GPa",
-    )
-
-
-def test_pin_and_hole_may_be_of_materials_by_name(tmp_path):
+def test_a_material_of_a_users_table_is_kept_in_the_data(tmp_path):
     own = tmp_path / "own.csv"
     own.write_text("name,E_GPa,nu\nbrass,102.5,0.34\n", encoding="utf-8")
-    names = {"clearance.pin": "Brass", "clearance.hole": "bronze"}
-    without = {"clearance.E": DROP, "clearance.nu": DROP}
-    mechanism = mechanism_from(changed(SLIDER_CRANK, names | without), "mine", own)
-    pair = mechanism.clearance.pair
-    assert (pair.material_j, pair.material_i) == (
-        Material("brass", 102.5e3, 0.34),
-        Material.named("bronze"),
-    )
+    bodies = {
+        f"{PIN}.pin": {"material": "Brass"},
+        f"{PIN}.bearing": {"R": 10.0, "material": "bronze"},
+    }
+    mechanism = mechanism_from(changed(SLIDER_CRANK, bodies), "mine", own)
     again = mechanism_from(mechanism.data)  # as a saved run has it, without the table
-    assert again.clearance.pair == pair
-    assert "clearance.pin.E = 102.5" in mechanism.assumptions
+    for pair in (mechanism.clearance.contact.pair, again.clearance.contact.pair):
+        assert (float(pair.material_j.E), pair.material_j.nu) == (102.5e3, 0.34)
+        assert pair.material_i == Material.named("bronze")
 
 
 def test_lengths_in_metres_are_warned_of():
-    metres = {"clearance.R_bearing": 0.01, "clearance.radial": 5e-4}
+    metres = {f"{PIN}.bearing.R": 0.01, f"{PIN}.clearance": 5e-4}
     (first, *_) = mechanism_from(changed(SLIDER_CRANK, metres)).warnings
     assert first.startswith("the radius of the hole in mm is 0.01")
 

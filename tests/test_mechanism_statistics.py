@@ -2,6 +2,7 @@
 
 import tracemalloc
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -11,10 +12,16 @@ from scipy import stats
 from cylcontact import InputError, laws, limits
 from cylcontact.mechanism import Interrupted, Trajectory, long_run, simulate
 from cylcontact.mechanism.batch_means import BatchMeans
-from cylcontact.mechanism.revolution import Limits, reduce_revolution
-from cylcontact.mechanism.statistics import HELD, LONGEST, QUANTITIES, REPEATS, period_of
-from cylcontact.mechanism.step_history import StepHistory
-from tests.mechanism_cases import slider_crank
+from cylcontact.mechanism.joint_motion import Limits
+from cylcontact.mechanism.statistics import (
+    HELD,
+    LONGEST,
+    QUANTITIES,
+    REPEATS,
+    of_joint,
+    period_of,
+)
+from tests.mechanism_cases import slider_crank, yields_at
 
 
 def autoregressive(correlation, runs, length, seed):
@@ -284,7 +291,7 @@ class TestLongRuns:
     def test_another_rate_can_be_carried_on_and_decides_the_motion(self, rate, period):
         """The way to hold δ̇⁽⁻⁾: give the state at the end another one, and go on."""
         settled = long_run(slider_crank("johnson", 0.02), revolutions=10)
-        held = replace(settled, end=replace(settled.end, impact_rate=rate))
+        held = replace(settled, end=replace(settled.end, impact_rate=np.array([rate])))
         went_on = long_run(held.mechanism, revolutions=150, resume=held)
         assert went_on.carried == rate
         assert went_on.period == period
@@ -305,9 +312,8 @@ class TestLongRuns:
 class TestWarnings:
     def test_first_yield_is_counted_among_the_contacts_of_the_steps(self):
         """One that lasts beyond the end of a revolution counts in both."""
-        spec = {"clearance.yield_stress": 200.0}
-        run = simulate(slider_crank(friction=0.0, spec=spec), revolutions=5)
-        law, pair = laws.Enhanced(), run.mechanism.clearance.pair
+        run = simulate(slider_crank(friction=0.0, spec=yields_at(200.0)), revolutions=5)
+        law, pair = laws.Enhanced(), run.mechanism.clearance.contact.pair
         loads = law.load(np.maximum(run.penetration, 0) * 1e3, pair)
         high = loads > limits.yield_load(pair)
         label, number = run.rows.revolution, np.cumsum(np.diff(run.in_contact, prepend=False) > 0)
@@ -335,15 +341,16 @@ class TestWarnings:
         """Three impacts of .5, 2 and .9 mm/s; a contact under way at the start is none."""
         modes = [1, 0, 1, 1, 0, 1, 0, 0, 1]
         rates = [0.1, 0, 0.5, 0.5, 0, 2.0, 0, 0, 0.9]
-        rows = StepHistory(
-            time=np.arange(9.0), values=np.zeros((9, 5)), in_contact=np.array(modes, dtype=bool),
-            impact_rate=np.array(rates) * 1e-3, revolution=np.zeros(9, dtype=np.int32),
-            counts=np.array([[8.0, 16.0, 0.1]]),
+        depth, steps = np.array([3.0, 0, 1, 4, 0, 2, 0, 0, 1]), np.array([[8.0, 16.0, 0.1]])
+        run = SimpleNamespace(time=np.arange(9.0), rows=SimpleNamespace(counts=steps))
+        joint = SimpleNamespace(
+            run=run, in_contact=np.array(modes, dtype=bool), impact_rate=np.array(rates) * 1e-3,
+            penetration=depth, normal_force=depth, force_within=np.zeros((8, 1)),
+            ledger=lambda _: np.zeros(9), eccentricity=np.zeros((9, 2)),
+            eccentricity_rate=np.zeros((9, 2)), max_elastic_load=0.0,
+            limits=Limits(2.5, np.inf, 1e-3),
         )  # fmt: skip
-        depth = np.array([3.0, 0, 1, 4, 0, 2, 0, 0, 1])
-        row = reduce_revolution(
-            rows, depth, depth, np.zeros((depth.size - 1, 1)), Limits(2.5, np.inf, 1e-3)
-        )
+        row = of_joint(joint)
         assert (row["impacts"], row["contacts"], row["contact_steps"]) == (3, 4, 4)
         assert (row["grazing"], row["grazing_s"]) == (2, 2.0)
         assert (row["above_yield"], row["above_yield_s"]) == (2, 0.0)

@@ -55,7 +55,7 @@ def violation(bench: Bench, tolerance: float, parameter: float) -> float:
 def baumgarte(bench: Bench) -> Finding:
     """Return the violation of the constraints in m with the paper's parameters and without."""
     model = mechanism(bench)
-    bound = CONTROLLED * model.clearance.radial
+    bound = CONTROLLED * 1e-3 * model.clearance.contact.radial
     own = model.integration.tolerance
     kept = violation(bench, own, 0.5)
 
@@ -101,9 +101,7 @@ def deepest(bench: Bench, design: str, law: str, clearance: float) -> float:
 
 def joint_pair(bench: Bench, clearance: float) -> CylinderPair:
     """Return the journal and the bearing."""
-    pair = mechanism(bench, Case(JOHNSON, clearance, 0.9, 0.0)).clearance.pair
-    assert pair is not None
-    return pair
+    return mechanism(bench, Case(JOHNSON, clearance, 0.9, 0.0)).clearance.contact.pair
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from cylcontact.arrays import FloatArray
 from cylcontact.impact import FACTORS, achieved_restitution, exact_factor, hysteresis_factor
 from cylcontact.mechanism import Case
 from cylcontact.mechanism.batch_means import BATCHES
-from cylcontact.mechanism.studies import AGREEMENT
-from cylcontact.mechanism.system import TANGENT_FROM
+from cylcontact.mechanism.joint import TANGENT_FROM
+from cylcontact.mechanism.study import AGREEMENT
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Claim, Verdict
 from cylcontact.reports.claims import ledger as claims_of

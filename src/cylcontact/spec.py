@@ -31,6 +31,7 @@ _SpecType = TypeVar("_SpecType", bound=Spec)
 _KINDS = (
     ("a fit result", {"coefficients"}),
     ("a fit result", {"settings"}),
+    ("a mechanism", {"bodies", "joint"}),
     ("a mechanism", {"bodies", "joints"}),
     ("a joint", {"bearing", "pin"}),
     ("a finite-element set-up", {"hole_radius", "load_on"}),

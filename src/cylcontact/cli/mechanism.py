@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 
     from cylcontact.mechanism import Case, Mechanism, Settings, Statistics, Trajectory
 
-__all__ = ["simulate"]
-
 _PANEL = "For a study"
 # The tolerances of a study of them, if none is given.
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
@@ -213,9 +211,8 @@ def _one_run(
     Without an output the steps are not kept, and memory does not grow with the revolutions.
     """
     from cylcontact.mechanism import read_mechanism
-    from cylcontact.mechanism.long_run import first_of
-    from cylcontact.mechanism.simulate import settings_for
-    from cylcontact.mechanism.studies import agreement
+    from cylcontact.mechanism.run import settings_for
+    from cylcontact.mechanism.study import agreement, first_of
 
     mechanism = read_mechanism(spec, changes.materials, **changes.single())
     table = options.table
@@ -246,7 +243,7 @@ def _one_run(
         if path is not None:
             typer.echo()
             say(f"written to {path}")
-    if not mechanism.ideal:
+    if mechanism.clearances:
         typer.echo()
         say(agreement(mechanism, settings, total))
     for warning in (*mechanism.warnings, *statistics.warnings):
@@ -365,7 +362,7 @@ def _film(
     """Film a mechanism, the journal magnified beside it; by default its third revolution."""
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism import simulate as run
-    from cylcontact.mechanism.movie import film, require_film
+    from cylcontact.mechanism.drawing import film, require_film
 
     first = 2 if options.first is None else options.first
     total = revolutions or first + 1
@@ -384,7 +381,7 @@ def _cases(
 ) -> None:
     """Simulate every combination of the changes into one table."""
     from cylcontact.mechanism import Plan, read_mechanism, sweep
-    from cylcontact.mechanism.long_run import first_of
+    from cylcontact.mechanism.study import first_of
 
     mechanism = read_mechanism(spec, changes.materials)
     total = revolutions or mechanism.integration.revolutions
@@ -415,24 +412,20 @@ def _tolerances(
     spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path
 ) -> None:
     """Tabulate energy balance and drift by tolerance over the cases, in both forms."""
-    from cylcontact.mechanism import Plan, read_mechanism, sweep
-    from cylcontact.mechanism.studies import tolerance_table
+    from cylcontact.mechanism import Plan, read_mechanism
+    from cylcontact.mechanism import tolerances as tabulate
 
     mechanism = read_mechanism(spec, changes.materials)
     total = revolutions or mechanism.integration.revolutions
     wanted, where = _combinations(changes), workers(options.jobs, options.scheduler)
+    methods = METHODS if mechanism.slider_crank is not None else METHODS[1:]
     plans = [
         Plan(total, method=method, tolerance=value, beyond="tangent")
-        for method in METHODS
+        for method in methods
         for value in numbers("--tolerance", options.tolerance) or TOLERANCES
     ]
     with progress_bars() as progress:
-        tables = []
-        for done, plan in enumerate(plans):
-            progress("sweeps", done, len(plans))
-            tables.append(sweep(mechanism, wanted, plan, where))
-        progress("sweeps", len(plans), len(plans))
-    table = tolerance_table(tables)
+        table = tabulate(mechanism, wanted, plans, where, progress)
     write_table(table, out)
     say(table.to_string(float_format="{:.3g}".format, na_rep="-", index=False))
     missing = len(wanted) * len(table) - int(table["cases"].sum())
@@ -449,8 +442,7 @@ def _bifurcation(
     import numpy as np
     import pandas as pd
 
-    from cylcontact.mechanism import read_mechanism
-    from cylcontact.mechanism.studies import bifurcation
+    from cylcontact.mechanism import bifurcation, read_mechanism
 
     mechanism = read_mechanism(spec, changes.materials, **changes.single("clearance"))
     ends = numbers("--clearance", changes.clearance) or [0.01, 0.5]

@@ -21,7 +21,7 @@ from cylcontact.errors import InputError
 from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw
 from cylcontact.export.exported_law import source as law_text
 from cylcontact.export.joint import source as joint_text
-from cylcontact.mechanism.clearance_joint import ClearanceJoint
+from cylcontact.mechanism.joint import ClearanceJoint
 from cylcontact.plain_text import comment
 
 # What pip cannot install, and the folder, suffix and flags of a shared library.

@@ -1,6 +1,6 @@
 """A clearance joint in the neutral notation, from which every language is rendered.
 
-The steps are those of `cylcontact.mechanism.clearance_joint`, in the units of the joint, so that no
+The steps are those of `cylcontact.mechanism.joint`, in the units of the joint, so that no
 language has formulas of its own. Only the law is in mm: the step `depth` is the one conversion.
 """
 
@@ -32,9 +32,7 @@ from cylcontact.laws.formula import Step, names_in, needed, steps_of
 from cylcontact.laws.kernels import TABLE
 from cylcontact.laws.law import Law
 from cylcontact.materials import Material
-from cylcontact.mechanism import contact
-from cylcontact.mechanism.clearance_joint import ClearanceJoint, JointState
-from cylcontact.mechanism.system import TANGENT_FROM
+from cylcontact.mechanism.joint import TANGENT_FROM, ClearanceJoint, JointState
 from cylcontact.plain_text import RESERVED, comment
 
 # The motion of a body as it is passed; in the steps bearing_x and so on.
@@ -170,7 +168,7 @@ class Element:
     @property
     def _ends(self) -> bool:
         """Whether the law ends somewhere."""
-        return bool(np.isfinite(self.joint.block[contact.LAST_PENETRATION]))
+        return bool(np.isfinite(self.joint.block["last_penetration"]))
 
     @property
     def _yields(self) -> bool:
@@ -198,7 +196,7 @@ class Element:
             "point_bearing_y": (joint.point_bearing[1] / mm, u, "  axes of its body"),
             "point_pin_x": (joint.point_pin[0] / mm, u, "centre of the pin, in the"),
             "point_pin_y": (joint.point_pin[1] / mm, u, "  axes of its body"),
-            "length": (float(p[contact.LENGTH]), "mm", "axial length; the law is per mm"),
+            "length": (float(p["length"]), "mm", "axial length; the law is per mm"),
             "in_mm": (mm, f"mm/{u}", "the law takes the penetration in mm"),
             "rate_floor": (joint.rate_floor, f"{u}/s", "slowest impact rate that counts"),
             "chi": (joint.chi, "-", "hysteresis factor"),
@@ -209,9 +207,9 @@ class Element:
         }
         if self._ends:
             constants |= {
-                "last_depth": (float(p[contact.LAST_PENETRATION]), "mm", "end of the law;"),
-                "last_load": (float(p[contact.LAST_LOAD]), "N/mm", "  beyond it the tangent:"),
-                "last_slope": (float(p[contact.LAST_SLOPE]), "N/mm^2", "  its load and slope"),
+                "last_depth": (float(p["last_penetration"]), "mm", "end of the law;"),
+                "last_load": (float(p["last_load"]), "N/mm", "  beyond it the tangent:"),
+                "last_slope": (float(p["last_slope"]), "N/mm^2", "  its load and slope"),
             }
         if self._yields:
             constants["first_yield"] = (joint.first_yield, "N", "elastic force at first yield")

@@ -23,7 +23,7 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.choices import listed
 from cylcontact.export import CODES
 from cylcontact.impact import IMPACT_RATE_FLOOR, achieved_restitution
-from cylcontact.mechanism.clearance_joint import ClearanceJoint
+from cylcontact.mechanism.joint import ClearanceJoint
 
 # The forces of a fit.
 _FORCES = 200

@@ -1,21 +1,27 @@
-"""Planar mechanisms with a clearance joint: those of Section 4 of the paper, and your own."""
+"""Planar mechanisms with clearance joints: those of Section 4 of the paper, and your own."""
 
-from cylcontact.mechanism.clearance_joint import (
+from cylcontact.mechanism.impact import Impact, isolated_impact
+from cylcontact.mechanism.joint import (
     ClearanceJoint,
     JointState,
     JointWrench,
     joint_from,
     read_joint,
 )
-from cylcontact.mechanism.impact import Impact, isolated_impact
-from cylcontact.mechanism.long_run import long_run
-from cylcontact.mechanism.loop import LawDomainError, RunError
+from cylcontact.mechanism.joint_motion import JointMotion
 from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
-from cylcontact.mechanism.simulate import Interrupted, simulate
+from cylcontact.mechanism.run import Interrupted, LawDomainError, RunError, Settings, simulate
 from cylcontact.mechanism.statistics import Statistics
-from cylcontact.mechanism.step_history import Settings
-from cylcontact.mechanism.studies import horizon
-from cylcontact.mechanism.sweep import Case, Plan, cases, sweep
+from cylcontact.mechanism.study import (
+    Case,
+    Plan,
+    bifurcation,
+    cases,
+    horizon,
+    long_run,
+    sweep,
+    tolerances,
+)
 from cylcontact.mechanism.trajectory import Trajectory
 
 __all__ = [
@@ -23,6 +29,7 @@ __all__ = [
     "ClearanceJoint",
     "Impact",
     "Interrupted",
+    "JointMotion",
     "JointState",
     "JointWrench",
     "LawDomainError",
@@ -32,6 +39,7 @@ __all__ = [
     "Settings",
     "Statistics",
     "Trajectory",
+    "bifurcation",
     "cases",
     "horizon",
     "isolated_impact",
@@ -42,6 +50,7 @@ __all__ = [
     "read_mechanism",
     "simulate",
     "sweep",
+    "tolerances",
 ]
 
 

@@ -18,8 +18,6 @@ import numpy as np
 
 from cylcontact.arrays import BoolArray, FloatArray
 
-__all__ = ["BATCHES", "LEAST", "SIZE", "BatchMeans", "batches_of"]
-
 BATCHES = 20
 # Fewer batches, or fewer revolutions in each, give no interval.
 LEAST, SIZE = 4, 2

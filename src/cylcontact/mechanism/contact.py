@@ -1,10 +1,10 @@
-"""Compiled contact of journal and bearing: Eqs 11–15 with any law of the package.
+"""Compiled contact of pin and bearing: Eqs 11–15 with any law of the package.
 
-Body *i* carries the bearing, body *j* the journal. With the eccentricity e = r_i − r_j
-(Eq 11), n = e/|e| points from the journal's centre to the bearing's, and the bodies touch on the
-side of −n. Both contact forces act at one point, C = r_i − R_i·n on the bearing's surface, so that
-the pair exchanges no net angular momentum. Relative to the journal's centre, C is at −(R_j − δ)·n,
-at the journal's radius minus the penetration.
+Body *i* carries the bearing, body *j* the pin. With the eccentricity e = r_i − r_j (Eq 11),
+n = e/|e| points from the pin's centre to the bearing's, and the bodies touch on the side of −n.
+Both contact forces act at one point, C = r_i − R_i·n on the bearing's surface, so that the pair
+exchanges no net angular momentum. Relative to the pin's centre, C is at −(R_j − δ)·n, at the pin's
+radius minus the penetration.
 
 The velocities of the two bodies at C give the tangential velocity, with t = [n_y, −n_x],
 
@@ -13,103 +13,81 @@ The velocities of the two bodies at C give the tangential velocity, with t = [n_
 and the normal velocity is the penetration rate, (v_i − v_j)·n = ė·n = δ̇, because a rotation about
 either centre moves C along t only.
 
-**Units.** The mechanics is in SI, the laws in mm and N/mm. Only `elastic_force` converts between
-them: it takes a penetration in m and returns a force in N.
+**Units.** The mechanics is in SI, the laws in mm and N/mm. Only `elastic_force` and `stored_energy`
+convert between them.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cylcontact.arrays import FloatArray
 from cylcontact.impact import RATIO_BEND
-from cylcontact.laws.kernels import kernel_load
+from cylcontact.laws.kernels import kernel_energy, kernel_load
 from cylcontact.numba_cache import compiled, inlined
 
-__all__ = [
-    "ALLOWED_PENETRATION",
-    "ANY",
-    "BRANCH",
-    "CHI",
-    "CLEARANCE",
-    "CONTACT",
-    "FREE",
-    "FRICTION",
-    "HEADER",
-    "IMPACT_RATE",
-    "KERNEL",
-    "KERNEL_SIZE",
-    "KERNEL_START",
-    "LAST_LOAD",
-    "LAST_PENETRATION",
-    "LAST_SLOPE",
-    "LAW",
-    "LENGTH",
-    "LINE",
-    "MODE",
-    "MODEL_START",
-    "RATE_FLOOR",
-    "REGIME",
-    "R_BEARING",
-    "R_JOURNAL",
-    "STOP_PENETRATION",
-    "V0",
-    "V1",
-    "bounded_ratio",
-    "contact_force",
-    "elastic_force",
-    "forces",
-    "friction_force",
-    "law_of",
-    "relative_motion",
-]
+# A joint with clearance, as compiled functions take it; in Python a record is of this type.
+Joint = Any
 
-# Positions in the parameter block of a compiled model: this header, the numbers of the law and
-# those of the model.
-MODE, IMPACT_RATE, BRANCH, REGIME = 0, 1, 2, 3
-CHI, FRICTION, V0, V1 = 4, 5, 6, 7
-CLEARANCE, R_BEARING, R_JOURNAL, LENGTH = 8, 9, 10, 11
-LAST_PENETRATION, LAST_LOAD, LAST_SLOPE, STOP_PENETRATION = 12, 13, 14, 15
-KERNEL, KERNEL_START, KERNEL_SIZE, MODEL_START = 16, 17, 18, 19
-ALLOWED_PENETRATION, RATE_FLOOR = 20, 21
-HEADER = 22
-
-FREE, CONTACT = 0.0, 1.0
 # The force is smooth in pieces. An integrator holds a piece through a step, beyond its ends if need
 # be, and changes it at events. Branches of friction: slip (±2), ramp (±1), none (0). Regimes of the
 # load: the law, or the straight line that continues it. ANY chooses by the state.
-LAW, LINE = 0.0, 1.0
-ANY = 9.0
+LAW, LINE = 0, 1
+ANY = 9
+
+# First what a run changes: whether there is contact, δ̇⁽⁻⁾ at the onset and bounded from below in
+# m/s, and the pieces. Penetrations at which the law ends are in mm, all else is in SI.
+JOINT = np.dtype(
+    [
+        *((name, np.int64) for name in ("touching", "branch", "regime")),
+        *((name, np.float64) for name in ("onset_rate", "impact_rate")),
+        *((name, np.float64) for name in ("chi", "friction", "v0", "v1", "rate_floor")),
+        *((name, np.float64) for name in ("clearance", "R_bearing", "R_pin", "length")),
+        *((name, np.float64) for name in ("last_penetration", "last_load", "last_slope")),
+        *((name, np.float64) for name in ("stop_penetration", "allowed_penetration")),
+        # The law's kind, and where its numbers are among those of all joints.
+        *((name, np.int64) for name in ("kernel", "first", "size")),
+        # The bodies of bearing and pin, and the centres in the axes of each.
+        *((name, np.int64) for name in ("i", "j")),
+        *((name, np.float64) for name in ("x_i", "y_i", "x_j", "y_j")),
+    ]
+)
 
 
 @compiled
-def law_of(p: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the numbers of the law in a parameter block."""
-    start = int(p[KERNEL_START])
-    return p[start : start + int(p[KERNEL_SIZE])]
-
-
-@compiled
-def elastic_force(penetration: float, p: NDArray[np.float64]) -> float:
+def elastic_force(penetration: float, joint: Joint, law: FloatArray) -> float:
     """Return the elastic force in N at a penetration in m.
 
-    Beyond `LAST_PENETRATION` (in mm) the load continues along a straight line.
+    Beyond `last_penetration` the load continues along a straight line.
     """
-    return _elastic(penetration, p, law_of(p))
+    return _elastic(penetration, joint, law)
 
 
 @inlined
-def _elastic(penetration: float, p: NDArray[np.float64], law: NDArray[np.float64]) -> float:
+def _elastic(penetration: float, joint: Joint, law: FloatArray) -> float:
     delta = penetration * 1e3
     if delta <= 0.0:
         return 0.0
-    if p[REGIME] == LINE or (p[REGIME] == ANY and delta > p[LAST_PENETRATION]):
-        load = p[LAST_LOAD] + p[LAST_SLOPE] * (delta - p[LAST_PENETRATION])
+    if joint.regime == LINE or (joint.regime == ANY and delta > joint.last_penetration):
+        load = joint.last_load + joint.last_slope * (delta - joint.last_penetration)
     else:
-        load = kernel_load(int(p[KERNEL]), law, delta)
-    return float(load * p[LENGTH])
+        load = kernel_load(joint.kernel, law, delta)
+    return float(load * joint.length)
+
+
+@compiled
+def stored_energy(penetration: float, joint: Joint, law: FloatArray) -> float:
+    """Return ∫ F_el dδ in J up to a penetration in m."""
+    turn = joint.last_penetration * 1e-3
+    # N/mm·mm times the length in mm is N mm.
+    within = kernel_energy(joint.kernel, law, 1e3 * min(penetration, turn)) * joint.length * 1e-3
+    if penetration <= turn:
+        return float(within)
+    ends = elastic_force(turn, joint, law) + elastic_force(penetration, joint, law)
+    return float(within + 0.5 * (penetration - turn) * ends)
 
 
 @inlined
@@ -122,28 +100,22 @@ def bounded_ratio(ratio: float) -> float:
 
 
 @inlined
-def friction_force(normal: float, v_t: float, p: NDArray[np.float64]) -> float:
+def friction_force(normal: float, v_t: float, joint: Joint) -> float:
     """Return f_t = −c_f·c_d·f_n·sgn(v_t) in N (Eqs 14–15), v_t in m/s."""
-    branch = p[BRANCH]
+    branch = joint.branch
     if branch == ANY:
-        correction = min(max((abs(v_t) - p[V0]) / (p[V1] - p[V0]), 0.0), 1.0)
+        correction = min(max((abs(v_t) - joint.v0) / (joint.v1 - joint.v0), 0.0), 1.0)
         correction = math.copysign(correction, v_t)
-    elif abs(branch) == 1.0:
-        correction = (v_t - branch * p[V0]) / (p[V1] - p[V0])
+    elif abs(branch) == 1:
+        correction = (v_t - branch * joint.v0) / (joint.v1 - joint.v0)
     else:
         correction = 0.5 * branch
-    return float(-p[FRICTION] * correction * normal)
+    return float(-joint.friction * correction * normal)
 
 
 @inlined
 def relative_motion(
-    e_x: float,
-    e_y: float,
-    u_x: float,
-    u_y: float,
-    omega_i: float,
-    omega_j: float,
-    p: NDArray[np.float64],
+    e_x: float, e_y: float, u_x: float, u_y: float, omega_i: float, omega_j: float, joint: Joint
 ) -> tuple[float, float, float, float, float]:
     """Return n_x, n_y, δ in m, and δ̇ and v_t in m/s, of the arguments of `forces`.
 
@@ -154,23 +126,10 @@ def relative_motion(
     if distance > 0.0:
         per_distance = 1.0 / distance
         n_x, n_y = e_x * per_distance, e_y * per_distance
-    delta = distance - p[CLEARANCE]
+    delta = distance - joint.clearance
     rate = u_x * n_x + u_y * n_y
-    v_t = u_x * n_y - u_y * n_x + omega_i * p[R_BEARING] - omega_j * (p[R_JOURNAL] - delta)
+    v_t = u_x * n_y - u_y * n_x + omega_i * joint.R_bearing - omega_j * (joint.R_pin - delta)
     return n_x, n_y, delta, rate, v_t
-
-
-@compiled
-def contact_force(
-    e: tuple[float, float],
-    e_dot: tuple[float, float],
-    omega_i: float,
-    omega_j: float,
-    p: NDArray[np.float64],
-) -> tuple[float, float, float, float, float, float, float]:
-    """Return the contact of a pair in contact mode: all but the last of `forces`."""
-    law = law_of(p)
-    return forces(e[0], e[1], e_dot[0], e_dot[1], omega_i, omega_j, p[IMPACT_RATE], p, law)[:7]
 
 
 @inlined
@@ -182,46 +141,42 @@ def forces(
     omega_i: float,
     omega_j: float,
     impact_rate: float,
-    p: NDArray[np.float64],
-    law: NDArray[np.float64],
+    joint: Joint,
+    law: FloatArray,
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Return the contact of a pair in contact mode.
+    """Return the contact of a pair that touches.
 
-    Parameters
-    ----------
-    e_x, e_y, u_x, u_y : float
-        Eccentricity in m and its rate in m/s.
-    omega_i, omega_j : float
-        Spins of the bodies with the bearing and with the journal, rad/s.
-    impact_rate : float
-        δ̇⁽⁻⁾ in m/s, positive.
-    p : array of float
-        The parameter block.
-    law : array of float
-        The numbers of the law, `law_of(p)`.
+    The arguments are e in m and its rate in m/s, the spins of the bodies with the bearing and with
+    the pin in rad/s, δ̇⁽⁻⁾ in m/s, and the joint with the numbers of its law. The results are
 
-    Returns
-    -------
-    force_x, force_y : float
-        f_i of Eq 13a in N, on the bearing at C; the force on the journal is opposite.
-    moment_i, moment_j : float
-        Moments of that force about the bearing's centre and of the opposite force about the
-        journal's centre, in N m; positive anticlockwise.
-    normal : float
-        f_n in N.
-    normal_power, friction_power : float
-        Powers dissipated by the damping part of the normal force and by friction, in W.
-    penetration : float
-        δ in m.
+    - f_i of Eq 13a in N, on the bearing at C, and the moments of it about the bearing's centre and
+      of the opposite force about the pin's, in N m, positive anticlockwise;
+    - f_n in N, the powers in W that damping and friction dissipate, and δ in m.
     """
-    n_x, n_y, delta, rate, v_t = relative_motion(e_x, e_y, u_x, u_y, omega_i, omega_j, p)
-    elastic = _elastic(delta, p, law)
-    damping = p[CHI] * bounded_ratio(rate / impact_rate)
+    n_x, n_y, delta, rate, v_t = relative_motion(e_x, e_y, u_x, u_y, omega_i, omega_j, joint)
+    elastic = _elastic(delta, joint, law)
+    damping = joint.chi * bounded_ratio(rate / impact_rate)
     normal = max(elastic * (1.0 + damping), 0.0)
-    tangential = friction_force(normal, v_t, p)
+    tangential = friction_force(normal, v_t, joint)
     force_x = -normal * n_x + tangential * n_y
     force_y = -normal * n_y - tangential * n_x
     # (−a·n) × (f_t·t) = a·f_t, as n × t = −1.
-    moment_i, moment_j = p[R_BEARING] * tangential, -(p[R_JOURNAL] - delta) * tangential
+    moment_i, moment_j = joint.R_bearing * tangential, -(joint.R_pin - delta) * tangential
     normal_power, friction_power = (normal - elastic) * rate, -tangential * v_t
     return force_x, force_y, moment_i, moment_j, normal, normal_power, friction_power, delta
+
+
+@compiled
+def forces_at(
+    e_x: float,
+    e_y: float,
+    u_x: float,
+    u_y: float,
+    omega_i: float,
+    omega_j: float,
+    impact_rate: float,
+    joint: Joint,
+    law: FloatArray,
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Return what `forces` returns, without a copy of the laws in the caller."""
+    return forces(e_x, e_y, u_x, u_y, omega_i, omega_j, impact_rate, joint, law)

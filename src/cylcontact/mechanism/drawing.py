@@ -1,41 +1,33 @@
-"""Drawings of a mechanism and of its clearance joint, magnified."""
+"""Drawings and films of a mechanism, its joints with clearance magnified."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from subprocess import CalledProcessError
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.animation import FuncAnimation, writers
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 from matplotlib.transforms import Affine2D
+from scipy.spatial import ConvexHull
 
 from cylcontact.arrays import FloatArray, require
-from cylcontact.mechanism import Mechanism, Trajectory
+from cylcontact.errors import InputError
+from cylcontact.files import replacing, require_suffix
+from cylcontact.mechanism import ClearanceJoint, JointMotion, Mechanism, Trajectory
 from cylcontact.mechanism.model import Joint
-from cylcontact.plain_text import brief
+from cylcontact.plain_text import as_label, brief
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.sketch import OUTLINE, POINTER, THIN, Point
-from cylcontact.plots.style import ACCENT, QUIET, figure_style
-
-__all__ = [
-    "DRAWN",
-    "Magnified",
-    "Pose",
-    "draw_circle",
-    "draw_clearance_circle",
-    "draw_linkage",
-    "draw_magnified",
-    "driver_circle",
-    "frame",
-    "joint_drawing",
-    "joint_place",
-    "poses",
-    "set_view",
-    "span",
-]
+from cylcontact.plots.style import ACCENT, QUIET, FigureStyle, figure_style
+from cylcontact.progress import Progress, silent
 
 # Margins along x and y around the points, as fractions of their span along x.
 MARGINS = (0.12, 0.08)
@@ -54,42 +46,21 @@ CIRCLE: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Pose:
-    """The positions of all bodies at one time, in mm.
+    """The positions of all bodies at a time in s, in mm and rad.
 
-    Attributes
-    ----------
-    time : float
-        In s.
-    points : dict
-        (x, y) by body and name of the point, including the ground.
-    eccentricity : pair of float
-        e, from the journal's centre to the bearing's.
-    centres : dict
-        Centre of mass by body.
-    angles : dict
-        Angle in rad by body.
+    Points go by body, the ground included, and name, e by joint, centres of mass and angles by
+    body.
     """
 
     time: float
     points: dict[str, dict[str, Point]]
-    eccentricity: Point
+    eccentricity: dict[str, Point]
     centres: dict[str, Point]
     angles: dict[str, float]
 
 
 def poses(run: Trajectory, times: FloatArray) -> list[Pose]:
-    """Return the poses of a run at given times, by linear interpolation between its steps.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    times : array of float, shape (m,)
-        In s.
-
-    Returns
-    -------
-    list of Pose
+    """Return the poses of a run at times in s, by linear interpolation between its steps.
 
     Examples
     --------
@@ -103,10 +74,14 @@ def poses(run: Trajectory, times: FloatArray) -> list[Pose]:
     data = run.mechanism.data
     flat = run.coordinates.reshape(run.time.size, -1)
     bodies = np.column_stack([np.interp(times, run.time, column) for column in flat.T])
-    e = np.column_stack([np.interp(times, run.time, column) for column in run.eccentricity.T])
+    ways = {
+        name: np.column_stack([np.interp(times, run.time, e) for e in joint.eccentricity.T])
+        for name, joint in run.joints.items()
+    }
     ground = {name: _mm(point) for name, point in data["ground"]["points"].items()}
     result = []
-    for time, row, ecc in zip(times, bodies.reshape(times.size, -1, 3), e, strict=True):
+    for at, (time, row) in enumerate(zip(times, bodies.reshape(times.size, -1, 3), strict=True)):
+        way = {name: _mm(e[at]) for name, e in ways.items()}
         points, centres, angles = {"ground": ground}, {}, {}
         for body, (x, y, angle) in zip(run.mechanism.bodies, row, strict=True):
             centres[body.name], angles[body.name] = _mm((x, y)), float(angle)
@@ -114,7 +89,7 @@ def poses(run: Trajectory, times: FloatArray) -> list[Pose]:
                 name: _mm(_in_global_axes(x, y, angle, local))
                 for name, local in data["bodies"][body.name]["points"].items()
             }
-        result.append(Pose(float(time), points, _mm(ecc), centres, angles))
+        result.append(Pose(float(time), points, way, centres, angles))
     return result
 
 
@@ -141,20 +116,9 @@ def span(path: list[Pose]) -> tuple[float, float, float, float]:
 def draw_linkage(
     axes: Axes, mechanism: Mechanism, pose: Pose, size: float, path: Sequence[Pose] = ()
 ) -> None:
-    """Draw a mechanism in a pose.
+    """Draw a mechanism in a pose, its parts in proportion to its span `size`, all in mm.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        In mm, with equal scales.
-    mechanism : Mechanism
-        The mechanism, for its joints.
-    pose : Pose
-        The positions of its bodies.
-    size : float
-        The span of the mechanism in mm, to which the parts are drawn in proportion.
-    path : sequence of Pose, optional
-        All poses to be drawn, which determine the length of the guides.
+    Guides are as long as all the poses of a path need.
     """
     for joint in mechanism.joints:
         if joint.kind == "prismatic":
@@ -174,7 +138,10 @@ def draw_linkage(
 
 def driver_circle(mechanism: Mechanism, pose: Pose) -> tuple[Point, float] | None:
     """Return centre and radius in mm of the circle of the driven body's free end, if any."""
-    driven = max(mechanism.driver.i, mechanism.driver.j)
+    drives = [joint for joint in mechanism.joints if joint.kind == "driver"]
+    if not drives:
+        return None
+    driven = max(drives[0].i, drives[0].j)
     for joint in mechanism.joints:
         if joint.kind == "revolute" and {joint.i, joint.j} == {-1, driven}:
             ground = joint.point_i if joint.i == -1 else joint.point_j
@@ -188,16 +155,9 @@ def _link(points: list[Point], radius: float, fill: str, order: int) -> Polygon:
     """Return a body as a bar, the hull of discs about its points."""
     turn = np.exp(1j * np.linspace(0, 2 * np.pi, 73))
     cloud = np.concatenate([complex(*point) + radius * turn for point in points])
-    return Polygon(_hull(cloud), closed=True, facecolor=fill, zorder=order, **OUTLINE)
-
-
-def _hull(cloud: FloatArray) -> FloatArray:
-    """Return the convex hull of complex points as an array of shape (n, 2)."""
-    from scipy.spatial import ConvexHull
-
     flat = np.column_stack((cloud.real, cloud.imag))
-    corners: FloatArray = flat[ConvexHull(flat).vertices]
-    return corners
+    corners = flat[ConvexHull(flat).vertices]
+    return Polygon(corners, closed=True, facecolor=fill, zorder=order, **OUTLINE)
 
 
 def _draw_block(axes: Axes, centre: Point, angle: float, size: float, fill: str) -> None:
@@ -264,9 +224,8 @@ def joint_place(mechanism: Mechanism, pose: Pose, joint: Joint) -> Point:
 def _draw_pin(axes: Axes, mechanism: Mechanism, pose: Pose, joint: Joint, size: float) -> None:
     """Draw a revolute joint, highlighted if it has the clearance."""
     centre = joint_place(mechanism, pose, joint)
-    open_joint = joint.name == mechanism.clearance.joint
     axes.add_patch(Circle(centre, PIN * size, facecolor="white", zorder=8, **OUTLINE))
-    if open_joint:
+    if joint.clearance is not None:
         ring = {"fill": False, "edgecolor": ACCENT, "linewidth": 1.4}
         axes.add_patch(Circle(centre, 2.1 * PIN * size, zorder=8, **ring))
 
@@ -299,7 +258,8 @@ def draw_circle(axes: Axes, mechanism: Mechanism, pose: Pose) -> None:
         return
     (x, y), radius = circle
     axes.add_patch(Circle((x, y), radius, zorder=0.5, **CIRCLE))
-    turn = np.radians(np.array([118.0, 142.0])[:: int(np.sign(mechanism.driver.speed)) or 1])
+    sense = next(j.speed or j.torque for j in mechanism.joints if j.kind == "driver")
+    turn = np.radians(np.array([118.0, 142.0])[:: int(np.sign(sense))])
     start, end = (
         (float(x + radius * np.cos(angle)), float(y + radius * np.sin(angle))) for angle in turn
     )
@@ -317,23 +277,15 @@ RIM = 1.22
 
 @dataclass(frozen=True)
 class Magnified:
-    """The clearance joint as drawn, in radii of the bearing from its centre.
-
-    Attributes
-    ----------
-    radial : float
-        The radial clearance in mm.
-    R_bearing : float
-        In mm.
-    """
+    """A joint with clearance as drawn, in radii of the bearing from its centre; radii in mm."""
 
     radial: float
     R_bearing: float
 
     @classmethod
-    def of(cls, mechanism: Mechanism) -> Magnified:
-        """Return the clearance joint of a mechanism."""
-        return cls(mechanism.clearance.radial * 1e3, mechanism.clearance.R_bearing * 1e3)
+    def of(cls, contact: ClearanceJoint) -> Magnified:
+        """Return a joint with clearance."""
+        return cls(contact.radial, float(np.asarray(contact.pair.R_i)))
 
     @property
     def factor(self) -> float:
@@ -353,17 +305,7 @@ class Magnified:
 
 
 def draw_magnified(axes: Axes, joint: Magnified, eccentricity: Point) -> Point:
-    """Draw bearing and journal, and return the journal's centre as drawn.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Axes in units of the bearing's radius.
-    joint : Magnified
-        The joint.
-    eccentricity : pair of float
-        e in mm.
-    """
+    """Draw bearing and pin, e in mm, in radii of the bearing; return the pin's centre as drawn."""
     centre = joint.journal_centre(eccentricity)
     axes.add_patch(Circle((0, 0), RIM, facecolor=BEARING, zorder=1, **OUTLINE))
     axes.add_patch(Circle((0, 0), 1.0, facecolor="white", zorder=2, **OUTLINE))
@@ -386,31 +328,163 @@ def draw_clearance_circle(axes: Axes, radius: float, **style: Any) -> None:
 
 
 @figure_style()
-def joint_drawing(run: Trajectory, revolutions: float = 2.0) -> Drawing:
+def joint_drawing(joint: JointMotion, revolutions: float = 2.0) -> Drawing:
     """Draw the end of a run; see `Trajectory.plot`."""
     require(revolutions > 0, "plot", "revolutions", revolutions, "must be positive", "give e.g. 2")
-    last = run.revolution >= run.revolution[-1] - revolutions
-    centre = -1e3 * run.eccentricity[last]
+    revolution = joint.run.revolution
+    last = revolution >= revolution[-1] - revolutions
+    centre = -1e3 * joint.eccentricity[last]
     table = pd.DataFrame(
         {
-            "revolution": run.revolution[last],
+            "revolution": revolution[last],
             "x_mm": centre[:, 0],
             "y_mm": centre[:, 1],
-            "normal_force_N": run.normal_force[last],
+            "normal_force_N": joint.normal_force[last],
         }
     )
     figure = new_figure("full", 70.0)
     path, force = figure.subplots(1, 2, width_ratios=(1, 2))
     plain: dict[str, Any] = {"color": "black", "linestyle": "-", "linewidth": 0.6, "marker": ""}
-    draw_clearance_circle(path, 1e3 * run.mechanism.clearance.radial, color=QUIET)
+    draw_clearance_circle(path, joint.contact.radial, color=QUIET)
     path.plot(table["x_mm"], table["y_mm"], **plain | {"color": ACCENT})
     path.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
     force.plot(table["revolution"], table["normal_force_N"], **plain)
     force.set(xlabel="revolution (-)", ylabel="normal force (N)")
     caption = (
-        f"{brief(run.mechanism.name)}, the end of the run. Left: the path of the journal's centre "
-        "in the bearing, and dashed the circle on which it touches the bearing. Right: the normal "
-        "force in the joint."
+        f"{brief(joint.run.mechanism.name)}, the end of the run. Left: path of the pin's centre "
+        "in the bearing, and dashed the circle on which it touches. Right: the normal force."
     )
     largest = {"largest normal force, N": float(table["normal_force_N"].max())}
     return Drawing(figure, table, largest, caption)
+
+
+# --- films --------------------------------------------------------------------------------------
+
+SIZE_INCHES, DPI = (7.2, 3.2), 90
+STYLE = FigureStyle("film", font_size=10.0)
+# GIF counts time in hundredths of a second.
+FRAMES_PER_REVOLUTION, FRAMES_PER_SECOND = 90, 20
+# Length of the trail of the journal's centre, in revolutions.
+TRAIL = 0.25
+TRAIL_LINE: dict[str, Any] = {"color": ACCENT, "linewidth": 0.8, "linestyle": "-", "marker": ""}
+CENTRE: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 4,
+    "color": "black",
+    "markerfacecolor": "black",
+}
+# Length of the 99th percentile of the force, in radii of the bearing.
+ARROW = 0.55
+FORCE = {"arrowstyle": "-|>", "color": ACCENT, "linewidth": 2, "shrinkA": 0, "shrinkB": 0}
+WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
+
+
+def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = silent) -> int:
+    """Write a film of a run from the revolution `first` on, and return the number of frames.
+
+    The path is that of a .gif file, or of a .mp4 file if ffmpeg is installed. The same run gives
+    the same bytes.
+    """
+    require_film(path)
+    count = (run.revolutions - first) * FRAMES_PER_REVOLUTION
+    times = (first + np.arange(count) / FRAMES_PER_REVOLUTION) * run.mechanism.period
+    path_of = poses(run, times)
+    with figure_style(STYLE), replacing(path) as temporary:
+        figure = Figure(figsize=SIZE_INCHES, layout="constrained")
+        scene = _Scene(figure, run, path_of)
+        try:
+            FuncAnimation(
+                figure, scene.draw, path_of, init_func=lambda: None, blit=False
+            ).save(
+                temporary, writer=writers[WRITERS[path.suffix]](fps=FRAMES_PER_SECOND), dpi=DPI,
+                progress_callback=lambda number, _: progress("frames", number, count),
+            )  # fmt: skip
+        except CalledProcessError as error:
+            rule = f"cannot be written (ffmpeg ended with code {error.returncode})"
+            raise InputError(str(path), "", None, rule, "make room, or write a .gif") from error
+        progress("frames", count, count)
+    return count
+
+
+def require_film(path: Path) -> None:
+    """Raise `InputError` if no film can be written to `path`."""
+    suffix = require_suffix(path, *WRITERS)
+    if not writers.is_available(WRITERS[suffix]):
+        raise InputError(
+            str(path), "", None, "needs ffmpeg, which is not installed", "write a .gif instead"
+        )
+
+
+class _Scene:
+    """The panels of a film, redrawn for every frame: the mechanism, and each clearance."""
+
+    def __init__(self, figure: Figure, run: Trajectory, path: list[Pose]) -> None:
+        self.run, self.path = run, path
+        joints = list(run.joints.values())
+        self.left, *panels = figure.subplots(
+            1, 1 + len(joints), squeeze=False, width_ratios=(1.9, *len(joints) * [1.0])
+        )[0]
+        self.panels = list(zip(panels, joints, map(_scale, joints), strict=True))
+        self.view = frame(run.mechanism, path)
+        handles = [
+            Line2D([], [], label="pin's centre", **CENTRE),
+            Line2D([], [], label=f"its path over {TRAIL:g} revolutions", **TRAIL_LINE),
+            Line2D([], [], label="force on the bearing", color=ACCENT, linewidth=2.0),
+        ]
+        figure.legend(handles=handles, loc="outside lower center", ncols=3)
+
+    def draw(self, pose: Pose) -> None:
+        """Draw one frame."""
+        mechanism = self.run.mechanism
+        row = int(np.searchsorted(self.run.time, pose.time, side="right")) - 1
+        self.left.clear()
+        self.left.set_anchor("N")
+        set_view(self.left, self.view)
+        draw_circle(self.left, mechanism, pose)
+        draw_linkage(self.left, mechanism, pose, self.view[1] - self.view[0], self.path)
+        about = [
+            f"{j.contact.radial:g} mm, {as_label(j.contact.data['law'])}" for _, j, _ in self.panels
+        ]
+        self.left.set_title(
+            f"{', '.join([as_label(mechanism.name), *about[:1]])}: "
+            f"revolution {pose.time / mechanism.period:.2f}"
+        )
+        for axes, joint, scale in self.panels:
+            self._draw_joint(axes, joint, scale, pose, row)
+
+    def _draw_joint(
+        self, axes: Axes, joint: JointMotion, scale: float, pose: Pose, row: int
+    ) -> None:
+        """Draw a joint, the recent path of the pin's centre, and the force on the bearing."""
+        axes.clear()
+        axes.set_anchor("N")
+        magnified, name = Magnified.of(joint.contact), joint.joint.name
+        centre = draw_magnified(axes, magnified, pose.eccentricity[name])
+        draw_clearance_circle(axes, DRAWN, zorder=5)
+        begin = pose.time - TRAIL * self.run.mechanism.period
+        rows = slice(*np.searchsorted(self.run.time, [begin, pose.time]))
+        axes.plot(
+            *(-DRAWN / magnified.radial * 1e3 * joint.eccentricity[rows]).T, **TRAIL_LINE, zorder=6
+        )
+        axes.plot(*centre, **CENTRE, zorder=7)
+        mode = "contact" if joint.in_contact[row] else "flight"
+        whose = f"{as_label(name)} " if len(self.panels) > 1 else "clearance "
+        axes.set_title(f"{whose}× {magnified.factor:.3g}: {mode}")
+        force, e = joint.force[row], joint.eccentricity[row]
+        size = float(np.hypot(*force))
+        if size == 0.0:
+            return
+        contact = -e / np.hypot(*e)
+        # Very large forces are cut, so that the arrow stays in the panel.
+        tip = contact + ARROW * min(size / scale, 1.5) * force / size
+        axes.annotate(
+            "", xy=tuple(tip), xytext=tuple(contact), zorder=9, annotation_clip=False,
+            arrowprops=FORCE,
+        )  # fmt: skip
+
+
+def _scale(joint: JointMotion) -> float:
+    """Return the force that an arrow of usual length is for."""
+    touching = joint.normal_force[joint.in_contact]
+    return float(np.percentile(touching, 99)) if touching.size else 1.0

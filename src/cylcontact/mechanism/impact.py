@@ -1,4 +1,4 @@
-"""An isolated impact of a free journal against its bearing.
+"""An isolated impact of a free pin against its bearing.
 
 It uses the same equations, events and integrator as a mechanism, without joints and drive, so that
 its restitution can be compared with the closed form of `cylcontact.impact`.
@@ -6,20 +6,18 @@ its restitution can be compared with the closed form of `cylcontact.impact`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cylcontact.arrays import require
 from cylcontact.errors import InputError
 from cylcontact.laws import ContactLaw
-from cylcontact.laws.kernels import kernel
-from cylcontact.mechanism import augmented, contact, derived, dop853
-from cylcontact.mechanism.loop import Run, advance
-from cylcontact.mechanism.step_history import LEDGERS, StepHistory
-from cylcontact.mechanism.system import System, augmented_block, law_block
+from cylcontact.mechanism.joint import ClearanceJoint
+from cylcontact.mechanism.model import GROUND, Body, IntegrationSpec, Joint, Mechanism
+from cylcontact.mechanism.run import Run, Settings
+from cylcontact.mechanism.trajectory import Trajectory
 from cylcontact.pair import CylinderPair
-
-__all__ = ["Impact", "isolated_impact"]
 
 # Simulated time, in units of the time to reach the bearing.
 _CROSSINGS = 3
@@ -55,7 +53,7 @@ def isolated_impact(
     speed: float,
     tolerance: float = 1e-10,
 ) -> Impact:
-    """Simulate the impact of a journal that flies from the centre of a fixed bearing against it.
+    """Simulate the impact of a pin that flies from the centre of a fixed bearing against it.
 
     Parameters
     ----------
@@ -66,7 +64,7 @@ def isolated_impact(
     chi : float
         Hysteresis factor χ.
     mass : float
-        Mass of the journal in kg.
+        Mass of the pin in kg.
     speed : float
         Its initial speed in m/s.
     tolerance : float
@@ -79,7 +77,7 @@ def isolated_impact(
     Raises
     ------
     InputError
-        If the pair has no radii or length, or the law ends before the journal turns back.
+        If the pair has no radii or length, or the law ends before the pin turns back.
 
     Examples
     --------
@@ -91,41 +89,45 @@ def isolated_impact(
     0.9131767 0.9131767
     """
     for key, value in (("mass", mass), ("speed", speed)):
-        if not 0 < value < np.inf:
-            raise InputError("isolated_impact", key, value, "must be positive", "give it in SI")
-    radii = pair.radii("an impact")
-    numbers = np.zeros(augmented.MODEL_HEADER)
-    numbers[augmented.BODIES], numbers[augmented.DRIVER_ROW] = 1, -1
-    numbers[augmented.BODY_I] = -1
-    start = np.zeros(6 + len(LEDGERS))
-    start[3] = speed
-    none = np.empty((0, 2))
-    p = law_block(kernel(law, pair), augmented_block(numbers, np.full(3, mass), none, none))
-    p[contact.CHI], p[contact.V0], p[contact.V1] = chi, 0.0, 1.0
-    p[contact.CLEARANCE] = float(radii[0] - radii[1]) * 1e-3
-    p[contact.R_BEARING], p[contact.R_JOURNAL] = radii[0] * 1e-3, radii[1] * 1e-3
-    p[contact.LENGTH] = pair.contact_length("an impact")
-    scale = np.repeat([p[contact.CLEARANCE], speed], 3)
-    system = System(dop853.AUGMENTED, p, start, scale, True, "isolated_impact", law.name)
-    flight = p[contact.CLEARANCE] / speed
-    rows, _ = advance(Run.start(system, tolerance, flight), _CROSSINGS * flight)
-    return _impact(rows, p[contact.CLEARANCE])
-
-
-def _impact(rows: StepHistory, clearance: float) -> Impact:
-    """Return the result for the first contact in the rows."""
-    time, values = rows.time, rows.values
-    begins, ends = derived.changes(rows.in_contact)
-    if not (begins.size and ends.size):
+        require(
+            0 < value < np.inf, "isolated_impact", key, value, "must be positive", "give it in SI"
+        )
+    joint = ClearanceJoint("impact", "SI", pair, law, chi, 0.0, 0.0, 1.0, data={"law": law.name})
+    flight = joint.radial * 1e-3 / speed
+    mechanism = Mechanism(
+        name="impact",
+        bodies=(Body("pin", mass, mass, (0.0, 0.0, 0.0)),),
+        joints=(Joint("impact", "revolute", GROUND, 0, clearance=joint),),
+        springs=(),
+        loads=(),
+        gravity=(0.0, 0.0),
+        integration=IntegrationSpec(
+            alpha=0.0, beta=0.0, max_step=flight, tolerance=1e-8, revolutions=1, period=flight
+        ),
+        data={},
+        source="isolated_impact",
+    )
+    settings = Settings("multiplier", tolerance, flight, "stop")
+    run = Run.start(mechanism, settings)
+    values = run.state.values.copy()
+    values[3] = speed
+    run.state = replace(run.state, values=values)
+    # Lengths of the size of the clearance, and speeds of that of the impact.
+    run.scale, run.relative = np.repeat([joint.radial * 1e-3, speed], 3), tolerance
+    rows, _ = run.advance(_CROSSINGS * flight)
+    (contact,) = [Trajectory(mechanism, settings, rows).joint]
+    first = contact.contacts.iloc[:1]
+    if first["release_s"].isna().all():
         raise InputError(
-            "isolated_impact", "speed", None, "the journal does not come back in time",
-            "give a faster or lighter journal",
+            "isolated_impact", "speed", None, "the pin does not come back in time",
+            "give a faster or lighter pin",
         )  # fmt: skip
-    first, last = int(begins[0]), int(ends[0])
-    lost = values[:, LEDGERS["normal_dissipation"]]
+    onset, release = first[["onset_s", "release_s"]].to_numpy()[0]
+    begins, ends = (int(np.searchsorted(rows.time, at)) for at in (onset, release))
+    lost = contact.normal_dissipation
     return Impact(
-        restitution=float(-values[last, 3] / values[first, 3]),
-        duration=float(time[last] - time[first]),
-        max_penetration=float(np.hypot(*values[first : last + 1, :2].T).max() - clearance),
-        dissipated=float(lost[last] - lost[first]),
+        restitution=float(-rows.values[ends, 3] / rows.values[begins, 3]),
+        duration=float(release - onset),
+        max_penetration=float(first["max_penetration_m"].iloc[0]),
+        dissipated=float(lost[ends] - lost[begins]),
     )

@@ -4,56 +4,46 @@ The forces have kinks: at the onset and the release of contact, at the four spee
 bends (Eq 15), and where the tangent continues a law. Between them the loop holds every force in its
 present piece, if need be beyond its end. A step that has passed an end is an event: it is repeated,
 shorter, until it ends there, and then the piece changes. States at events are results of steps,
-never of interpolation, which would lose energy at every impact.
+never of interpolation, which would lose energy at every impact. Of several joints the first event
+counts, and with it those at the same time.
 
 A root finder that compares signs at the ends of a step can overlook a shallow contact or a short
-release. Therefore a step in which δ turns is looked at more closely, and a step in flight moves the
-journal by no more than a part of the clearance.
+release. Therefore a step in which δ turns is looked at more closely, and a step in flight moves a
+pin by no more than a part of its clearance.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.mechanism import contact
+from cylcontact.mechanism.contact import Joint
 from cylcontact.mechanism.dop853 import (
     STAGES,
-    Blocks,
-    Workspace,
-    crank,
+    clock,
     error,
-    evaluate,
+    later,
     motion,
+    rates_at,
     step,
     sum_ledgers,
-    turned,
-    workspace,
 )
 from cylcontact.numba_cache import compiled, inlined
 
-__all__ = [
-    "COLLAPSED",
-    "CONTACT",
-    "END",
-    "ERROR",
-    "EVALUATIONS",
-    "FULL",
-    "IMPACT_RATE",
-    "LAW_LEFT",
-    "NOW",
-    "STEP",
-    "TIME",
-    "integrate",
-]
-
-# Positions in the array that says where a run is: time in s, whether there is contact, δ̇⁽⁻⁾ in m/s,
-# the next step in s (0 at a start), the error of the last one, evaluations so far, and how
-# many steps have ended at the kink that they start from since one last ended at another.
-TIME, CONTACT, IMPACT_RATE, STEP, ERROR, EVALUATIONS, HELD = 0, 1, 2, 3, 4, 5, 6
-NOW = 7
+# Where a run is: time in s, the next step in s (0 at a start), the error of the last one,
+# evaluations so far, how many steps have ended at the kink that they start from since one last
+# ended at another, and the joint of the last event.
+Now = Any
+NOW = np.dtype(
+    [
+        *((name, np.float64) for name in ("time", "step", "error")),
+        *((name, np.int64) for name in ("evaluations", "held", "joint")),
+    ]
+)
 
 # Why `integrate` returns: the end is reached, the buffers are full, the law ends, no step is small
 # enough.
@@ -82,60 +72,68 @@ Look = tuple[float, float, float, float, float]
 _SAFETY, _BETA, _SHRINK, _GROW = 0.9, 0.04, 1 / 3, 8.0
 
 
-@inlined
-def _look(model: int, c: float, s: float, y: FloatArray, blocks: Blocks, space: Workspace) -> Look:
-    """Return δ, δ̇, v_t and ė at a state."""
-    p = blocks[0]
-    e_x, e_y, u_x, u_y, spin_i, spin_j = motion(model, c, s, y, blocks[2], space[2])
+@compiled
+def _look(c: float, s: float, y: FloatArray, joint: Joint, crank: Any, linkage: Any) -> Look:
+    """Return δ, δ̇, v_t and ė of a joint at a state."""
+    e_x, e_y, u_x, u_y, spin_i, spin_j = motion(c, s, y, joint, crank, linkage)
     distance = math.sqrt(e_x * e_x + e_y * e_y)
-    delta = distance - p[contact.CLEARANCE]
+    delta = distance - joint.clearance
     if distance == 0.0:
         return delta, 0.0, 0.0, u_x, u_y
     n_x, n_y = e_x / distance, e_y / distance
-    sliding = spin_i * p[contact.R_BEARING] - spin_j * (p[contact.R_JOURNAL] - delta)
+    sliding = spin_i * joint.R_bearing - spin_j * (joint.R_pin - delta)
     return delta, u_x * n_x + u_y * n_y, u_x * n_y - u_y * n_x + sliding, u_x, u_y
 
 
 @compiled
-def _choose_pieces(delta: float, v_t: float, p: FloatArray) -> None:
+def _look_at_all(
+    c: float, s: float, y: FloatArray, joints: Any, crank: Any, linkage: Any, looks: FloatArray
+) -> None:
+    """Write the `Look` of every joint to a row of `looks`."""
+    for k in range(joints.shape[0]):
+        looks[k, 0], looks[k, 1], looks[k, 2], looks[k, 3], looks[k, 4] = _look(
+            c, s, y, joints[k], crank, linkage
+        )
+
+
+@inlined
+def _choose_pieces(delta: float, v_t: float, joint: Joint) -> None:
     """Set the branch of friction and the regime of the law by the state."""
     speed = abs(v_t)
-    branch = 0.0 if speed <= p[contact.V0] else (1.0 if speed <= p[contact.V1] else 2.0)
-    p[contact.BRANCH] = 0.0 if p[contact.FRICTION] == 0.0 else math.copysign(branch, v_t)
-    if p[contact.LAST_PENETRATION] < math.inf and p[contact.STOP_PENETRATION] == math.inf:
-        beyond = delta * 1e3 > p[contact.LAST_PENETRATION]
-        p[contact.REGIME] = contact.LINE if beyond else contact.LAW
+    branch = 0 if speed <= joint.v0 else (1 if speed <= joint.v1 else 2)
+    joint.branch = 0 if joint.friction == 0.0 else (branch if v_t >= 0.0 else -branch)
+    if joint.last_penetration < math.inf and joint.stop_penetration == math.inf:
+        beyond = delta * 1e3 > joint.last_penetration
+        joint.regime = contact.LINE if beyond else contact.LAW
 
 
 @inlined
-def _bounds(branch: float, p: FloatArray) -> tuple[float, float]:
-    """Return the tangential velocities between which a branch of friction holds."""
-    v0, v1 = p[contact.V0], p[contact.V1]
-    if p[contact.FRICTION] == 0.0:
+def _bounds(joint: Joint) -> tuple[float, float]:
+    """Return the tangential velocities between which the branch of friction holds."""
+    if joint.friction == 0.0:
         return -math.inf, math.inf
-    if branch == 0.0:
-        return -v0, v0
-    inner, outer = (v0, v1) if abs(branch) == 1.0 else (v1, math.inf)
-    return (inner, outer) if branch > 0 else (-outer, -inner)
+    if joint.branch == 0:
+        return -joint.v0, joint.v0
+    inner, outer = (joint.v0, joint.v1) if abs(joint.branch) == 1 else (joint.v1, math.inf)
+    return (inner, outer) if joint.branch > 0 else (-outer, -inner)
 
 
 @inlined
-def _margin(kind: int, look: Look, p: FloatArray) -> float:
+def _margin(kind: int, delta: float, v_t: float, joint: Joint) -> float:
     """Return how far a state is inside the present piece; negative outside."""
-    delta, v_t = look[0], look[2]
     if kind == _GAP:
-        return delta if p[contact.MODE] == contact.CONTACT else -delta
+        return delta if joint.touching else -delta
     if kind in (_SLOWER, _FASTER):
-        low, high = _bounds(p[contact.BRANCH], p)
+        low, high = _bounds(joint)
         return v_t - low if kind == _SLOWER else high - v_t
-    if p[contact.STOP_PENETRATION] < math.inf:
-        return float(p[contact.STOP_PENETRATION] - delta)
-    inside = float(p[contact.LAST_PENETRATION] * 1e-3 - delta)
-    return -inside if p[contact.REGIME] == contact.LINE else inside
+    if joint.stop_penetration < math.inf:
+        return float(joint.stop_penetration - delta)
+    inside = float(joint.last_penetration * 1e-3 - delta)
+    return -inside if joint.regime == contact.LINE else inside
 
 
 @compiled
-def _turning(h: float, start: tuple[float, float], end: tuple[float, float]) -> tuple[float, float]:
+def _turning(h: float, start: FloatArray, end: FloatArray) -> tuple[float, float]:
     """Return where δ turns within a step, as a fraction of it, and δ there.
 
     From δ and δ̇ at both ends by Hermite's cubic; δ̇ must have opposite signs.
@@ -153,49 +151,41 @@ def _turning(h: float, start: tuple[float, float], end: tuple[float, float]) -> 
 
 
 @compiled
-def _first_event(start: Look, end: Look, p: FloatArray) -> tuple[int, bool]:
-    """Return what a step has passed first, and whether its start was inside."""
-    found, starts_inside, earliest = _NOTHING, True, 2.0
-    last = _LAW if p[contact.MODE] == contact.CONTACT else _GAP
-    for kind in range(_GAP, last + 1):
-        after = _margin(kind, end, p)
-        if after < 0.0:
-            before = _margin(kind, start, p)
-            fraction = before / (before - after) if before > 0.0 else 0.0
-            if fraction < earliest:
-                found, starts_inside, earliest = kind, before > 0.0, fraction
-    return found, starts_inside
+def _first_event(
+    start: FloatArray, end: FloatArray, joints: Any, but: int = -1
+) -> tuple[int, int, bool]:
+    """Return what a step has passed first, of which joint, and whether its start was inside.
 
-
-@inlined
-def _limit(look: Look, acceleration: float, p: FloatArray) -> float:
-    """Return the longest step in s from a state: towards the release, and in flight."""
-    delta, rate, _, u_x, u_y = look
-    if p[contact.MODE] == contact.CONTACT:
-        if rate < 0.0 and delta > _SHALLOW:
-            return 0.85 * delta / -rate
-        return math.inf
-    c = p[contact.CLEARANCE]
-    speed, limit = math.sqrt(u_x * u_x + u_y * u_y), math.inf
-    if speed > 0.0:
-        limit = c / (2.0 * speed)
-    if acceleration > 0.0:
-        limit = min(limit, 0.5 * math.sqrt(c / acceleration))
-    return limit
+    The joint `but` is left out.
+    """
+    event, at, starts_inside, earliest = _NOTHING, but, True, 2.0
+    for k in range(joints.shape[0]):
+        joint = joints[k]
+        if k == but:
+            continue
+        last = _LAW if joint.touching else _GAP
+        for kind in range(_GAP, last + 1):
+            after = _margin(kind, end[k, 0], end[k, 2], joint)
+            if after < 0.0:
+                before = _margin(kind, start[k, 0], start[k, 2], joint)
+                fraction = before / (before - after) if before > 0.0 else 0.0
+                if fraction < earliest:
+                    event, at, starts_inside, earliest = kind, k, before > 0.0, fraction
+    return event, at, starts_inside
 
 
 @compiled
 def _interpolate(
-    x: float, h: float, y: FloatArray, new: FloatArray, k: FloatArray, out: FloatArray
+    x: float, h: float, y: FloatArray, new: FloatArray, rates: FloatArray, out: FloatArray
 ) -> None:
     """Write the state at a fraction x of a step to `out`, by quintic Hermite interpolation.
 
-    Row 0 and the last row of `k` have the rates at its ends.
+    Row 0 and the last row of `rates` have the rates at its ends.
     """
-    half, last = y.size // 2, k.shape[0] - 1
+    half, last = y.size // 2, rates.shape[0] - 1
     for n in range(half):
         d, v = new[n] - y[n], h * y[half + n]
-        w, a, b = h * new[half + n], h * h * k[0, half + n], h * h * k[last, half + n]
+        w, a, b = h * new[half + n], h * h * rates[0, half + n], h * h * rates[last, half + n]
         c3 = 10 * d - 6 * v - 4 * w - 1.5 * a + 0.5 * b
         c4 = -15 * d + 8 * v + 7 * w + 1.5 * a - b
         c5 = 6 * d - 3 * (v + w) - 0.5 * (a - b)
@@ -205,24 +195,27 @@ def _interpolate(
 
 @compiled
 def _guess(
-    model: int,
     kind: int,
+    k: int,
     t: float,
     h: float,
     turn: tuple[float, float],
     margins: tuple[float, float],
     y: FloatArray,
     new: FloatArray,
-    blocks: Blocks,
-    space: Workspace,
+    joints: Any,
+    laws: FloatArray,
+    crank: Any,
+    linkage: Any,
+    rates: FloatArray,
+    stage: FloatArray,
 ) -> float:
-    """Return about when an event occurs within a step, from interpolation.
+    """Return about when an event of a joint occurs within a step, from interpolation.
 
     `margins` are those at its ends.
     """
-    p, _, m = blocks
-    c, s = turned(model, turn[0], turn[1], h, m)
-    evaluate(model, t + h, c, s, new, STAGES, blocks, space)
+    c, s = later(turn[0], turn[1], h, crank)
+    rates_at(t + h, c, s, new, STAGES, joints, laws, crank, linkage, rates)
     low, high, last = 0.0, 1.0, 2.0
     g_low, g_high = margins
     x = 0.5
@@ -230,10 +223,10 @@ def _guess(
         x = (low * g_high - high * g_low) / (g_high - g_low)
         if abs(x - last) * h < 0.1 * _AT_KINK:
             break
-        _interpolate(x, h, y, new, space[0], space[1])
-        c, s = turned(model, turn[0], turn[1], x * h, m)
-        look = _look(model, c, s, space[1], blocks, space)
-        g = _margin(kind, look, p)
+        _interpolate(x, h, y, new, rates, stage)
+        c, s = later(turn[0], turn[1], x * h, crank)
+        delta, _, v_t, _, _ = _look(c, s, stage, joints[k], crank, linkage)
+        g = _margin(kind, delta, v_t, joints[k])
         if g > 0.0:
             g_high *= 0.5 if low == last else 1.0
             low, g_low = x, g
@@ -246,63 +239,57 @@ def _guess(
 
 @compiled
 def _land(
-    model: int,
     kind: int,
+    k: int,
     t: float,
     h: float,
     turn: tuple[float, float],
     margins: tuple[float, float],
     y: FloatArray,
     new: FloatArray,
-    blocks: Blocks,
-    space: Workspace,
-    now: FloatArray,
+    joints: Any,
+    laws: FloatArray,
+    crank: Any,
+    linkage: Any,
+    rates: FloatArray,
+    stage: FloatArray,
+    now: Now,
 ) -> tuple[float, float]:
     """Repeat a step until it ends at an event, as close as a shift by a very short time.
 
-    Parameters
-    ----------
-    kind : int
-        The event.
-    t, h : float
-        The start of the step in s, and a length at which it has passed the event.
-    turn, margins : pair of float
-        That of `crank` at the start, and the margins at both ends.
-    new : array of float
-        The state at the end; updated.
-
-    Returns
-    -------
-    length, rest : float
-        The length of the step and the time from there to the event, in s; a length of 0 if the
-        step ends at the kink that it starts from, as too many before.
+    `turn` and the first of `margins` are those of the start, the second that of the end, and `new`
+    is the state there, which is updated. Returned are the length of the step and the time from its
+    end to the event, in s; a length of 0 if the step ends at the kink that it starts from, as too
+    many before.
     """
-    p, tolerance = blocks[0], _AT_GAP if kind == _GAP else _AT_KINK
-    x = _guess(model, kind, t, h, turn, margins, y, new, blocks, space)
-    now[EVALUATIONS] += 1
+    joint, tolerance = joints[k], _AT_GAP if kind == _GAP else _AT_KINK
+    x = _guess(
+        kind, k, t, h, turn, margins, y, new, joints, laws, crank, linkage, rates, stage
+    )  # fmt: skip
+    now.evaluations += 1
     low, high = 0.0, h
     for _ in range(_ATTEMPTS):
-        step(model, t, x, turn[0], turn[1], y, new, blocks, space)
-        now[EVALUATIONS] += STAGES - 1
-        c, s = turned(model, turn[0], turn[1], x, blocks[2])
-        look = _look(model, c, s, new, blocks, space)
-        g = _margin(kind, look, p)
+        step(t, x, turn[0], turn[1], y, new, joints, laws, crank, linkage, rates, stage)
+        now.evaluations += STAGES - 1
+        c, s = later(turn[0], turn[1], x, crank)
+        delta, _, v_t, _, _ = _look(c, s, new, joint, crank, linkage)
+        g = _margin(kind, delta, v_t, joint)
         if g > 0.0:
             low = x
         else:
             high = x
-        space[1][:] = new
-        _shift(_AT_SLOPE, space[1], space[0])
-        c, s = turned(model, c, s, _AT_SLOPE, blocks[2])
-        look = _look(model, c, s, space[1], blocks, space)
-        rise = _margin(kind, look, p) - g
+        stage[:] = new
+        _shift(_AT_SLOPE, stage, rates)
+        c, s = later(c, s, _AT_SLOPE, crank)
+        delta, _, v_t, _, _ = _look(c, s, stage, joint, crank, linkage)
+        rise = _margin(kind, delta, v_t, joint) - g
         correction = -g / rise * _AT_SLOPE if rise != 0.0 else math.inf
         if abs(correction) < tolerance or high - low < tolerance:
             if x >= tolerance:
-                now[HELD] = 0
+                now.held = 0
             elif kind != _GAP and rise > 0.0:
-                now[HELD] += 1
-                if now[HELD] > _MOST_HELD:
+                now.held += 1
+                if now.held > _MOST_HELD:
                     return 0.0, 0.0
             return x, min(max(correction, -tolerance), tolerance)
         x += correction
@@ -321,234 +308,297 @@ def _shift(dt: float, y: FloatArray, rates: FloatArray) -> None:
 
 
 @compiled
-def _switch(kind: int, look: Look, now: FloatArray, p: FloatArray) -> None:
-    """Change to the piece beyond an event, and set the first step there."""
-    delta, rate, v_t, _, _ = look
+def _switch(kind: int, look: FloatArray, now: Now, joint: Joint) -> None:
+    """Change a joint to the piece beyond an event, and set the first step there."""
+    delta, rate, v_t = look[0], look[1], look[2]
     if kind in (_SLOWER, _FASTER):
-        p[contact.BRANCH] += 1.0 if kind == _FASTER else -1.0
+        joint.branch += 1 if kind == _FASTER else -1
     elif kind == _LAW:
-        p[contact.REGIME] = contact.LINE if p[contact.REGIME] == contact.LAW else contact.LAW
-    elif p[contact.MODE] == contact.CONTACT:
-        p[contact.MODE] = contact.FREE
-        now[CONTACT], now[IMPACT_RATE], now[STEP] = 0.0, 0.0, _FIRST_IN_FLIGHT
+        joint.regime = contact.LINE if joint.regime == contact.LAW else contact.LAW
+    elif joint.touching:
+        joint.touching, joint.onset_rate = 0, 0.0
+        now.step = _FIRST_IN_FLIGHT
     else:
-        p[contact.MODE] = contact.CONTACT
-        p[contact.IMPACT_RATE] = max(rate, p[contact.RATE_FLOOR])
-        _choose_pieces(delta, v_t, p)
-        now[CONTACT], now[IMPACT_RATE] = 1.0, rate
-        now[STEP] = min(_SHALLOW / max(rate, 1e-3 * p[contact.RATE_FLOOR]), 1e-7)
+        joint.touching, joint.onset_rate = 1, rate
+        joint.impact_rate = max(rate, joint.rate_floor)
+        _choose_pieces(delta, v_t, joint)
+        now.step = min(_SHALLOW / max(rate, 1e-3 * joint.rate_floor), 1e-7)
+
+
+@compiled
+def _switch_others(looks: FloatArray, now: Now, joints: Any) -> None:
+    """Begin and end contacts that do so at the time of the event of another joint."""
+    for k in range(joints.shape[0]):
+        outwards = looks[k, 0] >= 0.0 and looks[k, 1] > 0.0
+        inwards = looks[k, 0] <= 0.0 and looks[k, 1] < 0.0
+        if k != now.joint and (inwards if joints[k].touching else outwards):
+            _switch(_GAP, looks[k], now, joints[k])
 
 
 @compiled
 def _length(
-    now: FloatArray, look: Look, acceleration: float, end: float, max_step: float, p: FloatArray
+    now: Now, looks: FloatArray, accelerations: FloatArray, end: float, max_step: float, joints: Any
 ) -> float:
-    """Return the next step in s, which ends at `end` rather than just before it."""
-    h = min(now[STEP], max_step)
-    if p[contact.CLEARANCE] < math.inf:
-        h = min(h, _limit(look, acceleration, p))
-    return float(end - now[TIME] if now[TIME] + h * (1.0 + 1e-9) >= end else h)
+    """Return the next step in s, which ends at `end` rather than just before it.
+
+    It is bounded towards a release, and in flight.
+    """
+    h = min(now.step, max_step)
+    for k in range(joints.shape[0]):
+        c, delta, rate = joints[k].clearance, looks[k, 0], looks[k, 1]
+        if joints[k].touching:
+            if rate < 0.0 and delta > _SHALLOW:
+                h = min(h, 0.85 * delta / -rate)
+            continue
+        speed = math.sqrt(looks[k, 3] * looks[k, 3] + looks[k, 4] * looks[k, 4])
+        if speed > 0.0:
+            h = min(h, c / (2.0 * speed))
+        if accelerations[k] > 0.0:
+            h = min(h, 0.5 * math.sqrt(c / accelerations[k]))
+    return float(end - now.time if now.time + h * (1.0 + 1e-9) >= end else h)
 
 
 @compiled
-def _turn(h: float, start: Look, end: Look, p: FloatArray) -> tuple[float, bool]:
-    """Return where a step should end because δ turns in it, and whether it overlooked an event.
+def _turn(h: float, start: FloatArray, end: FloatArray, joints: Any) -> tuple[float, bool]:
+    """Return where a step should end because some δ turns in it, and whether it missed an event.
 
     The deepest point of a contact becomes a row.
     """
-    if start[1] * end[1] >= 0.0:
-        return h, False
-    at, depth = _turning(h, (start[0], start[1]), (end[0], end[1]))
-    in_contact = p[contact.MODE] == contact.CONTACT
-    overlooked = (depth < 0.0) == in_contact
-    deepest = in_contact and start[1] > 0.0
-    if 0.05 < at < 0.95 and (overlooked or deepest):
-        return at * h, overlooked
-    return h, False
+    length, missed = h, False
+    for k in range(joints.shape[0]):
+        if start[k, 1] * end[k, 1] >= 0.0:
+            continue
+        at, depth = _turning(h, start[k], end[k])
+        touching = joints[k].touching != 0
+        overlooked = (depth < 0.0) == touching
+        deepest = touching and start[k, 1] > 0.0
+        if 0.05 < at < 0.95 and (overlooked or deepest) and at * h < length:
+            length, missed = at * h, overlooked
+    return length, missed
 
 
 @compiled
 def _examine(
-    model: int,
     t: float,
     h: float,
     turn: tuple[float, float],
-    look: Look,
+    looks: FloatArray,
+    after: FloatArray,
     y: FloatArray,
     new: FloatArray,
-    blocks: Blocks,
-    space: Workspace,
-    now: FloatArray,
+    joints: Any,
+    laws: FloatArray,
+    crank: Any,
+    linkage: Any,
+    rates: FloatArray,
+    stage: FloatArray,
+    now: Now,
 ) -> tuple[int, float, float]:
     """Find the first event in a step within its tolerance, and end the step there.
 
-    Parameters
-    ----------
-    t, h : float
-        Its start and length in s.
-    turn : pair of float
-        That of `crank` at the start.
-    look : Look
-        At the start.
-    y, new : array of float
-        The states at both ends; `new` is updated.
-
-    Returns
-    -------
-    event : int
-        What is at the end; `_RETRY` if the step must be repeated with the step in `now`.
-    length, rest : float
-        Its length, and the time from its end to the event, in s.
+    `turn` and `looks` are those of its start, `y` and `new` the states at both ends; `new` is
+    updated, and `after` written. Returned are what is at the end (`_RETRY` if the step must be
+    repeated with the step in `now`), its length, and the time from its end to the event, in s.
     """
-    p = blocks[0]
-    c, s = turned(model, turn[0], turn[1], h, blocks[2])
-    after = _look(model, c, s, new, blocks, space)
-    event, starts_inside = _first_event(look, after, p)
+    c, s = later(turn[0], turn[1], h, crank)
+    _look_at_all(c, s, new, joints, crank, linkage, after)
+    event, k, starts_inside = _first_event(looks, after, joints)
     if event == _NOTHING:
-        length, overlooked = _turn(h, look, after, p)
-        if overlooked:
-            now[STEP] = length
+        length, missed = _turn(h, looks, after, joints)
+        if missed:
+            now.step = length
             return _RETRY, length, 0.0
         if length < h:
-            step(model, t, length, turn[0], turn[1], y, new, blocks, space)
-            now[EVALUATIONS] += STAGES - 1
+            step(t, length, turn[0], turn[1], y, new, joints, laws, crank, linkage, rates, stage)
+            now.evaluations += STAGES - 1
         return _NOTHING, length, 0.0
-    if event == _GAP and p[contact.ALLOWED_PENETRATION] > 0.0 and after[0] > 0.0:
-        now[STEP] = 0.5 * h
-        return (_GAP if after[0] <= p[contact.ALLOWED_PENETRATION] else _RETRY), h, 0.0
+    joint = joints[k]
+    if event == _GAP and joint.allowed_penetration > 0.0 and after[k, 0] > 0.0:
+        now.step = 0.5 * h
+        return (_GAP if after[k, 0] <= joint.allowed_penetration else _RETRY), h, 0.0
     if starts_inside:
-        margins = _margin(event, look, p), _margin(event, after, p)
-        length, rest = _land(model, event, t, h, turn, margins, y, new, blocks, space, now)
-        if length > 0.0:
-            return event, length, rest
-        # The state has just passed a kink, and turns within the step to pass it again. Ended at
-        # its start, such steps change between the two pieces without end.
-        now[STEP] = 0.5 * h
-        return _RETRY, h, 0.0
-    now[STEP] = 0.25 * h
-    return (_RETRY if h > _SHORTEST else event), h, 0.0
+        return _land_on_first(
+            event, k, t, h, turn, looks, after, y, new, joints, laws, crank, linkage, rates, stage,
+            now,
+        )  # fmt: skip
+    return _at_once(event, k, h, now)
 
 
 @inlined
+def _at_once(event: int, k: int, h: float, now: Now) -> tuple[int, float, float]:
+    """Return that an event at the start of a step is taken if the step is very short."""
+    now.joint, now.step = k, 0.25 * h
+    return (_RETRY if h > _SHORTEST else event), h, 0.0
+
+
+@compiled
+def _land_on_first(
+    event: int,
+    k: int,
+    t: float,
+    h: float,
+    turn: tuple[float, float],
+    looks: FloatArray,
+    after: FloatArray,
+    y: FloatArray,
+    new: FloatArray,
+    joints: Any,
+    laws: FloatArray,
+    crank: Any,
+    linkage: Any,
+    rates: FloatArray,
+    stage: FloatArray,
+    now: Now,
+) -> tuple[int, float, float]:
+    """End a step at an event of a joint, or at an earlier one of another joint; see `_examine`."""
+    while True:
+        joint = joints[k]
+        margins = (
+            _margin(event, looks[k, 0], looks[k, 2], joint),
+            _margin(event, after[k, 0], after[k, 2], joint),
+        )
+        length, rest = _land(
+            event, k, t, h, turn, margins, y, new, joints, laws, crank, linkage, rates, stage, now
+        )
+        if length == 0.0:
+            # The state has just passed a kink, and turns within the step to pass it again. Ended
+            # at its start, such steps change between the two pieces without end.
+            now.step = 0.5 * h
+            return _RETRY, h, 0.0
+        now.joint = k
+        if joints.shape[0] == 1:
+            return event, length, rest
+        # Events were put in order by straight lines: that of another joint may be earlier.
+        c, s = later(turn[0], turn[1], length, crank)
+        _look_at_all(c, s, new, joints, crank, linkage, after)
+        earlier, other, starts_inside = _first_event(looks, after, joints, k)
+        if earlier == _NOTHING:
+            return event, length, rest
+        event, k, h = earlier, other, length
+        if not starts_inside:
+            return _at_once(event, k, h, now)
+
+
+@compiled
 def _record(
     row: int,
-    now: FloatArray,
+    now: Now,
     y: FloatArray,
     ledgers: FloatArray,
+    joints: Any,
     buffers: tuple[FloatArray, FloatArray, BoolArray, FloatArray],
 ) -> int:
     """Write a row and return the number of the next."""
-    times, states, in_contact, impact_rates = buffers
-    times[row], in_contact[row], impact_rates[row] = now[TIME], now[CONTACT] > 0, now[IMPACT_RATE]
+    times, states, touching, onset_rates = buffers
+    times[row] = now.time
     states[row, : y.size] = y
     states[row, y.size :] = ledgers
+    for k in range(joints.shape[0]):
+        touching[row, k], onset_rates[row, k] = joints[k].touching != 0, joints[k].onset_rate
     return row + 1
 
 
 @compiled
+def _begin(looks: FloatArray, joints: Any, now: Now) -> None:
+    """Choose the pieces of all joints by the state, and the first step."""
+    for k in range(joints.shape[0]):
+        joints[k].impact_rate = max(joints[k].onset_rate, joints[k].rate_floor)
+        _choose_pieces(looks[k, 0], looks[k, 2], joints[k])
+    if now.step == 0.0:
+        now.step, now.error = _FIRST, 1e-4
+
+
+@compiled
+def _accelerate(
+    length: float, looks: FloatArray, after: FloatArray, accelerations: FloatArray
+) -> None:
+    """Write the mean size of ë over a step for every joint, and update `looks`."""
+    for k in range(accelerations.size):
+        u_x, u_y = after[k, 3] - looks[k, 3], after[k, 4] - looks[k, 4]
+        accelerations[k] = math.hypot(u_x, u_y) / length
+    looks[:] = after
+
+
+@compiled
+def _control(length: float, measure: float, grow: float, now: Now) -> None:
+    """Set the step after one without an event."""
+    factor = _SAFETY * now.error**_BETA / max(measure, 1e-10) ** (0.125 - 0.2 * _BETA)
+    now.step = length * min(max(factor, _SHRINK), grow)
+    now.error = max(measure, 1e-4)
+
+
+@compiled
 def integrate(
-    model: int,
-    now: FloatArray,
+    now: Now,
     y: FloatArray,
     ledgers: FloatArray,
     end: float,
-    block: FloatArray,
+    joints: Any,
+    laws: FloatArray,
+    crank: Any,
+    linkage: Any,
     tolerances: tuple[float, FloatArray, float],
     buffers: tuple[FloatArray, FloatArray, BoolArray, FloatArray],
 ) -> tuple[int, int]:
     """Integrate until the time `end`, or until something else stops it.
 
-    Parameters
-    ----------
-    model : int
-        `dop853.MINIMAL` or `dop853.AUGMENTED`.
-    now : array of float, shape (NOW,)
-        Where the run is; updated. With a step of 0 it starts anew from the state.
-    y, ledgers : array of float
-        The coordinates and their rates, and the ledgers; updated.
-    end : float
-        In s.
-    block : array of float
-        The parameter block.
-    tolerances : tuple
-        The relative tolerance, the absolute tolerance of each coordinate and rate, and the longest
-        step in s.
-    buffers : tuple of array
-        Output: time, state, contact and δ̇⁽⁻⁾ after each step. An onset and a release have two rows,
-        one in each mode.
-
-    Returns
-    -------
-    rows, status : int
-        Rows filled, and `END`, `FULL`, `LAW_LEFT` or `COLLAPSED`.
+    `now`, the state `y`, its ledgers and the joints are those of the start, and are advanced.
+    `tolerances` are the relative and the absolute one, and the longest step in s. Time, state with
+    ledgers, contacts and δ̇⁽⁻⁾ after each step are written to `buffers`; an onset and a release have
+    two rows, one in each mode. Returned are the rows filled, and `END`, `FULL`, `LAW_LEFT` or
+    `COLLAPSED`.
     """
-    p = block.copy()
-    m = p[int(p[contact.MODEL_START]) :]
-    blocks = (p, contact.law_of(p), m)
-    space = workspace(model, y.size, m)
     relative, absolute, max_step = tolerances
-    new = np.empty(y.size)
+    rates, stage = np.zeros((STAGES + 1, y.size + ledgers.size)), np.zeros(y.size)
+    new, count = np.empty(y.size), joints.shape[0]
+    looks, after, accelerations = np.zeros((count, 5)), np.zeros((count, 5)), np.zeros(count)
 
-    turn, look = _begin(model, now, y, blocks, space)
-    acceleration, rows, grow = 0.0, 0, _GROW
-    while now[TIME] < end:
+    turn = clock(now.time, crank)
+    _look_at_all(turn[0], turn[1], y, joints, crank, linkage, looks)
+    _begin(looks, joints, now)
+    rates_at(now.time, turn[0], turn[1], y, 0, joints, laws, crank, linkage, rates)
+    now.evaluations += 1
+    rows, grow = 0, _GROW
+    while now.time < end:
         if rows + 2 > buffers[0].size:
             return rows, FULL
-        t, wanted = now[TIME], min(now[STEP], max_step)
-        h = _length(now, look, acceleration, end, max_step, p)
+        t, wanted = now.time, min(now.step, max_step)
+        h = _length(now, looks, accelerations, end, max_step, joints)
         if not t + h > t:
             return rows, COLLAPSED
-        step(model, t, h, turn[0], turn[1], y, new, blocks, space)
-        now[EVALUATIONS] += STAGES - 1
-        measure = error(h, y, new, space[0], relative, absolute)
+        step(t, h, turn[0], turn[1], y, new, joints, laws, crank, linkage, rates, stage)
+        now.evaluations += STAGES - 1
+        measure = error(h, y, new, rates, relative, absolute)
         if not measure <= 1.0:
             shrink = _SAFETY * measure**-0.125 if measure < math.inf else 0.0
-            now[STEP], grow = h * max(shrink, _SHRINK), 1.0
+            now.step, grow = h * max(shrink, _SHRINK), 1.0
             continue
         event, length, rest = _NOTHING, h, 0.0
-        if p[contact.CLEARANCE] < math.inf:
-            event, length, rest = _examine(model, t, h, turn, look, y, new, blocks, space, now)
+        if count:
+            event, length, rest = _examine(
+                t, h, turn, looks, after, y, new, joints, laws, crank, linkage, rates, stage, now
+            )
             if event == _RETRY:
                 continue
-        sum_ledgers(length, rest, ledgers, space[0])
-        _shift(rest, new, space[0])
+        sum_ledgers(length, rest, ledgers, rates)
+        _shift(rest, new, rates)
         y[:] = new
-        now[TIME] = end if length == h and t + h * (1.0 + 1e-9) >= end else t + (length + rest)
-        turn = crank(model, now[TIME], m)
-        u_x, u_y = look[3], look[4]
-        look = _look(model, turn[0], turn[1], y, blocks, space)
-        acceleration = math.hypot(look[3] - u_x, look[4] - u_y) / length
-        rows = _record(rows, now, y, ledgers, buffers)
+        now.time = end if length == h and t + h * (1.0 + 1e-9) >= end else t + (length + rest)
+        turn = clock(now.time, crank)
+        _look_at_all(turn[0], turn[1], y, joints, crank, linkage, after)
+        _accelerate(length, looks, after, accelerations)
+        rows = _record(rows, now, y, ledgers, joints, buffers)
         if event == _NOTHING:
-            factor = _SAFETY * now[ERROR] ** _BETA / max(measure, 1e-10) ** (0.125 - 0.2 * _BETA)
-            now[STEP] = length * min(max(factor, _SHRINK), grow)
-            now[ERROR] = max(measure, 1e-4)
-        elif event == _LAW and p[contact.STOP_PENETRATION] < math.inf:
+            _control(length, measure, grow, now)
+        elif event == _LAW and joints[now.joint].stop_penetration < math.inf:
             return rows, LAW_LEFT
         else:
-            now[STEP], now[ERROR] = wanted, 1e-4
-            _switch(event, look, now, p)
-            if event == _GAP and now[TIME] < end:
-                rows = _record(rows, now, y, ledgers, buffers)
+            now.step, now.error = wanted, 1e-4
+            _switch(event, looks[now.joint], now, joints[now.joint])
+            _switch_others(looks, now, joints)
+            if event == _GAP and now.time < end:
+                rows = _record(rows, now, y, ledgers, joints, buffers)
         grow = _GROW
-        evaluate(model, now[TIME], turn[0], turn[1], y, 0, blocks, space)
-        now[EVALUATIONS] += 1
+        rates_at(now.time, turn[0], turn[1], y, 0, joints, laws, crank, linkage, rates)
+        now.evaluations += 1
     return rows, END
-
-
-@compiled
-def _begin(
-    model: int, now: FloatArray, y: FloatArray, blocks: Blocks, space: Workspace
-) -> tuple[tuple[float, float], Look]:
-    """Choose the pieces by the state and evaluate its rates; return `crank` and `_look` there."""
-    p, _, m = blocks
-    p[contact.MODE] = contact.CONTACT if now[CONTACT] > 0 else contact.FREE
-    p[contact.IMPACT_RATE] = max(now[IMPACT_RATE], p[contact.RATE_FLOOR])
-    turn = crank(model, now[TIME], m)
-    look = _look(model, turn[0], turn[1], y, blocks, space)
-    if now[STEP] == 0.0:
-        now[STEP], now[ERROR] = _FIRST, 1e-4
-    _choose_pieces(look[0], look[2], p)
-    evaluate(model, now[TIME], turn[0], turn[1], y, 0, blocks, space)
-    now[EVALUATIONS] += 1
-    return turn, look

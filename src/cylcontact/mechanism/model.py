@@ -1,53 +1,188 @@
-"""Mechanisms as data: bodies, joints and one clearance, read from a spec."""
+"""Mechanisms as data: bodies, joints ideal or with clearance, springs and loads, from a spec."""
 
 from __future__ import annotations
 
+import cmath
 import copy
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from pydantic import Field, Strict, model_validator
+
+from cylcontact.arrays import require
 from cylcontact.errors import InputError
-from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
-from cylcontact.laws import LAWS, ContactLaw
-from cylcontact.materials import Material, find_material, known_materials, own_table
-from cylcontact.mechanism.assumptions import assumptions
-from cylcontact.mechanism.spec import ClearanceSpec, MaterialSpec, MechanismSpec
-from cylcontact.mechanism.unusual import unusual_masses
-from cylcontact.pair import CylinderPair, unusual_lengths
-from cylcontact.spec import parse_spec, read_toml
+from cylcontact.impact import IMPACT_RATE_FLOOR
+from cylcontact.materials import own_table, shipped_materials
+from cylcontact.mechanism.joint import ClearanceJoint, ClearanceJointSpec, build_joint
+from cylcontact.pair import unusual_lengths
+from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
-__all__ = [
-    "GROUND",
-    "Body",
-    "Clearance",
-    "Integration",
-    "Joint",
-    "Mechanism",
-    "Point",
-    "mechanism_from",
-    "read_mechanism",
-]
+if TYPE_CHECKING:
+    from cylcontact.mechanism.slider_crank import SliderCrank
 
 GROUND = -1
 Point = tuple[float, float]
 
 # Assumptions that no spec can change.
 _ASSUMED = (
-    "start: the journal centred in its bearing and at rest in it",
+    "start: every pin centred in its bearing and at rest in it",
     f"slowest impact that dissipates as its factor says = {IMPACT_RATE_FLOOR} mm/s",
 )
 
-# The values that commands may set, and their keys in a spec.
-_OVERRIDES = {
-    "law": "clearance.law",
-    "clearance": "clearance.radial",
-    "restitution": "clearance.restitution",
-    "friction": "clearance.friction",
-    "revolutions": "integration.revolutions",
-    "tolerance": "integration.tolerance",
-}
+# Assumed bounds, an order of magnitude or more from any machine: a body as heavy as tungsten that
+# fills a cube around the whole mechanism, and radii of gyration by its extent.
+_DENSITY = 20e3  # kg/m³
+_SLIMMEST = 1e-3
+
+# --- the spec -----------------------------------------------------------------------------------
+
+# TOML has lists, not tuples.
+_Pair = Annotated[tuple[float, float], Strict(False)]
+
+
+class BodySpec(Spec):
+    """A rigid body."""
+
+    mass: float = Field(gt=0, description="the mass in kg")
+    inertia: float = Field(gt=0, description="the moment of inertia about the centre, kg m²")
+    points: dict[str, _Pair] = Field(
+        description="named points in m from the centre, {pin = [x, y]}", strict=False
+    )
+    guess: tuple[float, float, float] = Field(
+        description="a rough position to assemble from, [x, y, degrees]", strict=False
+    )
+
+
+class GroundSpec(Spec):
+    """The ground."""
+
+    points: dict[str, _Pair] = Field(
+        description="named points in m, {pivot = [x, y]}", strict=False
+    )
+
+
+class JointSpec(Spec):
+    """A joint between two bodies; one with clearance has the keys of a joint's file as well."""
+
+    name: str = Field(description="the joint's name")
+    type: Literal["revolute", "prismatic", "driver"] = Field(
+        "revolute", description='"revolute", "prismatic" or "driver"'
+    )
+    between: tuple[str, str] = Field(
+        description='two points, ["rod.eye", "slider.pin"], that of the bearing first; two bodies '
+        "for a driver",
+        strict=False,
+    )
+    direction: float | None = Field(None, description="the slide's direction in degrees")
+    angle: float = Field(0.0, description="the angle between the bodies in degrees")
+    speed: float | None = Field(None, description="the speed in rpm, negative for clockwise")
+    ramp: float = Field(0.0, ge=0, description="the time in s in which the speed is reached")
+    torque: float | None = Field(None, description="the driving torque in N m, in place of a speed")
+
+    @model_validator(mode="after")
+    def _check(self) -> JointSpec:
+        for key, of in (("direction", "prismatic"), ("speed", "driver"), ("torque", "driver")):
+            if getattr(self, key) is not None and self.type != of:
+                raise broken(key, getattr(self, key), f"is not for a {self.type}", "remove it")
+        if self.type == "prismatic" and self.direction is None:
+            raise broken("direction", None, "is required for a prismatic", "add direction")
+        if self.type == "driver" and (self.speed is None) == (self.torque is None):
+            rule = "is required for a driver" if self.speed is None else "is given beside a torque"
+            raise broken("speed", self.speed, rule, "give speed in rpm, or torque in N m")
+        if self.type == "driver" and not (self.speed or self.torque):
+            raise broken("speed", self.speed, "must not be zero", "give it in rpm")
+        return self
+
+
+class SpringSpec(Spec):
+    """A spring and damper between two points, or two bodies that turn against each other."""
+
+    between: tuple[str, str] = Field(
+        description='two points, ["ground.pivot", "rod.eye"], or two bodies', strict=False
+    )
+    stiffness: float = Field(0.0, ge=0, description="N/m, or N m/rad between bodies")
+    damping: float = Field(0.0, ge=0, description="N s/m, or N m s/rad between bodies")
+    length: float = Field(0.0, ge=0, description="the length without force in m")
+    angle: float = Field(0.0, description="the angle without moment in degrees")
+
+
+class LoadSpec(Spec):
+    """A constant force at a point, in the axes of the ground, and a moment."""
+
+    at: str = Field(description='a point of a body, "slider.pin"')
+    force: _Pair = Field((0.0, 0.0), description="the force in N, [x, y]", strict=False)
+    moment: float = Field(0.0, description="the moment in N m, positive anticlockwise")
+
+
+class IntegrationSpec(Spec):
+    """How to integrate."""
+
+    alpha: float = Field(ge=0, description="Baumgarte's α in 1/s")
+    beta: float = Field(ge=0, description="Baumgarte's β in 1/s")
+    max_step: float = Field(gt=0, description="the longest step in s")
+    tolerance: float = Field(gt=0, lt=1, description="the tolerance, e.g. 1e-8")
+    revolutions: int = Field(ge=1, description="revolutions of the drive, at least 1")
+    period: float | None = Field(
+        None, gt=0, description="the time in s of what counts as one revolution without a speed"
+    )
+
+
+class MechanismSpec(Spec):
+    """A mechanism's file."""
+
+    name: str = Field(description="the mechanism's name")
+    gravity: _Pair = Field(
+        (0.0, 0.0), description="the acceleration of gravity in m/s², [x, y]", strict=False
+    )
+    ground: GroundSpec = Field(description="a table [ground.points]")
+    bodies: dict[str, BodySpec] = Field(min_length=1, description="a table [bodies.NAME] for each")
+    joint: tuple[JointSpec, ...] = Field(description="a table [[joint]] for each", strict=False)
+    spring: tuple[SpringSpec, ...] = Field(
+        (), description="a table [[spring]] for each", strict=False
+    )
+    load: tuple[LoadSpec, ...] = Field((), description="a table [[load]] for each", strict=False)
+    integration: IntegrationSpec = Field(description="a table [integration]")
+
+    @model_validator(mode="after")
+    def _check_names(self) -> MechanismSpec:
+        if "ground" in self.bodies:
+            raise broken("bodies.ground", None, "is no body's name", "it is what does not move")
+        names = [joint.name for joint in self.joint]
+        for name in names:
+            if names.count(name) > 1 or "." in name:
+                rule = "has a point in it" if "." in name else "is the name of two joints"
+                raise broken("joint", name, rule, "give each a name of its own")
+        for joint in self.joint:
+            for end in joint.between:
+                self._check_end(f"joint.{joint.name}.between", end, joint.type == "driver")
+        for spring in self.spring:
+            turning = all("." not in end for end in spring.between)
+            for end in spring.between:
+                self._check_end("spring.between", end, turning)
+        for load in self.load:
+            self._check_end("load.at", load.at, whole_body=False)
+        if self.integration.period is None and not any(joint.speed for joint in self.joint):
+            rule = "is required without a driver of a given speed"
+            raise broken("integration.period", None, rule, "add what counts as one revolution, s")
+        return self
+
+    def _check_end(self, key: str, end: str, whole_body: bool) -> None:
+        body, _, point = end.partition(".")
+        bodies: dict[str, BodySpec | GroundSpec] = {"ground": self.ground, **self.bodies}
+        if body not in bodies:
+            raise broken(key, end, "names no body", f"bodies: {', '.join(bodies)}")
+        if whole_body and point:
+            raise broken(key, end, "names a point", "a driver takes two bodies")
+        if not whole_body and point not in bodies[body].points:
+            points = ", ".join(bodies[body].points)
+            raise broken(key, end, "names no point", f"points of {body}: {points}")
+
+
+# --- the mechanism ------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -64,8 +199,9 @@ class Body:
 class Joint:
     """A joint of bodies i and j (−1 is the ground) at points in their own axes, in m.
 
-    `direction` and `angle` are in rad, `speed` in rad/s; which of them are used depends on `kind`,
-    "revolute", "prismatic" or "driver".
+    `direction` and `angle` are in rad, `speed` in rad/s, `ramp` in s, `torque` in N m; which of
+    them are used depends on `kind`, "revolute", "prismatic" or "driver". Only a revolute has a
+    `clearance`, with the bearing in body i.
     """
 
     name: str
@@ -77,41 +213,39 @@ class Joint:
     direction: float = 0.0
     angle: float = 0.0
     speed: float = 0.0
+    ramp: float = 0.0
+    torque: float = 0.0
+    clearance: ClearanceJoint | None = field(default=None, compare=False)
+
+    @property
+    def contact(self) -> ClearanceJoint:
+        """Pin and bearing of a joint with clearance, their law, dissipation and friction."""
+        assert self.clearance is not None
+        return self.clearance
 
 
 @dataclass(frozen=True)
-class Clearance:
-    """The clearance joint: lengths in m, speeds in m/s, the pair and the law in mm, N and MPa.
+class Spring:
+    """A spring and damper of bodies i and j, in SI; `turning` ones act between their angles."""
 
-    Body i carries the bearing, body j the journal.
-    """
-
-    joint: str
+    turning: bool
     i: int
     j: int
     point_i: Point
     point_j: Point
-    radial: float
-    R_bearing: float
-    length: float
-    law: ContactLaw
-    pair: CylinderPair | None
-    chi: float
-    friction: float
-    v0: float
-    v1: float
-    rate_floor: float = IMPACT_RATE_FLOOR * 1e-3
+    stiffness: float
+    damping: float
+    rest: float
 
 
 @dataclass(frozen=True)
-class Integration:
-    """The settings of the integration in a spec."""
+class Load:
+    """A constant force in N at a point of a body in m, in the axes of the ground, and a moment."""
 
-    alpha: float
-    beta: float
-    max_step: float
-    tolerance: float
-    revolutions: int
+    body: int
+    point: Point
+    force: Point
+    moment: float
 
 
 @dataclass(frozen=True)
@@ -123,11 +257,11 @@ class Mechanism:
     name : str
     bodies : tuple of Body
     joints : tuple of Joint
-        All joints, including the one with the clearance.
-    clearance : Clearance
+    springs : tuple of Spring
+    loads : tuple of Load
     gravity : pair of float
         In m/s².
-    integration : Integration
+    integration : IntegrationSpec
     data : dict
         The spec, including changes.
     source : str
@@ -137,42 +271,94 @@ class Mechanism:
     name: str
     bodies: tuple[Body, ...]
     joints: tuple[Joint, ...]
-    clearance: Clearance
+    springs: tuple[Spring, ...]
+    loads: tuple[Load, ...]
     gravity: Point
-    integration: Integration
+    integration: IntegrationSpec
     data: dict[str, Any] = field(repr=False)
     source: str = "mechanism"
 
     @property
+    def clearances(self) -> tuple[Joint, ...]:
+        """The joints with clearance."""
+        return tuple(joint for joint in self.joints if joint.clearance is not None)
+
+    @property
+    def clearance(self) -> Joint:
+        """The joint with clearance; an `InputError` unless there is one."""
+        names = [joint.name for joint in self.clearances]
+        require(
+            len(names) == 1, self.source, "joint", ", ".join(names) or None,
+            f"{len(names)} joints have a clearance", "take one of `clearances`",
+        )  # fmt: skip
+        return self.clearances[0]
+
+    @property
     def driver(self) -> Joint:
-        """The joint that turns at constant speed."""
-        return next(joint for joint in self.joints if joint.kind == "driver")
-
-    @property
-    def ideal(self) -> bool:
-        """Whether the clearance is zero, so that its joint is a revolute like the others."""
-        return self.clearance.radial == 0.0
-
-    @property
-    def constraints(self) -> tuple[Joint, ...]:
-        """The joints that constrain: all except the one with a clearance."""
-        return tuple(j for j in self.joints if self.ideal or j.name != self.clearance.joint)
+        """The first joint that turns at a given speed; an `InputError` without one."""
+        drivers = [joint for joint in self.joints if joint.speed]
+        require(
+            len(drivers) > 0, self.source, "joint", None, "none turns at a given speed",
+            "give a driver its speed",
+        )  # fmt: skip
+        return drivers[0]
 
     @property
     def period(self) -> float:
-        """The time of one revolution of the driver in s."""
-        return 2 * math.pi / abs(self.driver.speed)
+        """The time of one revolution of the driver in s, or what counts as one."""
+        given = self.integration.period
+        return 2 * math.pi / abs(self.driver.speed) if given is None else given
+
+    @cached_property
+    def slider_crank(self) -> SliderCrank | None:
+        """Its dimensions if it is a slider-crank with one clearance, between rod and slider."""
+        from cylcontact.mechanism.slider_crank import recognise
+
+        return recognise(self)
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """Every assumption as "key = value": those of the spec and those of the model."""
-        return (*assumptions(self.data), *_ASSUMED)
+        """What every simulation assumes, in words."""
+        return _ASSUMED
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """A sentence for each mass, inertia or length of the joint that can hardly be meant."""
-        pair = self.clearance.pair
-        return (*unusual_masses(self.data), *(() if pair is None else unusual_lengths(pair)))
+        """A sentence for each mass, inertia or length that can hardly be meant."""
+        pairs = [joint.contact.pair for joint in self.clearances]
+        lengths = [text for pair in pairs for text in unusual_lengths(pair)]
+        return (*self._unusual_masses(), *lengths, *self._loose())
+
+    def _loose(self) -> tuple[str, ...]:
+        """Return a sentence if a joint seems to be missing."""
+        held = sum({"driver": 1}.get(joint.kind, 2) for joint in self.joints if not joint.torque)
+        free = 3 * len(self.bodies) - held
+        if free <= 0 or not any(joint.speed for joint in self.joints):
+            return ()
+        return (f"beside the driver {free} coordinates are free: is a joint missing?",)
+
+    def _unusual_masses(self) -> tuple[str, ...]:
+        """Return a sentence for each mass above the mechanism's extent in tungsten and the like."""
+        places = [complex(*point) for point in self.data["ground"]["points"].values()]
+        for body in self.bodies:
+            x, y, angle = body.guess
+            centre, turn = complex(x, y), cmath.rect(1.0, angle)
+            points = self.data["bodies"][body.name]["points"].values()
+            places += [centre, *(centre + turn * complex(*point) for point in points)]
+        size = max((abs(a - b) for a, b in combinations(places, 2)), default=0.0)
+        texts = []
+        for body in self.bodies:
+            radius = math.sqrt(body.inertia / body.mass)
+            if body.mass > _DENSITY * size**3:
+                texts.append(
+                    f"{body.name} has {body.mass:g} kg in a mechanism of {size:.3g} m; masses are "
+                    "in kg, not in g"
+                )
+            elif not _SLIMMEST * size <= radius <= size:
+                texts.append(
+                    f"{body.name} has a radius of gyration of {radius:.3g} m in a mechanism of "
+                    f"{size:.3g} m; inertias are in kg m², not in g mm² or kg mm²"
+                )
+        return tuple(texts)
 
 
 def read_mechanism(
@@ -188,8 +374,9 @@ def read_mechanism(
         Your own table of materials; by default datasets/materials.csv if there is one, beside the
         file, above it or here.
     **changes
-        Values that replace those of the spec: `law` (a name or a ContactLaw), `clearance` in mm,
-        `restitution`, `friction`, `revolutions`, `tolerance`. None keeps the value of the spec.
+        Values that replace those of the spec: `law` (a name, a fit's result or a ContactLaw),
+        `clearance` in mm (0: ideal), `restitution` and `friction` of every joint with clearance,
+        `revolutions`, `tolerance`. None keeps the value of the spec.
 
     Returns
     -------
@@ -203,7 +390,7 @@ def read_mechanism(
     Examples
     --------
     >>> mechanism = read_mechanism("datasets/slider_crank.toml", law="johnson", clearance=0.02)
-    >>> [body.name for body in mechanism.bodies], mechanism.clearance.law
+    >>> [body.name for body in mechanism.bodies], mechanism.clearance.contact.law
     (['crank', 'rod', 'slider'], Johnson())
     """
     own = own_table(None if materials is None else str(materials), Path(path).parent, str(path))
@@ -214,125 +401,169 @@ def mechanism_from(
     data: dict[str, Any], source: str = "mechanism", own: Path | None = None, **changes: Any
 ) -> Mechanism:
     """Return the mechanism of a spec's data; see `read_mechanism`."""
-    changed = copy.deepcopy(data)
-    _set_materials(changed, source, own)
-    law = changes.pop("law", None)
-    for key, value in {**changes, "law": law if isinstance(law, str) else None}.items():
-        if key not in _OVERRIDES:
-            raise InputError(source, key, value, "cannot be set", f"choose {', '.join(_OVERRIDES)}")
-        if value is not None:
-            _set(changed, _OVERRIDES[key], value)
-    spec = parse_spec(MechanismSpec, changed, source)
-    chosen = LAWS[spec.clearance.law]() if law is None or isinstance(law, str) else law
-    if chosen is law:
-        changed["clearance"]["law"] = repr(law)
-    names = {"ground": GROUND} | {name: index for index, name in enumerate(spec.bodies)}
-    joints = tuple(_joint(spec, name, names) for name in spec.joints)
+    for former, replacement in (("clearance", _entry_for), ("joints", lambda _: "name = ...")):
+        if isinstance(data.get(former), dict):
+            remedy = f"write [[joint]] with {replacement(data)}"
+            raise InputError(source, f"[{former}]", None, "is an entry of [[joint]] now", remedy)
+    changed, law = copy.deepcopy(data), changes.get("law")
+    _change(changed, source, changes)
+    given = changed.get("joint")
+    entries: list[Any] = given if isinstance(given, list) else []
+    kinematic = [
+        {k: v for k, v in entry.items() if k == "name" or k not in _OF_CONTACT}
+        if isinstance(entry, dict)
+        else entry
+        for entry in entries
+    ]
+    spec = parse_spec(
+        MechanismSpec, {**changed, "joint": kinematic} if entries else changed, source
+    )
+    points = {f"ground.{name}": at for name, at in spec.ground.points.items()}
+    for body, its in spec.bodies.items():
+        points |= {f"{body}.{name}": at for name, at in its.points.items()}
+    index = {"ground": GROUND} | {name: number for number, name in enumerate(spec.bodies)}
+
+    def end(name: str) -> tuple[int, Point]:
+        return index[name.partition(".")[0]], points.get(name, (0.0, 0.0))
+
+    joints = []
+    for about, entry in zip(spec.joint, entries, strict=True):
+        (i, point_i), (j, point_j) = map(end, about.between)
+        joint = Joint(
+            about.name, about.type, i, j, point_i, point_j,
+            direction=math.radians(about.direction or 0.0),
+            angle=math.radians(about.angle),
+            speed=(about.speed or 0.0) * 2 * math.pi / 60,
+            ramp=about.ramp,
+            torque=about.torque or 0.0,
+        )  # fmt: skip
+        joints.append(_with_contact(joint, entry, source, own, law))
     return Mechanism(
         name=spec.name,
         bodies=tuple(
             Body(name, body.mass, body.inertia, (*body.guess[:2], math.radians(body.guess[2])))
             for name, body in spec.bodies.items()
         ),
-        joints=joints,
-        clearance=_clearance(spec, joints, names, chosen),
+        joints=tuple(joints),
+        springs=tuple(_spring(about, *map(end, about.between)) for about in spec.spring),
+        loads=tuple(Load(*end(about.at), about.force, about.moment) for about in spec.load),
         gravity=spec.gravity,
-        integration=Integration(**spec.integration.model_dump()),
+        integration=spec.integration,
         data=changed,
         source=source,
     )
 
 
-def _set(data: dict[str, Any], key: str, value: Any) -> None:
-    """Set a value by its dotted key, and mark it as chosen in the provenance."""
-    table, _, name = key.partition(".")
-    if isinstance(data.get(table), dict):
-        data[table][name] = value
-    origin = data.get("provenance")
-    if isinstance(origin, dict):
-        for kind, keys in origin.items():
-            if isinstance(keys, list):
-                origin[kind] = [listed for listed in keys if listed != key]
-        origin.setdefault("chosen", []).append(key)
+_OF_CONTACT = frozenset(ClearanceJointSpec.model_fields)
+# The values that commands may set, with their places in an entry of a joint or in a table.
+_OF_JOINTS = {
+    "law": ("law",),
+    "clearance": ("clearance",),
+    "restitution": ("dissipation", "restitution"),
+    "friction": ("friction", "coefficient"),
+}
+_OF_INTEGRATION = ("revolutions", "tolerance")
 
 
-def _set_materials(data: dict[str, Any], source: str, own: Path | None) -> None:
-    """Put materials in the places of their names, and where their numbers are from."""
-    clearance, origin = data.get("clearance", {}), data.get("provenance", {})
-    for body in ("pin", "hole"):
-        if not isinstance(clearance, dict) or not isinstance(clearance.get(body), str):
+def _has_clearance(entry: Any) -> bool:
+    return isinstance(entry, dict) and bool({"bearing", "pin", "law"} & entry.keys())
+
+
+def _change(data: dict[str, Any], source: str, changes: dict[str, Any]) -> None:
+    """Set the values of a command in a spec's data."""
+    for key, value in changes.items():
+        if key not in (*_OF_JOINTS, *_OF_INTEGRATION):
+            remedy = f"choose {', '.join((*_OF_JOINTS, *_OF_INTEGRATION))}"
+            raise InputError(source, key, value, "cannot be set", remedy)
+        if value is None:
             continue
-        key, table = f"clearance.{body}", "the tables of materials"
-        row = find_material(clearance[body], known_materials(own), source, key, table)
-        material = row.material
-        values = {"E": float(material.E) * 1e-3, "nu": material.nu}
-        if material.yield_stress is not None:
-            values["yield_stress"] = material.yield_stress
-        clearance[body] = {"name": material.name, **values}
-        columns = {"E": "E_GPa", "nu": "nu", "yield_stress": "yield_stress_MPa"}
-        for name in values if isinstance(origin, dict) else ():
-            origin.setdefault(row.provenance[columns[name]], []).append(f"{key}.{name}")
+        if key in _OF_INTEGRATION:
+            if isinstance(data.get("integration"), dict):
+                data["integration"][key] = value
+            continue
+        *tables, last = _OF_JOINTS[key]
+        entries = data.get("joint")
+        for entry in filter(_has_clearance, entries if isinstance(entries, list) else []):
+            if key == "clearance" and isinstance(entry.get("pin"), dict):
+                entry["pin"].pop("R", None)
+            table = entry.setdefault(tables[0], {}) if tables else entry
+            if isinstance(table, dict):
+                table[last] = value if key != "law" or isinstance(value, str) else repr(value)
 
 
-def _joint(spec: MechanismSpec, name: str, names: dict[str, int]) -> Joint:
-    """Return a joint with the indices of its bodies and the coordinates of its points."""
-    joint = spec.joints[name]
-    bodies, points = [], []
-    for end in joint.between:
-        body, _, point = end.partition(".")
-        bodies.append(names[body])
-        owner = spec.ground if body == "ground" else spec.bodies[body]
-        points.append(owner.points[point] if point else (0.0, 0.0))
-    return Joint(
-        name=name,
-        kind=joint.type,
-        i=bodies[0],
-        j=bodies[1],
-        point_i=points[0],
-        point_j=points[1],
-        direction=math.radians(joint.direction or 0.0),
-        angle=math.radians(joint.angle),
-        speed=(joint.speed or 0.0) * 2 * math.pi / 60,
-    )
+def _with_contact(
+    joint: Joint, entry: dict[str, Any], source: str, own: Path | None, law: Any
+) -> Joint:
+    """Return a joint with the contact of its entry, if it has a clearance."""
+    if not _has_clearance(entry) or entry.get("clearance") == 0:
+        return joint
+    data = {key: value for key, value in entry.items() if key in _OF_CONTACT}
+    try:
+        require(
+            joint.kind == "revolute", source, "type", joint.kind, "has no clearance",
+            "give it to a revolute",
+        )  # fmt: skip
+        contact = build_joint(data, source, own, None if isinstance(law, str) else law)
+        for body in ("bearing", "pin"):
+            require(
+                "point" not in data[body] or data[body]["point"] == [0.0, 0.0], source,
+                f"{body}.point", None, "is where `between` says", "remove it",
+            )  # fmt: skip
+    except InputError as error:
+        key = f"joint.{joint.name}.{error.key}"
+        raise InputError(error.source, key, error.value, error.rule, error.remedy) from None
+    for body, material in (("bearing", contact.pair.material_i), ("pin", contact.pair.material_j)):
+        if entry[body].get("material") and material.name not in shipped_materials():
+            # As a saved run has it, without the user's table.
+            named = {"E": f"{float(material.E)!r} MPa", "nu": float(material.nu)}
+            if material.yield_stress is not None:
+                named["yield_stress"] = float(material.yield_stress)
+            entry[body] = named | {k: v for k, v in entry[body].items() if k != "material"}
+    (x_i, y_i), (x_j, y_j) = joint.point_i, joint.point_j
+    bearing, pin = (1e3 * x_i, 1e3 * y_i), (1e3 * x_j, 1e3 * y_j)
+    placed = replace(contact, data=data, point_bearing=bearing, point_pin=pin)
+    return replace(joint, clearance=placed)
 
 
-def _material(c: ClearanceSpec, own: MaterialSpec | None) -> Material:
-    """Return the material of a body: its own, or that of both."""
-    if own is not None:
-        return Material(own.name, f"{own.E!r} GPa", own.nu, own.yield_stress)
-    assert c.E is not None
-    assert c.nu is not None
-    return Material("joint", f"{c.E!r} GPa", c.nu, c.yield_stress)
+def _spring(about: SpringSpec, first: tuple[int, Point], second: tuple[int, Point]) -> Spring:
+    turning = all("." not in end for end in about.between)
+    rest = math.radians(about.angle) if turning else about.length
+    (i, point_i), (j, point_j) = first, second
+    return Spring(turning, i, j, point_i, point_j, about.stiffness, about.damping, rest)
 
 
-def _clearance(
-    spec: MechanismSpec, joints: tuple[Joint, ...], names: dict[str, int], law: ContactLaw
-) -> Clearance:
-    """Return the clearance joint, in SI except for the pair."""
-    c = spec.clearance
-    joint = next(joint for joint in joints if joint.name == c.joint)
-    ends = [(joint.i, joint.point_i), (joint.j, joint.point_j)]
-    if names[c.bearing] != joint.i:
-        ends.reverse()
-    pair = None
-    if c.radial > 0:
-        pin, hole = _material(c, c.pin), _material(c, c.hole)
-        pair = CylinderPair.from_dR(
-            "internal", c.radial, length=c.length, R_i=c.R_bearing, pin=pin, hole=hole
-        )
-    return Clearance(
-        joint=c.joint,
-        i=ends[0][0],
-        j=ends[1][0],
-        point_i=ends[0][1],
-        point_j=ends[1][1],
-        radial=c.radial * 1e-3,
-        R_bearing=c.R_bearing * 1e-3,
-        length=c.length,
-        law=law,
-        pair=pair,
-        chi=float(hysteresis_factor(c.factor)(c.restitution)),
-        friction=c.friction,
-        v0=c.v0 * 1e-3,
-        v1=c.v1 * 1e-3,
-    )
+def _entry_for(data: dict[str, Any]) -> str:
+    """Return the entry of a joint that takes the place of a table [clearance], on one line."""
+    old, joints = data["clearance"], data.get("joints")
+    name = str(old.get("joint", "NAME"))
+    about = joints.get(name) if isinstance(joints, dict) else None
+    between = about.get("between") if isinstance(about, dict) else None
+    ends = between if isinstance(between, list) else ["BODY.POINT", "BODY.POINT"]
+    ends = sorted(map(str, ends), key=lambda end: not end.startswith(f"{old.get('bearing')}."))
+    shared = ("E", "nu", "yield_stress")
+    bearing = {"R": old.get("R_bearing", 10.0)} | _taken(old, *shared, hole="material")
+    entry = {
+        "name": name,
+        "between": ends,
+        **_taken(old, "length", "law", radial="clearance"),
+        "bearing": bearing,
+        "pin": _taken(old, *shared, pin="material"),
+        "dissipation": _taken(old, "factor", "restitution"),
+        "friction": _taken(old, "v0", "v1", friction="coefficient"),
+    }
+    return ", ".join(f"{key} = {_toml(value)}" for key, value in entry.items())
+
+
+def _taken(old: dict[str, Any], *keys: str, **renamed: str) -> dict[str, Any]:
+    """Return what a table has of some keys, and of others under new names."""
+    names = {**dict(zip(keys, keys, strict=True)), **renamed}
+    return {new: old[key] for key, new in names.items() if key in old}
+
+
+def _toml(value: object) -> str:
+    """Return a text, number, list or table as TOML writes it on one line."""
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_toml(each)}' for key, each in value.items())} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    return f'"{value}"' if isinstance(value, str) else str(value)

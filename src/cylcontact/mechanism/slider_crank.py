@@ -1,96 +1,265 @@
-"""The lengths and angles of a slider-crank in its frame, for the minimal coordinates."""
+"""The slider-crank in minimal coordinates: two unknowns, the components of the eccentricity.
+
+This is a second derivation, independent of multipliers, and the faster one. The frame has its
+origin at the crank's pivot and its first axis along the slide. A(t) is the crank pin, prescribed by
+the driver. The rod, of length L, points in the direction u = (cos φ, sin φ), and its far end is
+P = A + L·u. The centre of the joint on the slider is S = (s, h), with h the offset of the slide.
+The coordinates are
+
+    E = S − P,
+
+that is, the eccentricity if the slider carries the bearing and its negative if the rod does. They
+are of the size of the clearance, so that a relative tolerance applies to the clearance. They
+determine the other coordinates as long as the rod is not perpendicular to the slide:
+
+    sin φ = (h − A_y − E_y)/L,    s = A_x + L·cos φ + E_x.
+
+With the force F on the slider along the slide, −f on the rod at P, a moment M on the rod, the
+moment of inertia J_A of the rod about A and its centre of mass at a·u + b·u⊥ from A,
+
+    J_A·φ̈ + m·(a·u⊥ − b·u)·Ä = L·u⊥·(−f) + M + gravity,    m_s·s̈ = F_x,
+
+and E follows by differentiating its definition twice. The driver's power is the moment of the
+crank's reaction about its pivot times ω.
+"""
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from cylcontact.arrays import FloatArray
-from cylcontact.errors import InputError
-from cylcontact.mechanism.assembly import assemble
-from cylcontact.mechanism.model import GROUND, Body, Joint, Mechanism, Point
+from cylcontact.mechanism import contact
+from cylcontact.mechanism.linkage import assemble
+from cylcontact.mechanism.model import GROUND, Joint, Mechanism, Point
+from cylcontact.numba_cache import compiled, inlined
 
-__all__ = ["SliderCrank", "masses", "motion", "recognise"]
+# A slider-crank as compiled functions take it, in SI. The reciprocals save divisions.
+Crank = Any
+CRANK = np.dtype(
+    [
+        (name, np.float64)
+        for name in (
+            *("crank", "rod", "offset", "omega", "angle", "side"),
+            *("crank_a", "crank_b", "crank_mass", "rod_a", "rod_b", "rod_mass", "rod_inertia"),
+            *("slider_mass", "gravity_x", "gravity_y"),
+            *("per_rod", "per_rod_inertia", "per_slider_mass"),
+        )
+    ]
+)
+
+# Of Taylor's series.
+_COS = (-1 / 2, 1 / 24, -1 / 720, 1 / 40320)
+_SIN = (-1 / 6, 1 / 120, -1 / 5040, 1 / 362880)
+
+
+@compiled
+def crank_turn(t: float, m: Crank) -> tuple[float, float]:
+    """Return cosine and sine of the crank's angle."""
+    theta = m.angle + m.omega * t
+    return math.cos(theta), math.sin(theta)
+
+
+@inlined
+def turned(c: float, s: float, dt: float, m: Crank) -> tuple[float, float]:
+    """Return the cosine and sine of `crank_turn` a time dt later."""
+    angle = m.omega * dt
+    if abs(angle) > 0.1:
+        x, y = math.cos(angle), math.sin(angle)
+    else:  # Taylor's series to the last digit, without divisions
+        z = angle * angle
+        x = 1.0 + z * (_COS[0] + z * (_COS[1] + z * (_COS[2] + z * _COS[3])))
+        y = angle * (1.0 + z * (_SIN[0] + z * (_SIN[1] + z * (_SIN[2] + z * _SIN[3]))))
+    return c * x - s * y, s * x + c * y
+
+
+@inlined
+def _rod_motion(c: float, s: float, y: FloatArray, m: Crank) -> tuple[float, float, float]:
+    """Return sin φ, cos φ and φ̇ of the rod; c and s are those of the crank's angle."""
+    sine = (m.offset - m.crank * s - y[1]) * m.per_rod
+    cosine = math.sqrt(1.0 - sine * sine)
+    spin = -(m.omega * m.crank * c + y[3]) * m.per_rod / cosine
+    return sine, cosine, spin
+
+
+@inlined
+def joint_motion(
+    c: float, s: float, y: FloatArray, m: Crank
+) -> tuple[float, float, float, float, float, float]:
+    """Return e in m, its rate in m/s, and the spins of bearing and pin in rad/s, along the slide.
+
+    c and s are the cosine and sine of the crank's angle.
+    """
+    side = m.side
+    _, _, spin = _rod_motion(c, s, y, m)
+    spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
+    return side * y[0], side * y[1], side * y[2], side * y[3], spin_i, spin_j
+
+
+@inlined
+def derivatives(
+    c: float,
+    s: float,
+    y: FloatArray,
+    rates: FloatArray,
+    row: int,
+    joint: contact.Joint,
+    law: FloatArray,
+    m: Crank,
+) -> None:
+    """Write the rates of coordinates and ledgers to a row of `rates`.
+
+    c and s are the cosine and sine of the crank's angle.
+    """
+    sine, cosine, spin = _rod_motion(c, s, y, m)
+    omega, length = m.omega, m.rod
+    A_x, A_y = m.crank * c, m.crank * s
+    a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
+
+    # Force on the slider, f, and moment on the rod about its end P.
+    f_x, f_y, moment = 0.0, 0.0, 0.0
+    rates[row, 5], rates[row, 6], rates[row, 7], rates[row, 8], rates[row, 9] = (
+        0.0, 0.0, 0.0, 0.0, 0.0,
+    )  # fmt: skip
+    if joint.touching:
+        side = m.side
+        spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
+        f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power, delta = contact.forces(
+            side * y[0],
+            side * y[1],
+            side * y[2],
+            side * y[3],
+            spin_i,
+            spin_j,
+            joint.impact_rate,
+            joint,
+            law,
+        )
+        f_x, f_y = side * f_x, side * f_y
+        moment = moment_j if side > 0 else moment_i
+        rates[row, 6], rates[row, 7] = normal_power, friction_power
+        rates[row, 8], rates[row, 9] = delta, normal
+
+    # The rod about A, in the accelerating frame; gravity on the rod reduces Ä.
+    a, b = m.rod_a, m.rod_b
+    lean_x, lean_y = -a * sine - b * cosine, a * cosine - b * sine  # a·u⊥ − b·u
+    inertial = lean_x * (a_x - m.gravity_x) + lean_y * (a_y - m.gravity_y)
+    turning = length * (sine * f_x - cosine * f_y) + moment
+    alpha = (turning - m.rod_mass * inertial) * m.per_rod_inertia
+    square = spin * spin
+
+    rates[row, 0], rates[row, 1] = y[2], y[3]
+    slider = f_x * m.per_slider_mass + m.gravity_x
+    rates[row, 2] = slider - a_x + length * (sine * alpha + cosine * square)
+    rates[row, 3] = -a_y - length * (cosine * alpha - sine * square)
+
+    # The crank's reaction and the gravity on it, about the pivot.
+    offset_x, offset_y = a * cosine - b * sine, a * sine + b * cosine
+    G_x = a_x + lean_x * alpha - offset_x * square - m.gravity_x
+    G_y = a_y + lean_y * alpha - offset_y * square - m.gravity_y
+    reaction_x, reaction_y = m.rod_mass * G_x + f_x, m.rod_mass * G_y + f_y
+    c_x, c_y = m.crank_a * c - m.crank_b * s, m.crank_a * s + m.crank_b * c
+    weight = m.crank_mass * (c_x * m.gravity_y - c_y * m.gravity_x)
+    rates[row, 4] = omega * (A_x * reaction_y - A_y * reaction_x - weight)
 
 
 @dataclass(frozen=True)
 class SliderCrank:
     """A slider-crank with a clearance between rod and slider, seen along its slide.
 
-    The frame has its origin at the crank's pivot and its first axis along the slide. Lengths are in
-    m, angles in rad. `crank_turn` and `rod_turn`, added to the angle of a body, give the direction
-    of its line. `offset` is the distance of the slide from the pivot. `side` is 1 if the slider
-    carries the bearing and −1 if the rod does.
+    `bodies` are crank, rod and slider. The frame is at `pivot` and turned by `slide`. The turns,
+    added to the angle of a body, give the direction of its line; centres are those of mass, along
+    the lines or, of the slider, from the joint along the slide. `record` is of the type `CRANK`.
     """
 
-    crank: int
-    rod: int
-    slider: int
+    bodies: tuple[int, int, int]
     pivot: Point
     slide: float
-    crank_length: float
-    rod_length: float
-    offset: float
-    rod_centre: Point
-    crank_centre: Point
     crank_turn: float
     rod_turn: float
     slider_angle: float
-    slider_centre: Point
-    omega: float
-    angle: float
-    side: float
+    slider_centre: complex
+    record: Any
+
+    def eccentricity(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return e and its rate in global axes, shapes (n, 2), from coordinates and rates."""
+        turn = self.record["side"] * np.exp(1j * self.slide)
+        e = turn * (values[:, 0] + 1j * values[:, 1])
+        rate = turn * (values[:, 2] + 1j * values[:, 3])
+        return np.column_stack((e.real, e.imag)), np.column_stack((rate.real, rate.imag))
+
+    def motion(self, t: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return coordinates and velocities of the bodies in global axes, shapes (n, 9)."""
+        m = self.record
+        E, E_rate = values[:, :2], values[:, 2:4]
+        theta = m["angle"] + m["omega"] * t
+        A = m["crank"] * np.exp(1j * theta)
+        A_rate = 1j * m["omega"] * A
+        sine = (m["offset"] - A.imag - E[:, 1]) / m["rod"]
+        phi = np.arcsin(sine)
+        phi_rate = -(A_rate.imag + E_rate[:, 1]) / (m["rod"] * np.cos(phi))
+        rod = np.exp(1j * phi)
+        joint = A + m["rod"] * rod + (E[:, 0] + 1j * E[:, 1])
+        joint_rate = A_rate + 1j * phi_rate * m["rod"] * rod + (E_rate[:, 0] + 1j * E_rate[:, 1])
+        rod_centre = complex(m["rod_a"], m["rod_b"]) * rod
+        crank_centre = complex(m["crank_a"], m["crank_b"]) * np.exp(1j * theta)
+        ones, zeros = np.ones_like(t), np.zeros_like(t)
+        # Centre, velocity, angle and spin of each body.
+        motions = (
+            (crank_centre, 1j * m["omega"] * crank_centre, theta - self.crank_turn,
+             m["omega"] * ones),
+            (A + rod_centre, A_rate + 1j * phi_rate * rod_centre, phi - self.rod_turn, phi_rate),
+            (joint + self.slider_centre, joint_rate, self.slider_angle * ones, zeros),
+        )  # fmt: skip
+        turn, pivot = np.exp(1j * self.slide), complex(*self.pivot)
+        q, v = np.empty((t.size, 9)), np.empty((t.size, 9))
+        for body, (local_centre, local_velocity, angle, spin) in zip(
+            self.bodies, motions, strict=True
+        ):
+            centre, velocity = pivot + turn * local_centre, turn * local_velocity
+            q[:, 3 * body : 3 * body + 3] = np.column_stack((centre.real, centre.imag, angle))
+            v[:, 3 * body : 3 * body + 3] = np.column_stack((velocity.real, velocity.imag, spin))
+        return q, v
 
 
-def recognise(mechanism: Mechanism) -> SliderCrank:
-    """Return the dimensions of a mechanism that is a slider-crank.
-
-    Raises
-    ------
-    InputError
-        If it is another mechanism, or its clearance is not between rod and slider.
-    """
-    driver = mechanism.driver
+def recognise(mechanism: Mechanism) -> SliderCrank | None:
+    """Return the dimensions of a mechanism if it is a slider-crank that this form is for."""
+    drivers = [joint for joint in mechanism.joints if joint.kind == "driver"]
     slides = [joint for joint in mechanism.joints if joint.kind == "prismatic"]
-    crank, slider = driver.j, slides[0].j if slides else GROUND
-    others = {0, 1, 2} - {crank, slider}
-    rod = min(others)
-    pivots = [
-        _revolute(mechanism, {*pair}) for pair in ((GROUND, crank), (crank, rod), (rod, slider))
-    ]
-    main, pin, wrist = pivots
-    if (
-        len(mechanism.bodies) != 3
-        or len(mechanism.joints) != 5
-        or len(others) != 1
-        or not (driver.i == GROUND and len(slides) == 1 and slides[0].i == GROUND)
-        or main is None
-        or pin is None
-        or wrist is None
-        or wrist.name != mechanism.clearance.joint
+    if not (
+        (len(mechanism.bodies), len(mechanism.joints)) == (3, 5)
+        and len(drivers) == len(slides) == 1
+        and drivers[0].i == slides[0].i == GROUND
+        and drivers[0].j != slides[0].j
+        and not (mechanism.springs or mechanism.loads or drivers[0].ramp or drivers[0].torque)
     ):
-        raise InputError(
-            mechanism.source,
-            "method",
-            "minimal",
-            "is for a slider-crank whose clearance is between rod and slider",
-            'use "multiplier", which takes any mechanism',
-        )
-    bodies, joints = (crank, rod, slider), (main, pin, wrist, slides[0])
-    shape = _measure(mechanism, bodies, joints)
+        return None
+    crank, slider = drivers[0].j, slides[0].j
+    (rod,) = {0, 1, 2} - {crank, slider}
+    bodies, joints = (crank, rod, slider), {}
+    for pair in ((GROUND, crank), (crank, rod), (rod, slider)):
+        for joint in mechanism.joints:
+            if joint.kind == "revolute" and {joint.i, joint.j} == {*pair}:
+                joints[pair] = joint
+    if len(joints) != 3 or mechanism.clearances != (joints[rod, slider],):
+        return None
+    shape = _measure(mechanism, bodies, (*joints.values(), slides[0]), drivers[0])
     q, _ = assemble(mechanism)
     if math.cos(q[3 * rod + 2] + shape.rod_turn) > 0:
         return shape
     # The rod points backwards along the slide: reverse the frame.
-    return _measure(mechanism, bodies, joints, math.pi)
+    return _measure(mechanism, bodies, (*joints.values(), slides[0]), drivers[0], math.pi)
 
 
 def _measure(
     mechanism: Mechanism,
     bodies: tuple[int, int, int],
-    joints: tuple[Joint, Joint, Joint, Joint],
+    joints: tuple[Joint, ...],
+    driver: Joint,
     turn: float = 0.0,
 ) -> SliderCrank:
     """Return the lengths and angles from the points of the joints, in a frame turned by `turn`."""
@@ -98,107 +267,42 @@ def _measure(
     main, pin, wrist, slide = joints
     pivot, centre = _at(main, GROUND), _at(main, crank)
     along = slide.direction + turn
-    crank_length, crank_line = _line(centre, _at(pin, crank))
-    rod_length, rod_line = _line(_at(pin, rod), _at(wrist, rod))
-    slider_point = _minus(_at(wrist, slider), _at(slide, slider))
-    on_slide = _turned(_minus(_at(slide, GROUND), pivot), -along)
-    slider_offset = _turned(slider_point, slide.angle - along)
+    crank_line, rod_line = _at(pin, crank) - centre, _at(wrist, rod) - _at(pin, rod)
+    crank_angle, rod_angle = cmath.phase(crank_line), cmath.phase(rod_line)
+    rod_centre = _turned(-_at(pin, rod), -rod_angle)
+    crank_centre = _turned(-centre, -crank_angle)
+    on_slide = _turned(_at(slide, GROUND) - pivot, -along)
+    on_slider = _turned(_at(wrist, slider) - _at(slide, slider), slide.angle - along)
+    gravity = np.exp(-1j * along) * complex(*mechanism.gravity)
+    masses = [mechanism.bodies[body] for body in bodies]
+    a, b = rod_centre.real, rod_centre.imag
+    m = np.zeros(1, CRANK)[0]
+    m["crank"], m["rod"] = abs(crank_line), abs(rod_line)
+    m["offset"] = on_slide.imag + on_slider.imag
+    m["omega"], m["angle"] = driver.speed, driver.angle + crank_angle - along
+    m["side"] = 1.0 if wrist.i == slider else -1.0
+    m["crank_a"], m["crank_b"] = crank_centre.real, crank_centre.imag
+    m["crank_mass"], m["rod_mass"], m["slider_mass"] = (body.mass for body in masses)
+    m["rod_a"], m["rod_b"] = a, b
+    m["rod_inertia"] = masses[1].inertia + masses[1].mass * (a * a + b * b)
+    m["gravity_x"], m["gravity_y"] = gravity.real, gravity.imag
+    m["per_rod"], m["per_slider_mass"] = 1 / m["rod"], 1 / m["slider_mass"]
+    m["per_rod_inertia"] = 1 / m["rod_inertia"]
     return SliderCrank(
-        crank=crank,
-        rod=rod,
-        slider=slider,
-        pivot=pivot,
-        slide=along,
-        crank_length=crank_length,
-        rod_length=rod_length,
-        offset=on_slide[1] + slider_offset[1],
-        rod_centre=_turned(_minus((0.0, 0.0), _at(pin, rod)), -rod_line),
-        crank_centre=_turned(_minus((0.0, 0.0), centre), -crank_line),
-        crank_turn=crank_line - along,
-        rod_turn=rod_line - along,
-        slider_angle=slide.angle,
-        slider_centre=_turned(_minus((0.0, 0.0), _at(wrist, slider)), slide.angle - along),
-        omega=mechanism.driver.speed,
-        angle=mechanism.driver.angle + crank_line - along,
-        side=1.0 if mechanism.clearance.i == slider else -1.0,
+        bodies,
+        (pivot.real, pivot.imag),
+        along,
+        crank_angle - along,
+        rod_angle - along,
+        slide.angle,
+        _turned(-_at(wrist, slider), slide.angle - along),
+        m,
     )
 
 
-def motion(
-    shape: SliderCrank, t: FloatArray, E: FloatArray, E_rate: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return coordinates and velocities of the three bodies from the minimal coordinates.
-
-    Parameters
-    ----------
-    shape : SliderCrank
-        The dimensions.
-    t : array of float, shape (n,)
-        In s.
-    E, E_rate : array of float, shape (n, 2)
-        In m and m/s, in the frame of the slide.
-
-    Returns
-    -------
-    q, v : array of float, shape (n, 9)
-        In global axes.
-    """
-    theta = shape.angle + shape.omega * t
-    A = shape.crank_length * np.exp(1j * theta)
-    A_rate = 1j * shape.omega * A
-    sine = (shape.offset - A.imag - E[:, 1]) / shape.rod_length
-    phi = np.arcsin(sine)
-    phi_rate = -(A_rate.imag + E_rate[:, 1]) / (shape.rod_length * np.cos(phi))
-    rod = np.exp(1j * phi)
-    joint = A + shape.rod_length * rod + (E[:, 0] + 1j * E[:, 1])
-    joint_rate = (
-        A_rate + 1j * phi_rate * shape.rod_length * rod + (E_rate[:, 0] + 1j * E_rate[:, 1])
-    )
-    rod_centre = complex(*shape.rod_centre) * rod
-    crank_centre = complex(*shape.crank_centre) * np.exp(1j * theta)
-    bodies = {
-        shape.crank: (crank_centre, 1j * shape.omega * crank_centre, theta - shape.crank_turn,
-                      np.full_like(t, shape.omega)),
-        shape.rod: (A + rod_centre, A_rate + 1j * phi_rate * rod_centre, phi - shape.rod_turn,
-                    phi_rate),
-        shape.slider: (joint + complex(*shape.slider_centre), joint_rate,
-                       np.full_like(t, shape.slider_angle), np.zeros_like(t)),
-    }  # fmt: skip
-    turn, pivot = np.exp(1j * shape.slide), complex(*shape.pivot)
-    q, v = np.empty((t.size, 9)), np.empty((t.size, 9))
-    for body, (local_centre, local_velocity, angle, spin) in bodies.items():
-        centre, velocity = pivot + turn * local_centre, turn * local_velocity
-        q[:, 3 * body : 3 * body + 3] = np.column_stack((centre.real, centre.imag, angle))
-        v[:, 3 * body : 3 * body + 3] = np.column_stack((velocity.real, velocity.imag, spin))
-    return q, v
+def _at(joint: Joint, body: int) -> complex:
+    return complex(*(joint.point_i if joint.i == body else joint.point_j))
 
 
-def masses(mechanism: Mechanism, shape: SliderCrank) -> tuple[Body, Body, Body]:
-    """Return crank, rod and slider."""
-    bodies = mechanism.bodies
-    return bodies[shape.crank], bodies[shape.rod], bodies[shape.slider]
-
-
-def _revolute(mechanism: Mechanism, bodies: set[int]) -> Joint | None:
-    """Return the first revolute joint between two bodies, if any."""
-    joints = (j for j in mechanism.joints if j.kind == "revolute" and {j.i, j.j} == bodies)
-    return next(joints, None)
-
-
-def _at(joint: Joint, body: int) -> Point:
-    return joint.point_i if joint.i == body else joint.point_j
-
-
-def _minus(a: Point, b: Point) -> Point:
-    return a[0] - b[0], a[1] - b[1]
-
-
-def _turned(a: Point, angle: float) -> Point:
-    c, s = math.cos(angle), math.sin(angle)
-    return c * a[0] - s * a[1], s * a[0] + c * a[1]
-
-
-def _line(start: Point, end: Point) -> tuple[float, float]:
-    """Return the length and direction from one point of a body to another."""
-    x, y = _minus(end, start)
-    return math.hypot(x, y), math.atan2(y, x)
+def _turned(a: complex, angle: float) -> complex:
+    return cmath.rect(1.0, angle) * a

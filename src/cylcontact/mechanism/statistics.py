@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-import textwrap
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, require
-from cylcontact.errors import InputError
+from cylcontact.arrays import FloatArray, IndexArray, require
 from cylcontact.limits import yield_load, yield_warning
 from cylcontact.mechanism.batch_means import BatchMeans
-from cylcontact.mechanism.model import Mechanism
-from cylcontact.mechanism.revolution import ENERGIES, FORCE_PERCENTILES, Limits
-from cylcontact.mechanism.step_history import Settings, State
+from cylcontact.mechanism.joint_motion import JointMotion, Limits, changes
+from cylcontact.mechanism.model import Joint, Mechanism
+from cylcontact.mechanism.run import JOINT_LEDGERS, Settings, State
+from cylcontact.pair import CylinderPair
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["QUANTITIES", "SECTION", "Statistics", "described", "period_of"]
+    from cylcontact.mechanism.trajectory import Trajectory
+
+FORCE_PERCENTILES = (50, 95, 99)
 
 # Every quantity that is averaged, and the sums of which its mean is the ratio. None stands for the
 # number of revolutions.
@@ -39,12 +40,16 @@ QUANTITIES = (
     "mean_force_N",
     *(f"force_p{percent}_N" for percent in FORCE_PERCENTILES),
     "max_force_N",
-    *(f"{name}_J" for name in ENERGIES),
+    "drive_work_J",
+    "normal_dissipation_J",
+    "friction_dissipation_J",
     "mean_step_contact_us",
     "mean_step_flight_us",
     "steps",
     "evaluations",
 )
+# Those of the whole mechanism; the others are of a joint.
+_SHARED = ("drive_work_J", "steps", "evaluations")
 # The Poincaré section at the end of every revolution.
 SECTION = ("e_x_um", "e_y_um", "e_x_rate_m_per_s", "e_y_rate_m_per_s", "in_contact")
 
@@ -56,12 +61,15 @@ HELD, LONGEST = 24, 8
 # Assumed: the energy balance expected of every revolution, relative to the largest kinetic energy.
 # At the default tolerance ten revolutions close to 1e-7.
 BALANCE = 1e-6
-_LEVEL, _WIDTH = 0.95, 98
+_LEVEL = 0.95
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Statistics:
     """Statistics of a run over its revolutions, from the revolution `first` on.
+
+    Where several joints have a clearance, columns and quantities that concern one begin with its
+    name, as in "wrist-pin.mean_force_N", and `joint` returns its statistics alone.
 
     Attributes
     ----------
@@ -75,7 +83,8 @@ class Statistics:
         - `max_penetration_um`;
         - `force_p50_N`, `force_p95_N`, `force_p99_N`, `max_force_N`: percentiles of the normal
           force over the time in contact, from the steps;
-        - `drive_work_J`, `normal_dissipation_J`, `friction_dissipation_J`: in that revolution;
+        - `normal_dissipation_J`, `friction_dissipation_J`, and of the whole mechanism
+          `drive_work_J` and `damping_J`, of dampers: in that revolution;
         - `mean_step_contact_us`, `mean_step_flight_us`: mean steps of the integrator;
         - `steps`, `evaluations`, `seconds` of computing, NaN from a file;
         - `contact_time_s`, `flight_time_s`, `penetration_integral_um_s`, `impulse_N_s`,
@@ -97,26 +106,75 @@ class Statistics:
         The settings of the run.
     end : State
         The state at its end, from which `long_run` goes on.
-    limits : Limits
-        What contacts were held against.
+    limits : dict of str to Limits
+        What the contacts of each joint were held against.
     first : int
         The first revolution that counts for means, intervals and tests.
+    only : str, optional
+        The joint that these statistics are of, among several.
     """
 
     revolutions: pd.DataFrame
     mechanism: Mechanism
     settings: Settings
     end: State
-    limits: Limits
+    limits: dict[str, Limits]
     first: int = 0
+    only: str | None = None
 
     def __post_init__(self) -> None:
         total = len(self.revolutions)
-        if not 0 <= self.first < total:
-            raise InputError(
-                "statistics", "first", self.first, f"leaves none of {total} revolutions",
-                "start earlier, or simulate more revolutions",
-            )  # fmt: skip
+        require(
+            0 <= self.first < total, "statistics", "first", self.first,
+            f"leaves none of {total} revolutions", "start earlier, or simulate more revolutions",
+        )  # fmt: skip
+
+    @property
+    def _joints(self) -> list[Joint]:
+        joints = self.mechanism.clearances
+        return [joint for joint in joints if self.only in (None, joint.name)]
+
+    @property
+    def _joint(self) -> Joint:
+        """The one joint that these statistics are of."""
+        return self._joints[0] if len(self._joints) == 1 else self.mechanism.clearance
+
+    def joint(self, name: str) -> Statistics:
+        """Return the statistics of one joint, with the columns of a mechanism that has no other."""
+        names = [joint.name for joint in self._joints]
+        require(
+            name in names, "statistics", "joint", name, "has no clearance",
+            f"choose {', '.join(names)}",
+        )  # fmt: skip
+        if len(names) == 1:
+            return self
+        table = self.revolutions
+        columns = [str(column) for column in table]
+        own = {column: column.removeprefix(f"{name}.") for column in columns}
+        others = tuple(f"{other}." for other in names if other != name)
+        kept = [column for column in columns if not column.startswith(others)]
+        return replace(self, revolutions=table[kept].rename(columns=own), only=name)
+
+    @property
+    def _by_joint(self) -> list[tuple[str, Statistics]]:
+        """What to call each joint in a sentence, and its statistics."""
+        several = len(self._joints) > 1
+        return [(f"{j.name}: " if several else "", self.joint(j.name)) for j in self._joints]
+
+    def _named(self, names: tuple[str, ...]) -> list[str]:
+        """Return the columns of some quantities of all joints, without those of the mechanism."""
+        several = len(self._joints) > 1
+        return [
+            f"{joint.name}.{name}" if several else name
+            for joint in self._joints
+            for name in names
+            if name not in _SHARED
+        ]
+
+    @property
+    def quantities(self) -> list[str]:
+        """The names of what is averaged."""
+        return [*QUANTITIES] if len(self._joints) == 1 else [*self._named(QUANTITIES), *_SHARED]
 
     @property
     def by_revolution(self) -> pd.DataFrame:
@@ -132,7 +190,7 @@ class Statistics:
         """
         import pandas as pd
 
-        return pd.Series(self._batches.ratio, QUANTITIES)
+        return pd.Series(self._batches.ratio, self.quantities)
 
     @property
     def scatter(self) -> pd.Series[float]:
@@ -140,18 +198,27 @@ class Statistics:
 
         They do not say how well a mean is known; `interval` does.
         """
-        return self.by_revolution[list(QUANTITIES)].std()
+        return self.by_revolution[self.quantities].std()
 
     @cached_property
     def _batches(self) -> BatchMeans:
-        table = self.by_revolution
-        sums = table.assign(flight_steps=table["steps"] - table["contact_steps"])
-        over, under = [], []
-        for name in QUANTITIES:
+        table, over, under = self.by_revolution, [], []
+        for quantity in self.quantities:
+            joint, dot, name = quantity.rpartition(".")
             numerator, denominator, factor = _RATIOS.get(name, (name, None, 1.0))
-            over.append(factor * sums[numerator].to_numpy(dtype=np.float64))
-            under.append(np.ones(len(sums)) if denominator is None else sums[denominator])
-        return BatchMeans.of(np.column_stack(over), np.column_stack(under).astype(np.float64))
+            over.append(factor * self._sums(f"{joint}{dot}", numerator))
+            ones = np.ones(len(table))
+            under.append(ones if denominator is None else self._sums(f"{joint}{dot}", denominator))
+        return BatchMeans.of(np.column_stack(over), np.column_stack(under))
+
+    def _sums(self, prefix: str, name: str) -> FloatArray:
+        """Return a column of a joint, or its steps in flight."""
+        table = self.by_revolution
+        if name == "flight_steps":
+            values = table["steps"] - table[f"{prefix}contact_steps"]
+        else:
+            values = table[f"{prefix}{name}"]
+        return values.to_numpy(dtype=np.float64)
 
     def interval(self, level: float = _LEVEL) -> pd.DataFrame:
         """Return the means with intervals of confidence, by batch means.
@@ -188,13 +255,14 @@ class Statistics:
         width = self._batches.half_width(level)
         if self.lossless:
             width[:] = np.nan
-        return pd.DataFrame({"mean": self.mean, "half_width": width}, list(QUANTITIES))
+        return pd.DataFrame({"mean": self.mean, "half_width": width}, self.quantities)
 
     @property
     def lossless(self) -> bool:
         """Whether nothing dissipates: c_e = 1 and no friction."""
-        joint = self.mechanism.clearance
-        return joint.chi == 0.0 and joint.friction == 0.0
+        damped = any(spring.damping for spring in self.mechanism.springs)
+        contacts = [joint.contact for joint in self._joints]
+        return not damped and all(c and c.chi == 0.0 and c.friction == 0.0 for c in contacts)
 
     @property
     def stationary(self) -> pd.Series[str]:
@@ -217,16 +285,16 @@ class Statistics:
         found = self._batches
         verdicts = np.where(found.drifts, "drifts", np.where(found.correlated, "correlated", "yes"))
         if self.lossless:
-            verdicts = np.full(len(QUANTITIES), "no steady state")
+            verdicts = np.full(len(self.quantities), "no steady state")
         elif not found.batches:
-            verdicts = np.full(len(QUANTITIES), "too short")
+            verdicts = np.full(len(self.quantities), "too short")
         verdicts = np.where(np.isnan(found.ratio), "-", verdicts)
-        return pd.Series(verdicts, QUANTITIES, dtype=object)
+        return pd.Series(verdicts, self.quantities, dtype=object)
 
     @property
     def section(self) -> pd.DataFrame:
         """The Poincaré section: eccentricity, its rate and the mode at every revolution's end."""
-        return self.by_revolution[list(SECTION)]
+        return self.by_revolution[self._named(SECTION)]
 
     @property
     def period(self) -> int | None:
@@ -237,13 +305,14 @@ class Statistics:
         no such p; None if the run is too short to tell, below 32. Of a long run a period says
         something of its end only.
         """
-        clearance = self.mechanism.clearance.radial
-        speed = clearance * abs(self.mechanism.driver.speed)
-        scale = np.array([clearance * 1e6] * 2 + [speed] * 2 + [1.0])
-        points = self.revolutions[list(SECTION)].to_numpy(dtype=np.float64) / np.where(
-            scale > 0, scale, 1.0
-        )
-        return period_of(points)
+        points, rate = [], 2 * np.pi / self.mechanism.period
+        for _, statistics in self._by_joint:
+            contact = statistics._joint.contact
+            clearance = contact.radial * 1e-3
+            scale = np.array([clearance * 1e6] * 2 + [clearance * rate] * 2 + [1.0])
+            section = statistics.revolutions[list(SECTION)].to_numpy(dtype=np.float64)
+            points.append(section / scale)
+        return period_of(np.column_stack(points)) if points else None
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -252,8 +321,11 @@ class Statistics:
         First yield, the end of the law's domain, impacts slower than the floor of δ̇⁽⁻⁾, and an
         energy balance worse than a millionth of the largest kinetic energy per revolution.
         """
-        texts = (self._yield(), self.continuation, self._grazing(), self._balance())
-        return tuple(text for text in texts if text)
+        texts = []
+        for name, joint in self._by_joint:
+            found = (joint._yield(), joint._continuation(), joint._grazing())
+            texts += [f"{name}{text}" for text in found if text]
+        return (*texts, *filter(None, [self._balance()]))
 
     def _counted(self, column: str, among: str, text: str) -> str:
         """Return how many contacts are of a kind, their share, and the first one."""
@@ -266,34 +338,41 @@ class Statistics:
             f"{len(table):,} revolutions, first at {first:.4g} s"
         )
 
+    @property
+    def _pair(self) -> CylinderPair:
+        return self._joint.contact.pair
+
     def _yield(self) -> str:
-        pair = self.mechanism.clearance.pair
-        load = self.revolutions["max_load_N_per_mm"].max()
-        text = None if pair is None else yield_warning(load, pair)
-        return (
-            f"{text}; {self._counted('above_yield', 'contacts', 'contacts pass it')}"
-            if text
-            else ""
-        )
+        text = yield_warning(self.revolutions["max_load_N_per_mm"].max(), self._pair)
+        counted = self._counted("above_yield", "contacts", "contacts pass it") if text else ""
+        return f"{text}; {counted}" if text else ""
 
     @property
     def continuation(self) -> str:
-        """A sentence on contacts for which the law was continued beyond its domain, or nothing."""
+        """A sentence on contacts for which a law was continued beyond its domain, or nothing."""
+        texts = [f"{name}{joint._continuation()}" for name, joint in self._by_joint]
+        return "; ".join(text for text in texts if "beyond" in text)
+
+    def _continuation(self) -> str:
         if not self.revolutions["beyond_law"].sum() > 0:
             return ""
         deepest = float(self.revolutions["max_penetration_um"].max())
         counted = self._counted("beyond_law", "contacts", "contacts")
         return (
-            f"beyond {self.limits.law * 1e6:.4g} µm the law goes on along its tangent, up to "
+            f"beyond {self._limits.law * 1e6:.4g} µm the law goes on along its tangent, up to "
             f"{deepest:.4g} µm: {counted}"
         )
+
+    @property
+    def _limits(self) -> Limits:
+        return self.limits[self._joint.name]
 
     def _grazing(self) -> str:
         if not self.revolutions["grazing"].sum() > 0:
             return ""
         counted = self._counted("grazing", "impacts", "impacts begin slower")
         return (
-            f"grazing starts: below {self.limits.floor * 1e3:g} mm/s an impact counts as one of "
+            f"grazing starts: below {self._limits.floor * 1e3:g} mm/s an impact counts as one of "
             f"that speed; {counted}"
         )
 
@@ -315,34 +394,46 @@ class Statistics:
     @property
     def summary(self) -> dict[str, Any]:
         """Settings and largest values of the whole run, by name."""
-        clearance, table = self.mechanism.data["clearance"], self.revolutions
-        worst = float(table["energy_error_J"].abs().max())
-        drift = float(table["drift"].max())
-        return {
-            "law": clearance["law"],
-            "clearance (mm)": clearance["radial"],
-            "restitution": clearance["restitution"],
-            "friction": clearance["friction"],
+        table = self.revolutions
+        worst, drift = float(table["energy_error_J"].abs().max()), float(table["drift"].max())
+        rows: dict[str, Any] = {}
+        for name, joint in self._by_joint:
+            rows |= {f"{name}{key}": value for key, value in joint._about().items()}
+        rows |= {
             "method": self.settings.method,
             "tolerance": self.settings.tolerance,
             "revolutions": len(table),
             "steps": int(table["steps"].sum()),
-            "contacts": int(table["impacts"].sum()),
-            "max penetration (µm)": round(float(table["max_penetration_um"].max()), 3),
-            "energy error (J)": float(f"{worst:.3g}"),
-            **({"drift (m, rad)": float(f"{drift:.3g}")} if np.isfinite(drift) else {}),
-            **({"beyond the law": self.settings.beyond} if self.continuation else {}),
-            **self._against_yield(),
+        }
+        for name, joint in self._by_joint:
+            deepest = float(joint.revolutions["max_penetration_um"].max())
+            rows[f"{name}contacts"] = int(joint.revolutions["impacts"].sum())
+            rows[f"{name}max penetration (µm)"] = round(deepest, 3)
+        rows["energy error (J)"] = float(f"{worst:.3g}")
+        if np.isfinite(drift):
+            rows["drift (m, rad)"] = float(f"{drift:.3g}")
+        if self.continuation:
+            rows["beyond the law"] = self.settings.beyond
+        for name, joint in self._by_joint:
+            rows |= {f"{name}{key}": value for key, value in joint._against_yield().items()}
+        return rows
+
+    def _about(self) -> dict[str, Any]:
+        """Return the rows of the summary on what the joint is."""
+        contact = self._joint.contact
+        return {
+            "law": contact.data["law"],
+            "clearance (mm)": contact.radial,
+            "restitution": contact.data["dissipation"]["restitution"],
+            "friction": contact.friction,
         }
 
     def _against_yield(self) -> dict[str, str]:
         """Return the row of the summary on first yield; none without a yield stress."""
-        if np.isnan(self.limits.first_yield):
+        if np.isnan(self._limits.first_yield):
             return {}
-        pair = self.mechanism.clearance.pair
-        assert pair is not None
         load = float(self.revolutions["max_load_N_per_mm"].max())
-        share = load / float(yield_load(pair))
+        share = load / float(yield_load(self._pair))
         text = f"{load:,.0f} N/mm, {100 * share:.3g} % of first yield (von Mises)"
         return {"max elastic load": text}
 
@@ -377,7 +468,8 @@ class Statistics:
                 texts.append(sentence)
             elif found and verdict != "yes":
                 texts.append(f"{sentence}: {', '.join(found)}")
-        return (*texts, self._repeats(), *self._carried())
+        carried = [f"{name}{text}" for name, joint in self._by_joint for text in joint._carried()]
+        return (*texts, *([self._repeats()] if self._joints else []), *carried)
 
     def _repeats(self) -> str:
         """Return a sentence on the period."""
@@ -396,7 +488,7 @@ class Statistics:
         It scales the damping, and so decides what motion the contact settles to: a contact that
         began slower is damped more. A run "has flights" if its last revolution has one.
         """
-        last = self.revolutions.iloc[-1]
+        last = self.joint(self._joint.name).revolutions.iloc[-1]
         return float(last["impact_rate_m_per_s"] if last["flight_time_s"] == 0 else np.nan)
 
     def _carried(self) -> tuple[str, ...]:
@@ -412,7 +504,7 @@ class Statistics:
 
     def _table(self) -> pd.DataFrame:
         """Return what `repr` shows."""
-        counted = self.by_revolution[list(QUANTITIES)]
+        counted = self.by_revolution[self.quantities]
         table = self.interval().rename(columns={"half_width": "±"})
         return table.assign(
             std=counted.std(), min=counted.min(), max=counted.max(), stationary=self.stationary
@@ -439,16 +531,13 @@ class Statistics:
             repr(self),
             "",
             *((speed, "") if milliseconds > 0 else ()),  # a file has no times
-            "Assumed, not from the paper:",
-            *textwrap.wrap(
-                "; ".join(self.assumptions), _WIDTH, initial_indent="  ", subsequent_indent="  "
-            ),
+            f"Assumed: {'; '.join(self.assumptions)}",
         ]
         return "\n".join(lines)
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """Every assumption as "key = value", with the continuation of the law if there was one."""
+        """What is assumed, with the continuation of a law if there was one."""
         return (*self.mechanism.assumptions, *filter(None, [self.continuation]))
 
 
@@ -487,3 +576,111 @@ def period_of(points: FloatArray) -> int | None:
 def _percent(share: float) -> str:
     """Return a share in per cent, with two digits if it is small."""
     return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
+
+
+# --- a revolution reduced to a row ----------------------------------------------------------------
+
+
+def reduced(run: Trajectory, origin: float) -> dict[str, Any]:
+    """Return the row of `Statistics.revolutions` for a run of one revolution.
+
+    Its first step is the last one of the revolution before. `origin` is the `energy` at the start
+    of the whole run in J.
+    """
+    several, row = len(run.joints) > 1, dict[str, Any]()
+    for name, joint in run.joints.items():
+        numbers = of_joint(joint)
+        row |= {f"{name}.{key}": value for key, value in numbers.items()} if several else numbers
+    end = run.taken(slice(-1, None), 0)
+    steps, evaluations, seconds = run.rows.counts[0]
+    row["drive_work_J"] = float(run.drive_work[-1] - run.drive_work[0])
+    if run.mechanism.springs:
+        row["damping_J"] = float(run.damping[-1] - run.damping[0])
+    return row | {
+        "steps": int(steps),
+        "evaluations": int(evaluations),
+        "seconds": float(seconds),
+        "kinetic_energy_J": float(run.kinetic_energy.max()),
+        "energy_error_J": float(end.energy[0]) - origin,
+        "drift": np.nan if run.settings.method == "minimal" else float(end.drift[0, 0]),
+    }
+
+
+def of_joint(joint: JointMotion) -> dict[str, float]:
+    """Return the numbers of a joint over the steps of one revolution."""
+    touching, dt = joint.in_contact, np.diff(joint.run.time)
+    # A step has the mode of its last row; the second row of an onset has dt = 0.
+    inside, moving = touching[1:], dt > 0
+    contact_time, flight_time = float(dt[inside].sum()), float(dt[~inside].sum())
+    contact_steps = int(np.count_nonzero(inside & moving))
+    flight_steps = int(joint.run.rows.counts[0, 0]) - contact_steps
+    force, within = joint.normal_force, joint.force_within
+    spent = {name: float(np.diff(joint.ledger(name)[[0, -1]])[0]) for name in JOINT_LEDGERS}
+    percentiles = _percentiles(dt[inside], within[inside])
+    begins, _ = changes(touching)
+    end = zip(SECTION, (*joint.eccentricity[-1] * 1e6, *joint.eccentricity_rate[-1]), strict=False)
+    return {
+        "contact_fraction": contact_time / (contact_time + flight_time),
+        "impacts": begins.size,
+        "mean_penetration_um": _ratio(spent["penetration_integral"], contact_time) * 1e6,
+        "max_penetration_um": float(joint.penetration[touching].max(initial=0.0)) * 1e6,
+        "mean_force_N": _ratio(spent["impulse"], contact_time),
+        **{f"force_p{p}_N": x for p, x in zip(FORCE_PERCENTILES, percentiles, strict=True)},
+        "max_force_N": float(max(force.max(initial=0.0), within.max(initial=0.0))),
+        "normal_dissipation_J": spent["normal_dissipation"],
+        "friction_dissipation_J": spent["friction_dissipation"],
+        "mean_step_contact_us": _ratio(contact_time, contact_steps) * 1e6,
+        "mean_step_flight_us": _ratio(flight_time, flight_steps) * 1e6,
+        "contact_time_s": contact_time,
+        "flight_time_s": flight_time,
+        "penetration_integral_um_s": spent["penetration_integral"] * 1e6,
+        "impulse_N_s": spent["impulse"],
+        "contact_steps": contact_steps,
+        "impact_rate_m_per_s": float(joint.impact_rate[-1]),
+        **_passed(joint),
+        "max_load_N_per_mm": joint.max_elastic_load,
+        **dict(end),
+        "in_contact": bool(touching[-1]),
+    }
+
+
+def _ratio(numerator: float, denominator: float) -> float:
+    return numerator / denominator if denominator > 0 else float("nan")
+
+
+def _percentiles(dt: FloatArray, values: FloatArray) -> list[float]:
+    """Return percentiles over the time of steps, shape (m,), with `values` in equal parts of each.
+
+    NaN without any step.
+    """
+    if not dt.sum() > 0:
+        return [float("nan")] * len(FORCE_PERCENTILES)
+    weight, sample = np.repeat(dt, values.shape[1]), values.ravel()
+    order = np.argsort(sample, kind="stable")
+    share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
+    return [float(np.interp(percent / 100, share, sample[order])) for percent in FORCE_PERCENTILES]
+
+
+def _passed(joint: JointMotion) -> dict[str, float]:
+    """Return the contacts of the revolution, and how many pass each limit and when first.
+
+    A contact under way at the start counts again, so that no revolution depends on another.
+    """
+    touching, time, limits = joint.in_contact, joint.run.time, joint.limits
+
+    def first(rows: IndexArray) -> float:
+        return float(time[rows[0]]) if rows.size else float("nan")
+
+    begins, _ = changes(touching)
+    slow = begins[joint.impact_rate[begins] < limits.floor]
+    if touching[0]:
+        begins = np.append(0, begins)
+    depth = np.where(touching, joint.penetration, -np.inf)
+    deepest = np.maximum.reduceat(depth, begins) if begins.size else np.empty(0)
+    numbers = {"contacts": begins.size, "grazing": slow.size, "grazing_s": first(slow)}
+    for name, limit in (("above_yield", limits.first_yield), ("beyond_law", limits.law)):
+        numbers[name] = float(np.count_nonzero(deepest > limit))
+        numbers[f"{name}_s"] = first(np.flatnonzero(depth > limit))
+    if np.isnan(limits.first_yield):
+        numbers["above_yield"] = float("nan")
+    return numbers

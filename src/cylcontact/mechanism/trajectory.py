@@ -10,40 +10,42 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.arrays import BoolArray, FloatArray, as_floats
+from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_parquet
 from cylcontact.html_repr import table_html
-from cylcontact.limits import yield_load
-from cylcontact.mechanism import contact, derived
-from cylcontact.mechanism.model import Mechanism, mechanism_from
-from cylcontact.mechanism.revolution import Limits, reduce_revolution
-from cylcontact.mechanism.slider_crank import motion, recognise
-from cylcontact.mechanism.statistics import SECTION, Statistics, described
-from cylcontact.mechanism.step_history import LEDGERS, Settings, State, StepHistory
-from cylcontact.mechanism.system import build
+from cylcontact.mechanism.joint_motion import JointMotion
+from cylcontact.mechanism.linkage import largest_gaps, linkage_of
+from cylcontact.mechanism.model import Mechanism, Spring, mechanism_from
+from cylcontact.mechanism.run import JOINT_LEDGERS, LEDGERS, Run, Settings, State, StepHistory
+from cylcontact.mechanism.statistics import Statistics, described, reduced
 from cylcontact.provenance import made_with
 from cylcontact.reading import marked, require_file, unmarked
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from cylcontact.mechanism.slider_crank import SliderCrank
     from cylcontact.plots import Drawing
-
-__all__ = ["Trajectory"]
 
 # The key of the schema's metadata with everything but the states.
 _METADATA = b"cylcontact.trajectory"
 _LIBRARIES = ("numpy", "numba", "pyarrow")
 
 
+def _of_the_joint(name: str) -> Any:
+    """Return a property of the one joint with clearance."""
+    return property(lambda run: getattr(run.joint, name), doc=getattr(JointMotion, name).__doc__)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
-    """The motion of a mechanism with a clearance joint, over whole revolutions.
+    """The motion of a mechanism over whole revolutions.
 
     Every array has one element or row for each of the n accepted steps of the integrator, in SI
     units: m, s, rad, N, J. An onset or release of contact has two rows at the same time, one in
-    each mode.
+    each mode. `joints` has what concerns each joint with clearance, by its name; of a mechanism
+    with one, the run itself has the same under the same names.
 
     Parameters
     ----------
@@ -53,14 +55,39 @@ class Trajectory:
         Method, tolerance, longest step in s, and continuation beyond the law's domain.
     rows : StepHistory
         The steps as returned by the integrator.
-    block : array of float
-        The parameter block of the compiled model.
     """
 
     mechanism: Mechanism
     settings: Settings
     rows: StepHistory
-    block: FloatArray
+
+    @cached_property
+    def joints(self) -> dict[str, JointMotion]:
+        """The joints with clearance, by name."""
+        # A twin that has no joints: in a circle with them, a run would outlive its use.
+        twin, joints = replace(self), enumerate(self.mechanism.clearances)
+        twin.__dict__["_motion"] = self._motion
+        return {joint.name: JointMotion(twin, number, joint) for number, joint in joints}
+
+    @property
+    def joint(self) -> JointMotion:
+        """The one joint with clearance; an `InputError` unless there is one."""
+        return self.joints[self.mechanism.clearance.name]
+
+    in_contact = _of_the_joint("in_contact")
+    impact_rate = _of_the_joint("impact_rate")
+    eccentricity = _of_the_joint("eccentricity")
+    eccentricity_rate = _of_the_joint("eccentricity_rate")
+    penetration = _of_the_joint("penetration")
+    penetration_rate = _of_the_joint("penetration_rate")
+    force = _of_the_joint("force")
+    normal_force = _of_the_joint("normal_force")
+    friction_force = _of_the_joint("friction_force")
+    tangential_velocity = _of_the_joint("tangential_velocity")
+    flag = _of_the_joint("flag")
+    contacts = _of_the_joint("contacts")
+    max_elastic_load = _of_the_joint("max_elastic_load")
+    limits = _of_the_joint("limits")
 
     @property
     def time(self) -> FloatArray:
@@ -73,11 +100,6 @@ class Trajectory:
         return self.rows.time / self.mechanism.period
 
     @property
-    def in_contact(self) -> BoolArray:
-        """Whether the row belongs to the contact mode, shape (n,)."""
-        return self.rows.in_contact
-
-    @property
     def revolutions(self) -> int:
         """The number of complete revolutions."""
         return int(self.rows.counts.shape[0])
@@ -85,18 +107,18 @@ class Trajectory:
     @property
     def end(self) -> State:
         """The last state, from which a run can be resumed."""
-        r = self.rows
-        return State(
-            float(r.time[-1]), r.values[-1], bool(r.in_contact[-1]), float(r.impact_rate[-1])
-        )
+        return self.rows.end
+
+    @property
+    def slider_crank(self) -> SliderCrank | None:
+        """The dimensions of a slider-crank if the states are its minimal coordinates."""
+        return self.mechanism.slider_crank if self.settings.method == "minimal" else None
 
     @cached_property
     def _motion(self) -> tuple[FloatArray, FloatArray]:
-        values = self.rows.values
-        if self.settings.method == "minimal":
-            shape = recognise(self.mechanism)
-            return motion(shape, self.time, values[:, 0:2], values[:, 2:4])
-        size = 3 * len(self.mechanism.bodies)
+        values, size = self.rows.values, 3 * len(self.mechanism.bodies)
+        if self.slider_crank is not None:
+            return self.slider_crank.motion(self.time, values)
         return values[:, :size], values[:, size : 2 * size]
 
     @property
@@ -108,19 +130,6 @@ class Trajectory:
     def velocities(self) -> FloatArray:
         """The rates of `coordinates`, shape (n, bodies, 3)."""
         return self._motion[1].reshape(self.time.size, -1, 3)
-
-    @cached_property
-    def _eccentricity(self) -> tuple[FloatArray, FloatArray]:
-        """e and its rate in global axes; minimal coordinates give them without cancellation."""
-        if self.settings.method == "minimal":
-            shape, values = recognise(self.mechanism), self.rows.values
-            turn = shape.side * np.exp(1j * shape.slide)
-            e = turn * (values[:, 0] + 1j * values[:, 1])
-            rate = turn * (values[:, 2] + 1j * values[:, 3])
-            return np.column_stack((e.real, e.imag)), np.column_stack((rate.real, rate.imag))
-        joint = self.mechanism.clearance
-        i, j = self.point(joint.i, joint.point_i), self.point(joint.j, joint.point_j)
-        return i[0] - j[0], i[1] - j[1]
 
     def point(self, body: int, local: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
         """Return position in m and velocity in m/s of a point of a body, shapes (n, 2).
@@ -142,122 +151,74 @@ class Trajectory:
             v[:, :2] + np.column_stack((rate.real, rate.imag)),
         )
 
-    @property
-    def eccentricity(self) -> FloatArray:
-        """e = r_i − r_j in m, from the journal's centre to the bearing's, shape (n, 2)."""
-        return self._eccentricity[0]
-
-    @property
-    def eccentricity_rate(self) -> FloatArray:
-        """The rate of `eccentricity` in m/s, shape (n, 2)."""
-        return self._eccentricity[1]
-
-    @cached_property
-    def penetration(self) -> FloatArray:
-        """δ = |e| − c in m, negative out of contact, shape (n,)."""
-        return as_floats(np.hypot(*self.eccentricity.T) - self.mechanism.clearance.radial)
-
-    @cached_property
-    def penetration_rate(self) -> FloatArray:
-        """δ̇ in m/s, shape (n,)."""
-        distance = np.hypot(*self.eccentricity.T)
-        along = (self.eccentricity * self.eccentricity_rate).sum(axis=1)
-        return as_floats(along / np.where(distance > 0, distance, 1.0))
-
-    @cached_property
-    def _forces(self) -> FloatArray:
-        joint = self.mechanism.clearance
-        if self.mechanism.ideal:
-            return np.full((self.time.size, 5), np.nan)
-        spins = np.zeros((self.time.size, 2))
-        for column, body in enumerate((joint.i, joint.j)):
-            if body >= 0:
-                spins[:, column] = self.velocities[:, body, 2]
-        forces: FloatArray = derived.joint_forces(
-            np.ascontiguousarray(self.eccentricity),
-            np.ascontiguousarray(self.eccentricity_rate),
-            spins,
-            self.in_contact,
-            self.rows.impact_rate,
-            joint.rate_floor,
-            self.block,
-        )
-        return forces
-
-    @cached_property
-    def _force_within(self) -> FloatArray:
-        """f_n in N within the steps; see `derived.force_within`."""
-        forces: FloatArray = derived.force_within(
-            self.time,
-            np.ascontiguousarray(self.eccentricity),
-            np.ascontiguousarray(self.eccentricity_rate),
-            self.in_contact,
-            self.rows.impact_rate,
-            self.mechanism.clearance.rate_floor,
-            self.block,
-        )
-        return forces
-
-    @property
-    def force(self) -> FloatArray:
-        """The contact force on the bearing in N, Eq 13a, shape (n, 2)."""
-        return self._forces[:, 0:2]
-
-    @property
-    def normal_force(self) -> FloatArray:
-        """f_n in N, shape (n,)."""
-        return self._forces[:, 2]
-
-    @property
-    def friction_force(self) -> FloatArray:
-        """f_t in N along t = [n_y, −n_x], on the bearing, shape (n,)."""
-        return self._forces[:, 3]
-
-    @property
-    def tangential_velocity(self) -> FloatArray:
-        """v_t = (v_i − v_j)·t in m/s at the contact point, shape (n,)."""
-        return self._forces[:, 4]
+    def _ledger(self, name: str) -> FloatArray:
+        last = len(LEDGERS) + len(JOINT_LEDGERS) * len(self.mechanism.clearances)
+        return self.rows.values[:, LEDGERS.index(name) - last]
 
     @property
     def drive_work(self) -> FloatArray:
-        """Work of the drive since the start in J, shape (n,)."""
-        return self.rows.values[:, LEDGERS["drive_work"]]
+        """Work of the drivers since the start in J, shape (n,)."""
+        return self._ledger("drive_work")
+
+    @property
+    def damping(self) -> FloatArray:
+        """Energy dissipated by dampers since the start in J, shape (n,)."""
+        return self._ledger("damping")
 
     @property
     def normal_dissipation(self) -> FloatArray:
-        """Energy dissipated by the normal force since the start in J, shape (n,)."""
-        return self.rows.values[:, LEDGERS["normal_dissipation"]]
+        """Energy dissipated by the normal forces of all joints since the start in J, (n,)."""
+        return self._over_joints("normal_dissipation")
 
     @property
     def friction_dissipation(self) -> FloatArray:
-        """Energy dissipated by friction since the start in J, shape (n,)."""
-        return self.rows.values[:, LEDGERS["friction_dissipation"]]
+        """Energy dissipated by the friction of all joints since the start in J, (n,)."""
+        return self._over_joints("friction_dissipation")
+
+    def _over_joints(self, name: str) -> FloatArray:
+        total: FloatArray = np.zeros_like(self.time)
+        for joint in self.joints.values():
+            total = total + getattr(joint, name)
+        return total
 
     @cached_property
     def kinetic_energy(self) -> FloatArray:
         """Kinetic energy of all bodies in J, shape (n,)."""
-        return derived.kinetic_and_potential(self.mechanism, *self._motion)[0]
+        mass = np.array([[b.mass, b.mass, b.inertia] for b in self.mechanism.bodies]).ravel()
+        return as_floats(0.5 * (self._motion[1] ** 2) @ mass)
 
     @cached_property
     def potential_energy(self) -> FloatArray:
-        """Potential energy in J, 0 without gravity, shape (n,)."""
-        return derived.kinetic_and_potential(self.mechanism, *self._motion)[1]
+        """Potential energy of gravity, constant loads and springs in J, shape (n,)."""
+        q, gravity = self._motion[0], self.mechanism.gravity
+        weight = np.array([b.mass * g for b in self.mechanism.bodies for g in (*gravity, 0.0)])
+        energy = -q @ weight
+        for load in self.mechanism.loads:
+            at = self.point(load.body, load.point)[0]
+            angle = q[:, 3 * load.body + 2] if load.body >= 0 else 0.0
+            energy = energy - at @ load.force - load.moment * angle
+        for spring in self.mechanism.springs:
+            energy = energy + 0.5 * spring.stiffness * self._stretch(spring) ** 2
+        return as_floats(energy)
 
-    @cached_property
+    def _stretch(self, spring: Spring) -> FloatArray:
+        """Return how far a spring is from where it has no force, in m or rad."""
+        if spring.turning:
+            angle = np.column_stack((self.coordinates[:, :, 2], np.zeros_like(self.time)))
+            return as_floats(angle[:, spring.j] - angle[:, spring.i] - spring.rest)
+        ends = self.point(spring.i, spring.point_i)[0], self.point(spring.j, spring.point_j)[0]
+        return as_floats(np.hypot(*(ends[1] - ends[0]).T) - spring.rest)
+
+    @property
     def elastic_energy(self) -> FloatArray:
-        """Energy stored in the contact in J, shape (n,)."""
-        if self.mechanism.ideal:
-            return np.zeros_like(self.time)
-        energy: FloatArray = derived.elastic_energy(
-            np.where(self.in_contact, self.penetration, 0.0), self.block
-        )
-        return energy
+        """Energy stored in the contacts of all joints in J, shape (n,)."""
+        return self._over_joints("elastic_energy")
 
     @cached_property
     def energy(self) -> FloatArray:
-        """Energy stored and dissipated minus the drive's work, which is constant, in J, (n,)."""
+        """Energy stored and dissipated minus the drivers' work, which is constant, in J, (n,)."""
         stored = self.kinetic_energy + self.potential_energy + self.elastic_energy
-        lost = self.normal_dissipation + self.friction_dissipation
+        lost = self.normal_dissipation + self.friction_dissipation + self.damping
         return as_floats(stored + lost - self.drive_work)
 
     @property
@@ -268,7 +229,9 @@ class Trajectory:
     @cached_property
     def drift(self) -> FloatArray:
         """The largest |Φ| (m, rad) and |dΦ/dt| of the joints' constraints, shape (n, 2)."""
-        return derived.drift(self.mechanism, self.time, *map(np.ascontiguousarray, self._motion))
+        q, v = map(np.ascontiguousarray, self._motion)
+        drift: FloatArray = largest_gaps(self.time, q, v, linkage_of(self.mechanism))
+        return drift
 
     @property
     def counts(self) -> pd.DataFrame:
@@ -278,43 +241,6 @@ class Trajectory:
         table = pd.DataFrame(self.rows.counts, columns=["steps", "evaluations", "seconds"])
         return table.astype({"steps": int, "evaluations": int})
 
-    @cached_property
-    def contacts(self) -> pd.DataFrame:
-        """One row for each contact.
-
-        Columns: `onset_s`, `release_s` (NaN while under way), `impact_rate_m_per_s` (δ̇⁽⁻⁾),
-        `max_penetration_m` and `max_force_N`.
-        """
-        import pandas as pd
-
-        begins, ends = derived.changes(self.in_contact)
-        last = np.append(ends, self.time.size - 1)[: begins.size]
-        spans = [slice(a, b + 1) for a, b in zip(begins, last, strict=True)]
-        release = np.full(begins.size, np.nan)
-        release[: ends.size] = self.time[ends]
-        return pd.DataFrame(
-            {
-                "onset_s": self.time[begins],
-                "release_s": release,
-                "impact_rate_m_per_s": self.rows.impact_rate[begins],
-                "max_penetration_m": [self.penetration[span].max() for span in spans],
-                "max_force_N": [self._peak(span) for span in spans],
-            }
-        )
-
-    def _peak(self, span: slice) -> float:
-        """Return the largest f_n in N in some rows and within the steps between them."""
-        within = self._force_within[span.start : span.stop - 1]
-        return float(max(self.normal_force[span].max(), within.max(initial=0.0)))
-
-    @cached_property
-    def max_elastic_load(self) -> float:
-        """The law's load per unit length at the deepest penetration in N/mm, without damping."""
-        if self.mechanism.ideal:
-            return float("nan")
-        deepest = float(self.penetration[self.in_contact].max(initial=0.0))
-        return float(contact.elastic_force(deepest, self.block)) / self.mechanism.clearance.length
-
     @property
     def warnings(self) -> tuple[str, ...]:
         """A sentence for each thing to be wary of; see `Statistics.warnings`."""
@@ -322,61 +248,10 @@ class Trajectory:
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """Every assumption as "key = value", with the continuation of the law if there was one."""
+        """What is assumed, with the continuation of a law if there was one."""
         return self.statistics().assumptions
 
-    @cached_property
-    def limits(self) -> Limits:
-        """What contacts are held against: first yield, the law's tangent, the slowest impact."""
-        tangent = self.settings.beyond == "tangent"
-        return Limits(
-            self._yield_penetration(),
-            float(self.block[contact.LAST_PENETRATION]) * 1e-3 if tangent else np.inf,
-            self.mechanism.clearance.rate_floor,
-        )
-
-    def _yield_penetration(self) -> float:
-        """Return the penetration in m at first yield; inf if the law has no such load."""
-        from scipy.optimize import brentq
-
-        joint = self.mechanism.clearance
-        bodies = () if joint.pair is None else (joint.pair.material_i, joint.pair.material_j)
-        if joint.pair is None or any(body.yield_stress is None for body in bodies):
-            return float("nan")
-        load = float(yield_load(joint.pair)) * joint.length
-
-        def excess(penetration: float) -> float:
-            return float(contact.elastic_force(penetration, self.block)) - load
-
-        if excess(joint.R_bearing) <= 0:
-            return float("inf")
-        return float(brentq(excess, 0.0, joint.R_bearing, xtol=1e-15))
-
-    def reduced(self, origin: float, limits: Limits) -> dict[str, Any]:
-        """Return the row of `Statistics.revolutions` for the one revolution of these steps.
-
-        Parameters
-        ----------
-        origin : float
-            The `energy` at the start of the whole run in J.
-        limits : Limits
-            What contacts are held against.
-        """
-        end = self._taken(slice(-1, None), 0)
-        place, rate = end.eccentricity[0], end.eccentricity_rate[0]
-        section = (*place * 1e6, *rate, bool(end.in_contact[0]))
-        return {
-            **reduce_revolution(
-                self.rows, self.penetration, self.normal_force, self._force_within, limits
-            ),
-            "max_load_N_per_mm": self.max_elastic_load,
-            "kinetic_energy_J": float(self.kinetic_energy.max()),
-            "energy_error_J": float(end.energy[0]) - origin,
-            "drift": np.nan if self.settings.method == "minimal" else float(end.drift[0, 0]),
-            **dict(zip(SECTION, section, strict=True)),
-        }
-
-    def _taken(self, rows: slice, index: int) -> Trajectory:
+    def taken(self, rows: slice, index: int) -> Trajectory:
         """Return some rows and the counts of a revolution, as a trajectory."""
         return replace(self, rows=self.rows.taken(rows, index))
 
@@ -386,12 +261,10 @@ class Trajectory:
         import pandas as pd
 
         starts = np.searchsorted(self.rows.revolution, np.arange(self.revolutions + 1))
-        origin = float(self._taken(slice(1), 0).energy[0])
+        origin = float(self.taken(slice(1), 0).energy[0])
         records = [
             # From the last row of the previous revolution.
-            self._taken(slice(max(int(starts[k]) - 1, 0), int(starts[k + 1])), k).reduced(
-                origin, self.limits
-            )
+            reduced(self.taken(slice(max(int(starts[k]) - 1, 0), int(starts[k + 1])), k), origin)
             for k in range(self.revolutions)
         ]
         return pd.DataFrame(records, pd.RangeIndex(self.revolutions, name="revolution"))
@@ -412,24 +285,21 @@ class Trajectory:
         >>> print(f"{statistics.mean['contact_fraction']:.3f}")
         1.000
         """
-        return Statistics(
-            self._revolutions, self.mechanism, self.settings, self.end, self.limits, first
-        )
+        limits = {name: joint.limits for name, joint in self.joints.items()}
+        return Statistics(self._revolutions, self.mechanism, self.settings, self.end, limits, first)
 
     def save(self, path: Path | str) -> None:
         """Write to a Parquet file, with the spec, the settings and the provenance.
 
-        One column for each state; the rest is in the schema's metadata. The same run gives the
-        same bytes.
+        One column for each state, and for the contact and δ̇⁽⁻⁾ of each joint under its name; the
+        rest is in the schema's metadata. The same run gives the same bytes.
         """
         pa = require_parquet(path)
         rows, mechanism = self.rows, self.mechanism
-        columns: dict[str, Any] = {
-            "time_s": rows.time,
-            "in_contact": rows.in_contact,
-            "impact_rate_m_per_s": rows.impact_rate,
-            "revolution": rows.revolution,
-        }
+        columns: dict[str, Any] = {"time_s": rows.time, "revolution": rows.revolution}
+        for joint in self.joints.values():
+            columns[f"{joint.joint.name}.in_contact"] = joint.in_contact
+            columns[f"{joint.joint.name}.impact_rate_m_per_s"] = joint.impact_rate
         columns |= {
             f"state_{k}": np.ascontiguousarray(rows.values[:, k])
             for k in range(rows.values.shape[1])
@@ -461,13 +331,17 @@ class Trajectory:
         require_file(path)
         pa = require_parquet(path)
         try:
-            file = pa.parquet.ParquetFile(path)
-            table = file.read()
+            table = pa.parquet.ParquetFile(path).read()
             metadata = dict(json.loads((table.schema.metadata or {})[_METADATA]))
             metadata = unmarked(metadata, str(path))
-            rows = _rows_of(table, metadata["counts"])
-            spec, source = metadata["spec"], str(metadata["source"])
             settings = Settings(**metadata["settings"])
+            require(
+                "clearance" not in metadata["spec"], str(path), "", None,
+                "is of a version of cylcontact with one clearance", "simulate anew",
+            )  # fmt: skip
+            mechanism = mechanism_from(metadata["spec"], str(metadata["source"]))
+            names = [joint.name for joint in mechanism.clearances]
+            rows = _rows_of(table, metadata["counts"], names)
         except InputError:
             raise
         except (OSError, pa.ArrowInvalid) as error:
@@ -479,22 +353,22 @@ class Trajectory:
             raise InputError(
                 str(path), "", None, "holds no trajectory", "give what simulate -o has written"
             ) from error
-        mechanism = mechanism_from(spec, source)
-        system = build(mechanism, settings.method, settings.beyond)
-        if rows.values.shape[1] != system.start.size:
-            states = rows.values.shape[1]
-            rule = f"has {states} states where its mechanism has {system.start.size}"
+        states, size = rows.values.shape[1], Run.start(mechanism, settings).state.values.size
+        if states != size:
+            rule = f"has {states} states where its mechanism has {size}"
             remedy = "an older version of cylcontact wrote it, or another program: simulate anew"
             raise InputError(str(path), "", None, rule, remedy)
-        return cls(mechanism, settings, rows, system.block)
+        return cls(mechanism, settings, rows)
 
-    def plot(self, revolutions: float = 2.0) -> Drawing:
-        """Draw the path of the journal's centre in the bearing, and the force in the joint.
+    def plot(self, revolutions: float = 2.0, joint: str | None = None) -> Drawing:
+        """Draw the path of a pin's centre in its bearing, and the force in the joint.
 
         Parameters
         ----------
         revolutions : float, optional
             How many are drawn, from the end.
+        joint : str, optional
+            Its name, where several have a clearance.
 
         Returns
         -------
@@ -508,7 +382,7 @@ class Trajectory:
         """
         from cylcontact.mechanism.drawing import joint_drawing
 
-        return joint_drawing(self, revolutions)
+        return joint_drawing(self.joint if joint is None else self.joints[joint], revolutions)
 
     def __str__(self) -> str:
         return described(f"Trajectory of {self.mechanism.name!r}", self.statistics().summary)
@@ -521,11 +395,11 @@ class Trajectory:
 
     def _repr_html_(self) -> str:
         rows = {"duration (s)": self.time[-1] - self.time[0], **self.statistics().summary}
-        picture = "" if self.mechanism.ideal else self.plot()._repr_html_()
-        return table_html(f"Trajectory of {self.mechanism.name}", rows) + picture
+        pictures = [self.plot(joint=name)._repr_html_() for name in self.joints]
+        return table_html(f"Trajectory of {self.mechanism.name}", rows) + "".join(pictures)
 
 
-def _rows_of(table: Any, counts: Any) -> StepHistory:
+def _rows_of(table: Any, counts: Any, joints: list[str]) -> StepHistory:
     """Return the rows that a table holds.
 
     Raises
@@ -541,13 +415,19 @@ def _rows_of(table: Any, counts: Any) -> StepHistory:
     revolution = table["revolution"].to_numpy()
     if revolution.dtype.kind != "i":  # an empty cell makes them floats
         raise ValueError("the revolutions are no integers")
-    # Earlier files have the seconds of each revolution too.
+
+    def of_joints(column: str, kind: type) -> Any:
+        parts: list[Any] = [
+            np.asarray(table[f"{name}.{column}"].to_numpy(), kind) for name in joints
+        ]
+        return np.array(parts, kind).T.reshape(columns[0].size, len(joints)).copy()
+
     known = np.array([row[:2] for row in counts], dtype=np.float64).reshape(-1, 2)
     return StepHistory(
         time=columns[0],
         values=values[:, 1:],
-        in_contact=np.asarray(table["in_contact"].to_numpy(), bool),
-        impact_rate=np.asarray(table["impact_rate_m_per_s"].to_numpy(), float),
+        in_contact=of_joints("in_contact", bool),
+        impact_rate=of_joints("impact_rate_m_per_s", float),
         revolution=revolution.astype(np.int32),
         counts=np.insert(known, 2, np.nan, axis=1),
     )

@@ -8,40 +8,135 @@ The element has one state, the impact rate δ̇⁽⁻⁾ of the contact under wa
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, Strict, model_validator
 
 from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.choices import Beyond
 from cylcontact.errors import InputError
 from cylcontact.housing_spec import HousingSpec, in_housing
-from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
+from cylcontact.impact import FACTORS, IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.laws import LAWS, ContactLaw, Explicit, Housing
-from cylcontact.laws.kernels import Kernel, kernel
+from cylcontact.laws.kernels import Kernel, kernel, kernel_load, kernel_stiffness
 from cylcontact.laws.user import user_law
 from cylcontact.limits import yield_load
 from cylcontact.materials import Material, find_material, known_materials, own_table
 from cylcontact.mechanism import contact
-from cylcontact.mechanism.joint_spec import BodySpec, ClearanceJointSpec
-from cylcontact.mechanism.system import law_block
+from cylcontact.modulus import Modulus
 from cylcontact.numba_cache import compiled
 from cylcontact.pair import CylinderPair
 from cylcontact.plain_text import identifier
-from cylcontact.spec import parse_spec, read_toml
+from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
-__all__ = [
-    "BEYOND_LAW",
-    "YIELDS",
-    "ClearanceJoint",
-    "JointState",
-    "JointWrench",
-    "joint_from",
-    "read_joint",
-]
+# Of the Fortran names, which end in "_evaluate", the standard allows 63 characters.
+_LONGEST_NAME = 40
+
+# TOML has lists, not tuples.
+_Point = Annotated[tuple[float, float], Strict(False)]
+
+
+class BodySpec(Spec):
+    """The hole of the bearing, or the pin."""
+
+    R: float | None = Field(None, gt=0, description="the radius in mm")
+    material: str | None = Field(None, description="a material of the package's table")
+    E: Modulus | None = Field(
+        None, gt=0, description='Young\'s modulus in GPa, or with its unit, "207 GPa"'
+    )
+    nu: float | None = Field(None, ge=0, le=0.5, description="Poisson's ratio")
+    yield_stress: float | None = Field(None, gt=0, description="the yield stress in MPa")
+    point: _Point = Field(
+        (0.0, 0.0), description="the centre of hole or pin in mm, in the axes of the body, [x, y]"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> BodySpec:
+        for key in ("E", "nu"):
+            given = getattr(self, key)
+            if self.material is None and given is None:
+                raise broken(key, None, "is required", f"give {key}, or material = NAME")
+            if self.material is not None and given is not None:
+                raise broken(key, given, "is that of the material already", f"remove {key}")
+        return self
+
+
+class DissipationSpec(Spec):
+    """The dissipation in normal direction."""
+
+    factor: str = Field(description=f"a hysteresis factor: {', '.join(FACTORS)}")
+    restitution: float = Field(gt=0, le=1, description="the restitution, above 0 up to 1")
+
+    @model_validator(mode="after")
+    def _check(self) -> DissipationSpec:
+        if self.factor not in FACTORS:
+            raise broken("factor", self.factor, "is not known", f"choose {', '.join(FACTORS)}")
+        return self
+
+
+class FrictionSpec(Spec):
+    """The friction."""
+
+    coefficient: float = Field(ge=0, description="the friction coefficient")
+    v0: float = Field(ge=0, description="the speed in mm/s up to which there is no friction")
+    v1: float = Field(gt=0, description="the speed in mm/s from which there is all of it")
+
+    @model_validator(mode="after")
+    def _check(self) -> FrictionSpec:
+        if self.v1 <= self.v0:
+            raise broken("v1", self.v1, f"must be above v0 = {self.v0}", "raise it")
+        return self
+
+
+class ClearanceJointSpec(Spec):
+    """A joint's file."""
+
+    name: str = Field(description="the joint's name")
+    units: Literal["SI", "mm"] = Field(
+        "SI", description='"SI" (m, N, s, rad) or "mm" (mm, N, s, rad)'
+    )
+    clearance: float | None = Field(
+        None, gt=0, description="the radial clearance in mm, in place of the pin's radius"
+    )
+    length: float = Field(gt=0, description="the axial length in mm")
+    housing: HousingSpec | None = Field(
+        None, description="a table [housing] of the rim's radius R_o, for laws that know it"
+    )
+    law: str = Field(description="a contact law, e.g. explicit, or the path of a fit result")
+    bearing: BodySpec = Field(description="a table [bearing]")
+    pin: BodySpec = Field(description="a table [pin]")
+    dissipation: DissipationSpec = Field(description="a table [dissipation]")
+    friction: FrictionSpec = Field(description="a table [friction]")
+
+    @model_validator(mode="after")
+    def _check(self) -> ClearanceJointSpec:
+        if not re.match("[A-Za-z]", self.name) or len(self.name) > _LONGEST_NAME:
+            raise broken(
+                "name", self.name, "cannot name a function",
+                f"begin with one of A to Z, and take up to {_LONGEST_NAME} characters",
+            )  # fmt: skip
+        if self.bearing.R is None:
+            raise broken("bearing.R", None, "is required", "add the radius in mm")
+        if (self.pin.R is None) == (self.clearance is None):
+            rule = "is required" if self.pin.R is None else "is given twice"
+            raise broken("pin.R", self.pin.R, rule, "give R of the pin, or the clearance")
+        radius, R = self.bearing.R, self.pin.R or 0.0
+        if R >= radius:
+            raise broken("pin.R", R, "does not fit in the hole", f"keep it below {radius}")
+        if (self.clearance or 0.0) >= radius:
+            raise broken("clearance", self.clearance, "leaves no pin", f"keep it below {radius} mm")
+        return self
+
+
+# Assumed: where the straight line of "tangent" takes over, as a fraction of the law's largest
+# penetration. At the limit itself Johnson's law is infinitely stiff.
+TANGENT_FROM = 0.9
 
 # The bits of a wrench's flag.
 YIELDS, BEYOND_LAW = 1, 2
@@ -79,7 +174,7 @@ class JointWrench(NamedTuple):
     dissipated_power : float or array of float
         By damping and friction, not negative.
     flag : int or array of int
-        1 if the elastic load is above first yield, plus 2 beyond the law's domain.
+        1 if the elastic load is above first yield, plus 2 where the law's tangent has taken over.
     """
 
     force_bearing: FloatArray
@@ -173,6 +268,11 @@ class ClearanceJoint:
         return IMPACT_RATE_FLOOR / self.in_mm
 
     @cached_property
+    def block(self) -> Any:
+        """The record with the tangent that continues a law."""
+        return self.record()
+
+    @cached_property
     def first_yield(self) -> float:
         """The elastic force in N at first yield; inf unless both yield stresses are known."""
         bodies = self.pair.material_i, self.pair.material_j
@@ -188,18 +288,40 @@ class ClearanceJoint:
         """The law at the pair, ready to be compiled."""
         return kernel(self.law, self.pair)
 
-    @cached_property
-    def block(self) -> FloatArray:
-        """The parameter block of `mechanism.contact`, in SI."""
+    @property
+    def radial(self) -> float:
+        """The radial clearance in mm."""
+        return float(np.asarray(self.pair.dR))
+
+    @property
+    def can_yield(self) -> bool:
+        """Whether both yield stresses are known."""
+        return self.first_yield < float("inf")
+
+    def record(self, beyond: Beyond = "tangent") -> Any:
+        """Return the joint as compiled functions take it, of the type `contact.JOINT`."""
         R_i, R_j = (float(R) for R in self.pair.radii("the joint"))
-        p = law_block(self.kernel, np.zeros(0), "tangent")
-        p[contact.CHI], p[contact.FRICTION] = self.chi, self.friction
-        p[contact.V0], p[contact.V1] = self.v0 * 1e-3, self.v1 * 1e-3
-        p[contact.IMPACT_RATE] = p[contact.RATE_FLOOR] = IMPACT_RATE_FLOOR * 1e-3
-        p[contact.CLEARANCE] = float(np.asarray(self.pair.dR)) * 1e-3
-        p[contact.R_BEARING], p[contact.R_JOURNAL] = R_i * 1e-3, R_j * 1e-3
-        p[contact.LENGTH] = self.pair.contact_length("the joint")
-        return p
+        record = np.zeros(1, contact.JOINT)[0]
+        record["branch"] = record["regime"] = contact.ANY
+        record["chi"], record["friction"] = self.chi, self.friction
+        record["v0"], record["v1"] = self.v0 * 1e-3, self.v1 * 1e-3
+        record["impact_rate"] = record["rate_floor"] = IMPACT_RATE_FLOOR * 1e-3
+        record["clearance"] = self.radial * 1e-3
+        record["R_bearing"], record["R_pin"] = R_i * 1e-3, R_j * 1e-3
+        record["length"] = self.pair.contact_length("the joint")
+        record["last_penetration"] = record["stop_penetration"] = np.inf
+        law = self.kernel
+        record["kernel"], record["size"] = law.kind, law.parameters.size
+        if np.isfinite(law.max_penetration):
+            last = law.max_penetration * (TANGENT_FROM if beyond == "tangent" else 1.0)
+            record["last_penetration"] = last
+            # Trial steps of an integrator go beyond the end even if the run stops there.
+            record["last_load"] = kernel_load(law.kind, law.parameters, last)
+            if beyond == "tangent":
+                record["last_slope"] = kernel_stiffness(law.kind, law.parameters, last)
+            else:
+                record["stop_penetration"] = last * 1e-3
+        return record
 
     def start(self) -> JointState:
         """Return the state without contact."""
@@ -225,7 +347,7 @@ class ClearanceJoint:
         numbers = np.array([*self._points, _METRES[self.units], self.rate_floor, self.first_yield])
         out = np.empty((rate.size, _COLUMNS))
         first, second = (body.reshape(-1, 6) for body in bodies)
-        _wrenches(rate.ravel(), first, second, numbers, self.block, out)
+        _wrenches(rate.ravel(), first, second, numbers, self.block, self.kernel.parameters, out)
         x, y, moment_bearing, moment_pin, *others, flag = (
             as_floats(column.reshape(rate.shape)) for column in out.T
         )
@@ -294,43 +416,50 @@ def _wrenches(
     impact_rate: NDArray[np.float64],
     bearing: NDArray[np.float64],
     pin: NDArray[np.float64],
-    joint: NDArray[np.float64],
-    p: NDArray[np.float64],
+    numbers: NDArray[np.float64],
+    joint: contact.Joint,
+    law: NDArray[np.float64],
     out: NDArray[np.float64],
 ) -> None:
     """Write the wrench of each row.
 
     Columns of `out`: force on the bearing, moments on bearing and pin, δ, δ̇, f_n, f_t, v_t, power,
-    flag. `joint` has the centres of hole and pin in the joint's units, the unit of length in m, the
-    floor of the impact rate in the joint's units and the force at first yield.
+    flag. `numbers` has the centres of hole and pin in the joint's units, the unit of length in m,
+    the floor of the impact rate in the joint's units and the force at first yield.
     """
-    metres, law = joint[4], contact.law_of(p)
+    metres, floor, first_yield = numbers[4], numbers[5], numbers[6]
     for k in range(impact_rate.size):
         b, j = bearing[k], pin[k]
         cos_b, sin_b, cos_j, sin_j = np.cos(b[2]), np.sin(b[2]), np.cos(j[2]), np.sin(j[2])
-        arm_bx, arm_by = cos_b * joint[0] - sin_b * joint[1], sin_b * joint[0] + cos_b * joint[1]
-        arm_jx, arm_jy = cos_j * joint[2] - sin_j * joint[3], sin_j * joint[2] + cos_j * joint[3]
+        arm_bx, arm_by = (
+            cos_b * numbers[0] - sin_b * numbers[1],
+            sin_b * numbers[0] + cos_b * numbers[1],
+        )
+        arm_jx, arm_jy = (
+            cos_j * numbers[2] - sin_j * numbers[3],
+            sin_j * numbers[2] + cos_j * numbers[3],
+        )
         e_x, e_y = b[0] + arm_bx - (j[0] + arm_jx), b[1] + arm_by - (j[1] + arm_jy)
         u_x = b[3] - b[5] * arm_by - (j[3] - j[5] * arm_jy)
         u_y = b[4] + b[5] * arm_bx - (j[4] + j[5] * arm_jx)
         e_x, e_y, u_x, u_y = e_x * metres, e_y * metres, u_x * metres, u_y * metres
-        _, _, delta, rate, v_t = contact.relative_motion(e_x, e_y, u_x, u_y, b[5], j[5], p)
+        _, _, delta, rate, v_t = contact.relative_motion(e_x, e_y, u_x, u_y, b[5], j[5], joint)
         out[k] = 0.0
         out[k, 4], out[k, 5], out[k, 8] = delta / metres, rate / metres, v_t / metres
         if delta <= 0.0:
             continue
-        onset = impact_rate[k] if impact_rate[k] > 0.0 else max(rate / metres, joint[5])
-        f_x, f_y, m_b, m_j, normal, lost, rubbed, _ = contact.forces(
-            e_x, e_y, u_x, u_y, b[5], j[5], onset * metres, p, law
+        onset = impact_rate[k] if impact_rate[k] > 0.0 else max(rate / metres, floor)
+        f_x, f_y, m_b, m_j, normal, lost, rubbed, _ = contact.forces_at(
+            e_x, e_y, u_x, u_y, b[5], j[5], onset * metres, joint, law
         )
         out[k, 0], out[k, 1] = f_x, f_y
         out[k, 2] = m_b / metres + arm_bx * f_y - arm_by * f_x
         out[k, 3] = m_j / metres - arm_jx * f_y + arm_jy * f_x
-        out[k, 6], out[k, 7] = normal, contact.friction_force(normal, v_t, p)
+        out[k, 6], out[k, 7] = normal, contact.friction_force(normal, v_t, joint)
         out[k, 9] = (lost + rubbed) / metres
-        if contact.elastic_force(delta, p) > joint[6]:
+        if contact.elastic_force(delta, joint, law) > first_yield:
             out[k, 10] += YIELDS
-        if delta * 1e3 > p[contact.LAST_PENETRATION]:
+        if delta * 1e3 > joint.last_penetration:
             out[k, 10] += BEYOND_LAW
 
 
@@ -369,22 +498,43 @@ def joint_from(
     data: dict[str, Any], source: str = "joint", own: Path | None = None
 ) -> ClearanceJoint:
     """Return the joint of a file's data; see `read_joint`."""
+    joint = build_joint(data, source, own)
+    require_defined(joint, source)
+    return joint
+
+
+def require_defined(joint: ClearanceJoint, source: str, key: str = "law") -> None:
+    """Raise `InputError` if a joint's law is undefined for its pair."""
+    deepest = np.asarray(joint.law.max_penetration(joint.pair))
+    load = joint.law.load(np.minimum(1e-3 * joint.radial, 0.5 * deepest), joint.pair)
+    require(
+        (deepest > 0) & (load > 0) & np.isfinite(load), source, key, joint.data["law"],
+        f"is undefined for this pair, with its clearance of {joint.radial:.4g} mm",
+        "choose another law",
+    )  # fmt: skip
+
+
+def build_joint(
+    data: dict[str, Any], source: str, own: Path | None = None, law: ContactLaw | None = None
+) -> ClearanceJoint:
+    """Return the joint of a file's data, with another law if one is given."""
     spec = parse_spec(ClearanceJointSpec, data, source)
     hole, pin = (
         _material(source, key, body, own)
         for key, body in (("bearing", spec.bearing), ("pin", spec.pin))
     )
-    pair = CylinderPair.internal(spec.bearing.R, spec.pin.R, length=spec.length, pin=pin, hole=hole)
-    law, origin = _law(spec.law, source)
-    if spec.housing is not None:
+    R_i, radial = spec.bearing.R or 0.0, spec.clearance or 0.0
+    if spec.pin.R is not None:
+        pair = CylinderPair.internal(R_i, spec.pin.R, length=spec.length, pin=pin, hole=hole)
+    else:
+        pair = CylinderPair.from_dR(
+            "internal", radial, length=spec.length, R_i=R_i, pin=pin, hole=hole
+        )
+    origin = ""
+    if law is None and spec.housing is not None:
         law, origin = _in_housing(spec.law, spec.housing, pair, source)
-    deepest = np.asarray(law.max_penetration(pair))
-    load = law.load(np.minimum(1e-3 * float(pair.dR), 0.5 * deepest), pair)
-    require(
-        (deepest > 0) & (load > 0) & np.isfinite(load), source, "law", spec.law,
-        f"is undefined for this pair, with its clearance of {float(pair.dR):.4g} mm",
-        "choose another law",
-    )  # fmt: skip
+    elif law is None:
+        law, origin = _law(spec.law, source)
     damping = spec.dissipation
     chi = float(hysteresis_factor(damping.factor)(damping.restitution))
     require(

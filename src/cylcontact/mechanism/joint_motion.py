@@ -1,0 +1,341 @@
+"""The motion of a pin in its bearing over a run, and what derives from it row by row."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
+from cylcontact.mechanism import contact
+from cylcontact.mechanism.joint import BEYOND_LAW, YIELDS, ClearanceJoint
+from cylcontact.mechanism.model import Joint
+from cylcontact.mechanism.run import JOINT_LEDGERS
+from cylcontact.numba_cache import compiled
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from cylcontact.mechanism.trajectory import Trajectory
+
+# Parts of a step in which the force is looked at.
+PARTS = 4
+
+
+class Limits(NamedTuple):
+    """Thresholds that a contact may pass.
+
+    Attributes
+    ----------
+    first_yield : float
+        The penetration in m at which the elastic load is that of first yield; NaN where no yield
+        stress is known.
+    law : float
+        The penetration in m from which the law is continued along its tangent; inf without an end.
+    floor : float
+        The slowest impact in m/s that dissipates as its factor says.
+    """
+
+    first_yield: float
+    law: float
+    floor: float
+
+
+@dataclass(frozen=True, eq=False)
+class JointMotion:
+    """A joint with clearance over a run: arrays of one element or row for each accepted step.
+
+    Attributes
+    ----------
+    run : Trajectory
+    number : int
+        Which of the mechanism's joints with clearance it is.
+    joint : Joint
+    """
+
+    run: Trajectory
+    number: int
+    joint: Joint
+
+    @property
+    def contact(self) -> ClearanceJoint:
+        """Pair, law, dissipation and friction of the joint."""
+        return self.joint.contact
+
+    @cached_property
+    def _record(self) -> Any:
+        return self.contact.record(self.run.settings.beyond)
+
+    @property
+    def _law(self) -> FloatArray:
+        return self.contact.kernel.parameters
+
+    @property
+    def in_contact(self) -> BoolArray:
+        """Whether the row belongs to the contact mode, shape (n,)."""
+        return np.ascontiguousarray(self.run.rows.in_contact[:, self.number])
+
+    @property
+    def impact_rate(self) -> FloatArray:
+        """δ̇⁽⁻⁾ of the current contact in m/s, 0 out of contact, shape (n,)."""
+        return np.ascontiguousarray(self.run.rows.impact_rate[:, self.number])
+
+    def ledger(self, name: str) -> FloatArray:
+        """Return one of `run.JOINT_LEDGERS` since the start, shape (n,)."""
+        last = len(JOINT_LEDGERS) * (len(self.run.mechanism.clearances) - self.number)
+        return self.run.rows.values[:, JOINT_LEDGERS.index(name) - last]
+
+    @property
+    def normal_dissipation(self) -> FloatArray:
+        """Energy dissipated by the normal force since the start in J, shape (n,)."""
+        return self.ledger("normal_dissipation")
+
+    @property
+    def friction_dissipation(self) -> FloatArray:
+        """Energy dissipated by friction since the start in J, shape (n,)."""
+        return self.ledger("friction_dissipation")
+
+    @cached_property
+    def _eccentricity(self) -> tuple[FloatArray, FloatArray]:
+        """e and its rate in global axes; minimal coordinates give them without cancellation."""
+        shape = self.run.slider_crank
+        if shape is not None:
+            return shape.eccentricity(self.run.rows.values)
+        i, j = (
+            self.run.point(body, at)
+            for body, at in ((self.joint.i, self.joint.point_i), (self.joint.j, self.joint.point_j))
+        )
+        return i[0] - j[0], i[1] - j[1]
+
+    @property
+    def eccentricity(self) -> FloatArray:
+        """e = r_i − r_j in m, from the pin's centre to the bearing's, shape (n, 2)."""
+        return self._eccentricity[0]
+
+    @property
+    def eccentricity_rate(self) -> FloatArray:
+        """The rate of `eccentricity` in m/s, shape (n, 2)."""
+        return self._eccentricity[1]
+
+    @cached_property
+    def penetration(self) -> FloatArray:
+        """δ = |e| − c in m, negative out of contact, shape (n,)."""
+        return as_floats(np.hypot(*self.eccentricity.T) - self._record["clearance"])
+
+    @cached_property
+    def penetration_rate(self) -> FloatArray:
+        """δ̇ in m/s, shape (n,)."""
+        distance = np.hypot(*self.eccentricity.T)
+        along = (self.eccentricity * self.eccentricity_rate).sum(axis=1)
+        return as_floats(along / np.where(distance > 0, distance, 1.0))
+
+    @cached_property
+    def _forces(self) -> FloatArray:
+        spins = np.zeros((self.run.time.size, 2))
+        for column, body in enumerate((self.joint.i, self.joint.j)):
+            if body >= 0:
+                spins[:, column] = self.run.velocities[:, body, 2]
+        forces: FloatArray = _joint_forces(
+            *self._contiguous, spins, self.in_contact, self.impact_rate, self._record, self._law
+        )
+        return forces
+
+    @cached_property
+    def force_within(self) -> FloatArray:
+        """f_n in N in the middle of equal parts of every step, shape (n − 1, PARTS).
+
+        Steps are long against the peaks of the force. The eccentricity is interpolated by Hermite's
+        cubic; out of contact the force is 0.
+        """
+        forces: FloatArray = _force_within(
+            self.run.time, *self._contiguous, self.in_contact, self.impact_rate, self._record,
+            self._law,
+        )  # fmt: skip
+        return forces
+
+    @property
+    def _contiguous(self) -> tuple[FloatArray, FloatArray]:
+        e, rate = self._eccentricity
+        return np.ascontiguousarray(e), np.ascontiguousarray(rate)
+
+    @property
+    def force(self) -> FloatArray:
+        """The contact force on the bearing in N, Eq 13a, shape (n, 2)."""
+        return self._forces[:, 0:2]
+
+    @property
+    def normal_force(self) -> FloatArray:
+        """f_n in N, shape (n,)."""
+        return self._forces[:, 2]
+
+    @property
+    def friction_force(self) -> FloatArray:
+        """f_t in N along t = [n_y, −n_x], on the bearing, shape (n,)."""
+        return self._forces[:, 3]
+
+    @property
+    def tangential_velocity(self) -> FloatArray:
+        """v_t = (v_i − v_j)·t in m/s at the contact point, shape (n,)."""
+        return self._forces[:, 4]
+
+    @cached_property
+    def elastic_energy(self) -> FloatArray:
+        """Energy stored in the contact in J, shape (n,)."""
+        depth = np.where(self.in_contact, self.penetration, 0.0)
+        energy: FloatArray = _elastic_energy(depth, self._record, self._law)
+        return energy
+
+    @cached_property
+    def max_elastic_load(self) -> float:
+        """The law's load per unit length at the deepest penetration in N/mm, without damping."""
+        deepest = float(self.penetration[self.in_contact].max(initial=0.0))
+        return self.elastic_force(deepest) / float(self._record["length"])
+
+    def elastic_force(self, penetration: float) -> float:
+        """Return the elastic force in N at a penetration in m, as the run continues the law."""
+        return float(contact.elastic_force(penetration, self._record, self._law))
+
+    @property
+    def flag(self) -> NDArray[np.int64]:
+        """1 above first yield, plus 2 where the law's tangent has taken over, shape (n,)."""
+        depth = np.where(self.in_contact, self.penetration, -np.inf)
+        yields, beyond = depth > self.limits.first_yield, depth > self.limits.law
+        return np.asarray(YIELDS * yields + BEYOND_LAW * beyond, np.int64)
+
+    @cached_property
+    def limits(self) -> Limits:
+        """What contacts are held against: first yield, the law's tangent, the slowest impact."""
+        tangent = self.run.settings.beyond == "tangent"
+        return Limits(
+            self._yield_penetration(),
+            float(self._record["last_penetration"]) * 1e-3 if tangent else np.inf,
+            float(self._record["rate_floor"]),
+        )
+
+    def _yield_penetration(self) -> float:
+        """Return the penetration in m at first yield; inf if the law has no such load."""
+        from scipy.optimize import brentq
+
+        load, deepest = self.contact.first_yield, float(self._record["R_bearing"])
+        if not self.contact.can_yield:
+            return float("nan")
+        if self.elastic_force(deepest) <= load:
+            return float("inf")
+        excess = lambda depth: self.elastic_force(depth) - load  # noqa: E731
+        return float(brentq(excess, 0.0, deepest, xtol=1e-15))
+
+    @cached_property
+    def contacts(self) -> pd.DataFrame:
+        """One row for each contact.
+
+        Columns: `onset_s`, `release_s` (NaN while under way), `impact_rate_m_per_s` (δ̇⁽⁻⁾),
+        `max_penetration_m` and `max_force_N`.
+        """
+        import pandas as pd
+
+        begins, ends = changes(self.in_contact)
+        time = self.run.time
+        last = np.append(ends, time.size - 1)[: begins.size]
+        spans = [slice(a, b + 1) for a, b in zip(begins, last, strict=True)]
+        release = np.full(begins.size, np.nan)
+        release[: ends.size] = time[ends]
+        return pd.DataFrame(
+            {
+                "onset_s": time[begins],
+                "release_s": release,
+                "impact_rate_m_per_s": self.impact_rate[begins],
+                "max_penetration_m": [self.penetration[span].max() for span in spans],
+                "max_force_N": [self._peak(span) for span in spans],
+            }
+        )
+
+    def _peak(self, span: slice) -> float:
+        """Return the largest f_n in N in some rows and within the steps between them."""
+        within = self.force_within[span.start : span.stop - 1]
+        return float(max(self.normal_force[span].max(), within.max(initial=0.0)))
+
+
+def changes(in_contact: BoolArray) -> tuple[IndexArray, IndexArray]:
+    """Return the rows at which contacts begin and those at which they end.
+
+    Examples
+    --------
+    >>> changes(np.array([False, False, True, True, False, True]))
+    (array([2, 5]), array([3]))
+    """
+    step = np.diff(in_contact.astype(np.int8))
+    return np.flatnonzero(step == 1) + 1, np.flatnonzero(step == -1)
+
+
+@compiled
+def _joint_forces(
+    e: FloatArray,
+    e_rate: FloatArray,
+    spins: FloatArray,
+    in_contact: BoolArray,
+    impact_rate: FloatArray,
+    joint: contact.Joint,
+    law: FloatArray,
+) -> FloatArray:
+    """Return force on the bearing (x, y), f_n, f_t in N and v_t in m/s, shape (n, 5)."""
+    out = np.zeros((e.shape[0], 5))
+    for k in range(e.shape[0]):
+        e_x, e_y, u_x, u_y = e[k, 0], e[k, 1], e_rate[k, 0], e_rate[k, 1]
+        spin_i, spin_j = spins[k, 0], spins[k, 1]
+        out[k, 4] = contact.relative_motion(e_x, e_y, u_x, u_y, spin_i, spin_j, joint)[4]
+        if in_contact[k]:
+            rate = max(impact_rate[k], joint.rate_floor)
+            f_x, f_y, _, _, normal, _, _, _ = contact.forces_at(
+                e_x, e_y, u_x, u_y, spin_i, spin_j, rate, joint, law
+            )
+            out[k, 0], out[k, 1], out[k, 2] = f_x, f_y, normal
+            out[k, 3] = contact.friction_force(normal, out[k, 4], joint)
+    return out
+
+
+@compiled
+def _force_within(
+    time: FloatArray,
+    e: FloatArray,
+    e_rate: FloatArray,
+    in_contact: BoolArray,
+    impact_rate: FloatArray,
+    joint: contact.Joint,
+    law: FloatArray,
+) -> FloatArray:
+    """See `JointMotion.force_within`."""
+    out = np.zeros((time.size - 1, PARTS))
+    for k in range(time.size - 1):
+        h = time[k + 1] - time[k]
+        if not in_contact[k + 1] or h <= 0.0:
+            continue
+        rate = max(impact_rate[k + 1], joint.rate_floor)
+        for part in range(PARTS):
+            x = (part + 0.5) / PARTS
+            e_x, u_x = _hermite(x, h, e[k, 0], e[k + 1, 0], e_rate[k, 0], e_rate[k + 1, 0])
+            e_y, u_y = _hermite(x, h, e[k, 1], e[k + 1, 1], e_rate[k, 1], e_rate[k + 1, 1])
+            out[k, part] = contact.forces_at(e_x, e_y, u_x, u_y, 0.0, 0.0, rate, joint, law)[4]
+    return out
+
+
+@compiled
+def _hermite(
+    x: float, h: float, start: float, end: float, start_rate: float, end_rate: float
+) -> tuple[float, float]:
+    """Return a value and its rate at a fraction x of a step, from those at its ends."""
+    a, b, c = h * start_rate, end - start, h * end_rate
+    cubic, square = a + c - 2.0 * b, 3.0 * b - 2.0 * a - c
+    value = start + x * (a + x * (square + x * cubic))
+    return value, (a + x * (2.0 * square + x * 3.0 * cubic)) / h
+
+
+@compiled
+def _elastic_energy(penetration: FloatArray, joint: contact.Joint, law: FloatArray) -> FloatArray:
+    """Return ∫ F_el dδ in J up to each penetration in m."""
+    out = np.zeros(penetration.size)
+    for k in range(penetration.size):
+        out[k] = contact.stored_energy(penetration[k], joint, law)
+    return out

@@ -1,0 +1,606 @@
+"""Many revolutions, many cases: long runs, sweeps, accuracy by tolerance, bifurcations."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, astuple, dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray, require
+from cylcontact.choices import Beyond, Method
+from cylcontact.errors import InputError
+from cylcontact.journal import Journal
+from cylcontact.mechanism.joint_motion import JointMotion
+from cylcontact.mechanism.model import Mechanism, mechanism_from
+from cylcontact.mechanism.run import (
+    Interrupted,
+    Run,
+    Settings,
+    StepHistory,
+    concatenate,
+    settings_for,
+    simulate,
+)
+from cylcontact.mechanism.statistics import Statistics, reduced
+from cylcontact.mechanism.trajectory import Trajectory
+from cylcontact.parallel import Call, Workers, call, call_for, run_recorded
+from cylcontact.progress import Progress, silent
+from cylcontact.provenance import spec_hash
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Revolutions left out at the start of a run, unless it is short: then a fifth of it.
+FIRST = 10
+# Assumed: two runs agree while their eccentricities differ by less than this fraction of the
+# clearance. Runs diverge fast, so the horizon depends little on the fraction.
+AGREEMENT = 0.01
+# The second tolerance of `agreement` relative to the first, and how far it looks.
+TIGHTER, REVOLUTIONS = 0.1, 10
+
+# --- one mechanism ------------------------------------------------------------------------------
+
+
+def first_of(revolutions: int) -> int:
+    """Return the number of revolutions that statistics leave out by default.
+
+    Examples
+    --------
+    >>> [first_of(n) for n in (1000, 10, 3)]
+    [10, 2, 0]
+    """
+    return min(FIRST, revolutions // 5)
+
+
+def long_run(
+    mechanism: Mechanism,
+    revolutions: int = 1000,
+    first: int | None = None,
+    method: Method | None = None,
+    tolerance: float | None = None,
+    beyond: Beyond = "stop",
+    progress: Progress = silent,
+    resume: Statistics | None = None,
+    allowed_penetration: float | None = None,
+) -> Statistics:
+    """Simulate a mechanism over many revolutions, and return their statistics.
+
+    The steps of a revolution are dropped once it is reduced to numbers, so that memory does not
+    grow with them. The numbers equal those of `simulate` to the bit.
+
+    Parameters
+    ----------
+    mechanism, method, tolerance, beyond, progress, allowed_penetration
+        As in `simulate`.
+    revolutions : int
+        Total number of revolutions.
+    first : int, optional
+        The first revolution that counts, from 0. By default 10 are left out, and of a short run a
+        fifth.
+    resume : Statistics, optional
+        An earlier run to continue. Its mechanism and settings are used, and of the other arguments
+        only `revolutions`, `first` and `progress`.
+
+    Returns
+    -------
+    Statistics
+
+    Raises
+    ------
+    InputError
+        As `simulate`, and if `first` leaves no revolution.
+    Interrupted
+        After Ctrl-C, with the statistics of the complete revolutions.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_mechanism
+    >>> mechanism = read_mechanism("datasets/slider_crank.toml")
+    >>> statistics = long_run(mechanism, revolutions=40)
+    >>> print(f"{statistics.mean['drive_work_J']:.2f} J, period {statistics.period}")
+    3.05 J, period 1
+    """
+    import pandas as pd
+
+    if resume is None:
+        settings = settings_for(mechanism, method, tolerance, beyond, allowed_penetration)
+    else:
+        mechanism, settings = resume.mechanism, resume.settings
+    first = first_of(revolutions) if first is None else first
+    require(
+        0 <= first < max(revolutions, 1), "long_run", "first", first,
+        f"leaves none of {revolutions} revolutions", "start earlier, or simulate more revolutions",
+    )  # fmt: skip
+    run = Run.start(mechanism, settings)
+    start = Trajectory(mechanism, settings, StepHistory.of(run.state))
+    origin = float(start.energy[0])
+    limits = {name: joint.limits for name, joint in start.joints.items()}
+    records: list[Mapping[Any, Any]] = []
+    if resume is not None:
+        records = [*resume.revolutions.to_dict("records")]
+        run.state = resume.end
+    last = StepHistory.of(run.state)
+
+    def gathered(first: int) -> Statistics:
+        table = pd.DataFrame(records, pd.RangeIndex(len(records), name="revolution"))
+        return Statistics(table, mechanism, settings, last.end, limits, first)
+
+    try:
+        for rows in run.revolutions(revolutions, progress, len(records)):
+            steps = concatenate([last, rows])
+            records.append(reduced(Trajectory(mechanism, settings, steps), origin))
+            last = steps.taken(slice(-1, None), 1)
+    except KeyboardInterrupt:
+        complete = gathered(min(first, len(records) - 1)) if records else None
+        raise Interrupted(statistics=complete) from None
+    return gathered(first)
+
+
+def eccentricity_at(joint: JointMotion, time: FloatArray) -> FloatArray:
+    """Return the eccentricity of a joint in m at times of its run in s, shape (n, 2).
+
+    Cubic Hermite interpolation between the steps.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_mechanism, simulate
+    >>> run = simulate(read_mechanism("datasets/slider_crank.toml"), revolutions=1)
+    >>> bool(np.allclose(eccentricity_at(run.joint, run.time), run.eccentricity, atol=1e-12))
+    True
+    """
+    from scipy.interpolate import CubicHermiteSpline
+
+    steps, rows = np.unique(joint.run.time, return_index=True)
+    spline = CubicHermiteSpline(steps, joint.eccentricity[rows], joint.eccentricity_rate[rows])
+    eccentricity: FloatArray = spline(time)
+    return eccentricity
+
+
+def horizon(run: Trajectory, other: Trajectory, share: float = AGREEMENT) -> float:
+    """Return the time until which two runs of the same mechanism agree, in revolutions.
+
+    Parameters
+    ----------
+    run, other : Trajectory
+        The runs, for example at two tolerances or with two methods.
+    share : float
+        Allowed difference of the eccentricities, as a fraction of the clearance.
+
+    Returns
+    -------
+    float
+        The time of the first step with a larger difference, or the end if there is none.
+
+    Raises
+    ------
+    InputError
+        If the runs are of different mechanisms.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_mechanism, simulate
+    >>> mechanism = read_mechanism("datasets/slider_crank.toml", clearance=0.02)
+    >>> runs = [simulate(mechanism, tolerance=rtol, revolutions=1) for rtol in (1e-8, 1e-10)]
+    >>> horizon(*runs)
+    1.0
+    """
+    if run.mechanism.data["joint"] != other.mechanism.data["joint"]:
+        raise InputError("horizon", "other", None, "is of another mechanism", "give two alike")
+    end = min(run.revolutions, other.revolutions)
+    time = run.time[run.time <= end * run.mechanism.period * (1 + 1e-12)]
+    time = np.minimum(time, other.time[-1])
+    parted = np.zeros(time.size, dtype=bool)
+    for name, joint in run.joints.items():
+        there = eccentricity_at(other.joints[name], time)
+        apart = np.hypot(*(joint.eccentricity[: time.size] - there).T)
+        parted |= apart > share * joint.contact.radial * 1e-3
+    return float(run.revolution[np.argmax(parted)]) if parted.any() else float(end)
+
+
+def agreement(mechanism: Mechanism, settings: Settings, revolutions: int = REVOLUTIONS) -> str:
+    """Return a sentence on how long a run keeps to its path at a tenth of its tolerance.
+
+    Of the run, `revolutions` long, at most ten revolutions are compared.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_mechanism
+    >>> mechanism = read_mechanism("datasets/slider_crank.toml", clearance=0.02)
+    >>> print(agreement(mechanism, settings_for(mechanism), 2))
+    tolerances of 1e-08 and 1e-09 keep to one path over the 2 revolutions compared
+    """
+    compared = min(revolutions, REVOLUTIONS)
+    pair = settings.tolerance, max(settings.tolerance * TIGHTER, 1e-14)
+    text = f"tolerances of {pair[0]:g} and {pair[1]:g}"
+    try:
+        runs = [
+            simulate(
+                mechanism, settings.method, compared, tolerance, settings.beyond,
+                allowed_penetration=settings.allowed_penetration,
+            )
+            for tolerance in pair
+        ]  # fmt: skip
+    except InputError as error:
+        return f"{text} part: at the second one {error.rule}"
+    reach = horizon(runs[0], runs[1])
+    unit = "revolution" if compared == 1 else f"{compared} revolutions"
+    if reach >= compared:
+        return f"{text} keep to one path over the {unit} compared"
+    return f"{text} part after {reach:.2g} revolutions: beyond that only statistics mean something"
+
+
+# --- many ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Case:
+    """What varies in a study: a law, the clearance in mm, restitution, friction.
+
+    None stands for the value of the mechanism's spec; others are those of all its joints with
+    clearance.
+    """
+
+    law: str | None
+    clearance: float | None
+    restitution: float | None
+    friction: float | None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How every case of a sweep is run.
+
+    Statistics count revolutions from `first` on. With a second tolerance, `against`, every case is
+    run at that one as well; statistics then count only revolutions beyond the horizon up to which
+    the two agree, unless they agree to the end.
+    """
+
+    revolutions: int
+    first: int = 0
+    method: Method | None = None
+    tolerance: float | None = None
+    beyond: Beyond = "stop"
+    against: float | None = None
+
+
+def cases(
+    laws: Iterable[str | None],
+    clearances: Iterable[float | None],
+    restitutions: Iterable[float | None],
+    frictions: Iterable[float | None],
+) -> list[Case]:
+    """Return all combinations, the last one varying fastest.
+
+    Examples
+    --------
+    >>> [case.friction for case in cases(["johnson"], [0.5], [0.9], [0.0, 0.1])]
+    [0.0, 0.1]
+    """
+    return [Case(*case) for case in itertools.product(laws, clearances, restitutions, frictions)]
+
+
+# A case and what else a reduction is told of it.
+Item = tuple[Case, tuple[Any, ...]]
+
+
+def study(
+    mechanism: Mechanism,
+    product: Sequence[Item],
+    reduce: Callable[..., Any],
+    workers: Workers = 1,
+    progress: Callable[[int, int], None] = lambda *_: None,
+    journal: Journal | None = None,
+    resume: bool = False,
+) -> list[Any]:
+    """Return what `reduce(mechanism, *rest)` gives for every item of a product, in its order.
+
+    The case of an item changes the mechanism, and `reduce` is a function of a module. The results
+    do not depend on the workers. A journal records them by case, if they are JSON; `resume` takes
+    what it has from there.
+    """
+    require(len(product) > 0, "study", "cases", [], "there is none", "give every list a value")
+    calls: dict[tuple[Item, ...], Call] = {}
+    for item in product:
+        case, rest = item
+        mechanism_from(mechanism.data, mechanism.source, **asdict(case))  # refuses what cannot be
+        deferred = call(_reduced, mechanism.data, mechanism.source, case, reduce, rest)
+        calls[(item,)] = call_for(item, deferred)
+    rests = dict(product)
+
+    def parse(entry: dict[str, Any]) -> tuple[Item, Any]:
+        case = Case(**entry["case"])
+        return (case, rests.get(case, ())), entry["row"]
+
+    results = run_recorded(
+        calls, journal, parse, lambda item, row: {"case": asdict(item[0]), "row": row}, resume,
+        workers, progress,
+    )  # fmt: skip
+    return [results[item] for item in product]
+
+
+def _reduced(
+    data: dict[str, Any], source: str, case: Case, reduce: Callable[..., Any], rest: tuple[Any, ...]
+) -> Any:
+    return reduce(mechanism_from(data, source, **asdict(case)), *rest)
+
+
+def sweep(
+    mechanism: Mechanism,
+    wanted: Sequence[Case],
+    plan: Plan,
+    workers: Workers = 1,
+    progress: Progress = silent,
+    checkpoint: Path | None = None,
+    resume: bool = False,
+) -> pd.DataFrame:
+    """Simulate cases of a mechanism, in parallel.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What all cases have in common.
+    wanted : sequence of Case
+        The cases; see `cases`.
+    plan : Plan
+        How to run each.
+    workers : int or Cluster
+        Where to run them; the table does not depend on it.
+    progress : callable, optional
+        Called with a stage, the cases done and their number.
+    checkpoint : Path, optional
+        The journal of complete cases; the caller removes it once the table is saved.
+    resume : bool
+        Whether to take the cases already in `checkpoint` from there.
+
+    Returns
+    -------
+    DataFrame
+        One row for each case in their order: what varies, `status` ("complete", or "stopped" with
+        the reason in `message`), the largest energy error relative to the peak of the kinetic
+        energy, and the largest drift of a constraint (NaN in minimal coordinates, from which bodies
+        are placed so that joints close). From `Statistics`: of every quantity the mean, the
+        standard deviation over the revolutions (`_std`), half the 95 % interval (`_half_width`) and
+        the verdict (`_stationary`), the `period`, the δ̇⁽⁻⁾ carried (`carried_m_per_s`) and the
+        `warnings`. With `plan.against` also the horizon in revolutions and the statistics at the
+        other tolerance (`_against`).
+
+    Raises
+    ------
+    InputError
+        If there are no cases, a case cannot be (an unknown law, a negative clearance), or the
+        plan leaves no revolution to count.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_mechanism
+    >>> mechanism = read_mechanism("datasets/slider_crank.toml")
+    >>> table = sweep(mechanism, cases(["enhanced"], [0.02], [0.9], [0.0]), Plan(revolutions=1))
+    >>> print(table[["law", "status", "impacts"]].to_string(index=False))
+         law   status  impacts
+    enhanced complete      6.0
+    """
+    import pandas as pd
+
+    _require_possible(mechanism, plan)
+    key = spec_hash({"mechanism": mechanism.data, "plan": astuple(plan)})
+    journal = Journal(checkpoint, "sweep", key) if checkpoint else None
+    product = [(case, (plan,)) for case in wanted]
+    report = partial(progress, "cases")
+    return pd.DataFrame(study(mechanism, product, run_case, workers, report, journal, resume))
+
+
+def _require_possible(mechanism: Mechanism, plan: Plan) -> None:
+    """Refuse a plan that no worker could follow."""
+    require(
+        0 <= plan.first < plan.revolutions, "sweep", "first", plan.first,
+        f"leaves none of {plan.revolutions} revolutions",
+        "start earlier, or simulate more revolutions",
+    )  # fmt: skip
+    for tolerance in {plan.tolerance, plan.against}:
+        settings_for(mechanism, plan.method, tolerance, plan.beyond)
+
+
+def run_case(mechanism: Mechanism, plan: Plan) -> dict[str, Any]:
+    """Simulate one case and return its row of the table."""
+    row: dict[str, Any] = {}
+    for joint in mechanism.clearances:
+        values = {
+            "law": joint.contact.data["law"],
+            "clearance_mm": joint.contact.radial,
+            "restitution": joint.contact.data["dissipation"]["restitution"],
+            "friction": joint.contact.friction,
+        }
+        prefix = f"{joint.name}." if len(mechanism.clearances) > 1 else ""
+        row |= {f"{prefix}{key}": value for key, value in values.items()}
+    row |= {"revolutions": plan.revolutions, "first": plan.first}
+    try:
+        run = simulate(mechanism, plan.method, plan.revolutions, plan.tolerance, plan.beyond)
+        if plan.against is None:
+            return row | _complete(run, plan.first)
+        other = simulate(mechanism, plan.method, plan.revolutions, plan.against, plan.beyond)
+    except InputError as error:
+        return row | {"status": "stopped", "message": str(error)}
+    reach = horizon(run, other)
+    if reach < plan.revolutions:
+        row["first"] = max(plan.first, math.ceil(reach))
+    second = {f"{name}_against": value for name, value in _numbers(other, row["first"]).items()}
+    compared = {"horizon_revolutions": reach, "against": plan.against}
+    return row | _complete(run, row["first"]) | compared | second
+
+
+def _complete(run: Trajectory, first: int) -> dict[str, Any]:
+    """Return what a complete run adds to a row."""
+    minimal = run.settings.method == "minimal"
+    return {
+        "status": "complete",
+        "message": run.statistics().continuation,
+        **_numbers(run, first),
+        "method": run.settings.method,
+        "tolerance": run.settings.tolerance,
+        "energy_error": float(np.abs(run.energy_error).max() / run.kinetic_energy.max()),
+        "drift": math.nan if minimal else float(run.drift[:, 0].max()),
+    }
+
+
+def _numbers(run: Trajectory, first: int) -> dict[str, Any]:
+    """Return the statistics of every quantity; none where no revolution is left."""
+    if first >= run.revolutions:
+        return {}
+    statistics = run.statistics(first)
+    columns = statistics.interval().assign(std=statistics.scatter, stationary=statistics.stationary)
+    numbers: dict[str, Any] = {}
+    for name, row in columns.to_dict("index").items():
+        numbers[str(name)] = row.pop("mean")
+        numbers |= {f"{name}_{key}": value for key, value in row.items()}
+    numbers["period"] = statistics.period
+    for name in run.joints:
+        prefix = f"{name}." if len(run.joints) > 1 else ""
+        numbers[f"{prefix}carried_m_per_s"] = statistics.joint(name).carried
+    return numbers | {"warnings": "; ".join(statistics.warnings)}
+
+
+def tolerances(
+    mechanism: Mechanism,
+    wanted: Sequence[Case],
+    plans: Sequence[Plan],
+    workers: Workers = 1,
+    progress: Progress = silent,
+) -> pd.DataFrame:
+    """Return cost and accuracy of cases by the method and tolerance of some plans.
+
+    One row for each plan: `method`, `tolerance`, number of complete `cases`, largest and median
+    relative energy error, largest drift of a position constraint in m or rad (NaN in minimal
+    coordinates, which have none), and mean steps and evaluations per revolution. It is an
+    `InputError` if no case of a plan is complete.
+    """
+    import pandas as pd
+
+    for plan in plans:
+        _require_possible(mechanism, plan)
+    product = [(case, (plan,)) for plan in plans for case in wanted]
+    report = partial(progress, "cases")
+    results = study(mechanism, product, run_case, workers, report)
+    rows = []
+    for number in range(len(plans)):
+        table = pd.DataFrame(results[number * len(wanted) : (number + 1) * len(wanted)])
+        complete = table[table["status"] == "complete"]
+        if complete.empty:
+            rule = f"no case is complete; the first: {table['message'].iloc[0]}"
+            raise InputError("tolerances", "cases", None, rule, "choose other cases")
+        rows.append(
+            {
+                "method": complete["method"].iloc[0],
+                "tolerance": complete["tolerance"].iloc[0],
+                "cases": len(complete),
+                "energy_error_max": complete["energy_error"].max(),
+                "energy_error_median": complete["energy_error"].median(),
+                "drift_max": complete["drift"].max(),
+                "steps_per_revolution": complete["steps"].mean(),
+                "evaluations_per_revolution": complete["evaluations"].mean(),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def bifurcation(
+    mechanism: Mechanism,
+    clearances: Sequence[float],
+    revolutions: int = 200,
+    last: int = 50,
+    impact_rate: float | None = None,
+    beyond: Beyond = "stop",
+    workers: Workers = 1,
+    progress: Progress = silent,
+) -> pd.DataFrame:
+    """Return the Poincaré sections of a mechanism over its clearance.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What all runs have in common.
+    clearances : sequence of float
+        Radial clearances in mm.
+    revolutions, last : int
+        The length of each run, and how many of its last sections are kept.
+    impact_rate : float, optional
+        δ̇⁽⁻⁾ in m/s that a contact carries from revolution 10 on if the joint is in contact at its
+        end. A contact without end keeps it, and it decides the motion; a flight ends it. By default
+        every contact has the rate of its onset.
+    beyond : {"stop", "tangent"}
+        As in `simulate`.
+    workers : int or Cluster
+        Where to run.
+    progress : callable, optional
+        Called with a stage, the runs done and their number.
+
+    Returns
+    -------
+    DataFrame
+        One row for each section: `clearance_mm`, `held_m_per_s` (NaN: not held), `revolution`, the
+        section, `impact_rate_m_per_s` (δ̇⁽⁻⁾ at that time, 0 out of contact) and the run's `period`
+        (0: none up to 8; NaN: too short).
+
+    Raises
+    ------
+    InputError
+        If there is no clearance, or a run cannot be or stops.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_mechanism
+    >>> mechanism = read_mechanism("datasets/slider_crank.toml")
+    >>> table = bifurcation(mechanism, [0.5], revolutions=40, last=2)
+    >>> print(table[["clearance_mm", "revolution", "in_contact", "period"]].to_string(index=False))
+     clearance_mm  revolution  in_contact  period
+              0.5          38        True     1.0
+              0.5          39        True     1.0
+    """
+    import pandas as pd
+
+    require(
+        0 < last < revolutions, "bifurcation", "last", last,
+        f"must be at least 1 and below the {revolutions} revolutions", "keep fewer sections",
+    )  # fmt: skip
+    require(
+        impact_rate is None or impact_rate > 0, "bifurcation", "impact_rate", impact_rate,
+        "must be positive", "give it in m/s, or leave it out",
+    )  # fmt: skip
+    rest = revolutions, last, impact_rate, beyond
+    product = [(Case(None, clearance, None, None), (clearance, *rest)) for clearance in clearances]
+    report = partial(progress, "clearances")
+    joined: pd.DataFrame = pd.concat(
+        study(mechanism, product, _sections, workers, report), ignore_index=True
+    )
+    return joined
+
+
+def _sections(
+    mechanism: Mechanism,
+    clearance: float,
+    revolutions: int,
+    last: int,
+    impact_rate: float | None,
+    beyond: Beyond,
+) -> pd.DataFrame:
+    """Return the rows of `bifurcation` for one clearance in mm."""
+    first, start = revolutions - last, None
+    if impact_rate is not None:
+        start = long_run(mechanism, min(FIRST, first), beyond=beyond)
+        end = start.end
+        held = np.where(end.in_contact, impact_rate, end.impact_rate)
+        start = replace(start, end=replace(end, impact_rate=held))
+    run = long_run(mechanism, revolutions, first, beyond=beyond, resume=start)
+    rates = [str(name) for name in run.by_revolution if "impact_rate_m_per_s" in str(name)]
+    table: pd.DataFrame = run.section.assign(
+        **{name: run.by_revolution[name] for name in rates},
+        period=np.nan if run.period is None else float(run.period),
+    ).reset_index()
+    table.insert(0, "clearance_mm", clearance)
+    table.insert(1, "held_m_per_s", np.nan if impact_rate is None else impact_rate)
+    return table
