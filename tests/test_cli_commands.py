@@ -12,7 +12,7 @@ from cylcontact.cli.app import app as program
 
 ROOT = Path(__file__).resolve().parents[1]
 GROUPS = {
-    "Data and fits": ("sample", "fit", "choose", "compare"),
+    "Data and fits": ("sample", "fit", "choose", "predict", "design", "compare"),
     "Laws": ("laws", "export"),
     "Mechanism": ("simulate", "finite-element"),
     "Figures": ("figure",),
@@ -80,8 +80,8 @@ def test_the_quick_examples_run(run, tmp_path, monkeypatch, name):
 # --- options -----------------------------------------------------------------------------------
 
 # A plural that is another thing: a table of materials for a name of one, the kind of the
-# manuscript's tables for a file.
-PLURALS = {"--materials", "--tables"}
+# manuscript's tables for a file, the loads that a design may choose for one.
+PLURALS = {"--loads", "--materials", "--tables"}
 
 
 def options():
@@ -98,7 +98,8 @@ def test_one_option_means_one_thing():
     for _, names, text in options():
         meanings[names].add(text.partition(";")[0].rstrip("."))
     assert {names: texts for names, texts in meanings.items() if len(texts) > 1}.keys() == {
-        ("-o", "--out")
+        ("-o", "--out"),
+        ("--load",),  # one for a table of laws, several with units for a prediction
     }
 
 

@@ -65,7 +65,7 @@ def python_law(law, folder):
     """The law that the page calls by this id, in Python."""
     if law.startswith("fit:"):
         path = str(folder / f"{law[4:]}.json")
-        return law_of(FitResult.read(path), path)
+        return FitResult.read(path).to_law(str(path))
     return LAWS[law]()
 
 

@@ -305,6 +305,7 @@ def design(
     say("\n\n".join(parts))
 
 
+@expand_options
 def predict(
     result: Annotated[
         Path, typer.Argument(help="A fit to a table, e.g. results/NAME/result.json.")
@@ -315,17 +316,15 @@ def predict(
         typer.Option("--load", help='A load with its unit, e.g. "4500 N"; may be repeated.'),
     ],
     level: Annotated[
-        float | None, typer.Option("--level", help="Level of the bands; 0.95 by default.", **NUMBER)
+        float | None, typer.Option("--level", help="Level of the intervals; 0.95 by default.", **NUMBER)
     ] = None,
-    law: Annotated[
-        str | None, typer.Option("--law", help="Your own function again, if the law is one.")
-    ] = None,
+    law: LawOption,
 ) -> None:
     """Predict readings of the penetration with their bands, in the units of the table."""
     from cylcontact.fitting import DataFit
 
     fit = DataFit.read(result)
-    fit = fit if law is None else fit.with_law(law)
+    fit = fit if law.law is None else fit.with_law(law.law)
     table = fit.predict(load, 0.95 if level is None else level)
     beyond = table.pop("beyond")
     own = [

@@ -104,7 +104,7 @@ def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
         Check("objective", *objective, _OBJECTIVE_TOLERANCE, exact),
         Check("samples", committed.counts.samples, fresh.counts.samples, 0.0),
     ]
-    if isinstance(committed, LawFit) and isinstance(fresh, LawFit) and committed.bound:
+    if isinstance(committed, LawFit) and isinstance(fresh, LawFit) and committed.bound is not None:
         checks.append(
             Check("lower bound", committed.bound, fresh.bound or 0.0, _EXACT_TOLERANCE, exact)
         )
