@@ -81,7 +81,7 @@ def _by_elements(pair: CylinderPair, ratio: float, clamp: Literal["rim"] | Secto
         nu=float(hole.nu),
         pin_E=float(pin.E),
         pin_nu=float(pin.nu),
-        clamp="whole" if isinstance(clamp, str) else clamp,
+        clamp=clamp,
         cells=CELLS,
     )
     (case,) = solve(setup, R_I - R_J, [LOAD])

@@ -106,9 +106,7 @@ def path_table(case: Case, run: Trajectory, first: int) -> pd.DataFrame:
     rows = run.revolution >= first
     places = -run.eccentricity[rows] * 1e6
     touching = run.in_contact[rows]
-    drawn = _simplified(
-        places, touching, TOLERANCE * run.mechanism.clearance.contact.radial * 1e-3 * 1e6
-    )
+    drawn = _simplified(places, touching, TOLERANCE * run.joint.contact.radial * 1e3)
     return pd.DataFrame(
         {
             "law": case.law,

@@ -120,7 +120,7 @@ PAPER_FACTOR = "lankarani-nikravesh"
 
 def restitution(bench: Bench) -> Group:
     """Return what a restitution becomes under the published factors."""
-    wanted = float(mechanism(bench).data["clearance"]["restitution"])
+    wanted = float(mechanism(bench).clearance.contact.data["dissipation"]["restitution"])
     chi = float(hysteresis_factor(PAPER_FACTOR)(wanted))
     achieved = float(achieved_restitution(chi))
     largest_chi = float(hysteresis_factor(PAPER_FACTOR)(np.nextafter(0.0, 1.0)))
@@ -161,13 +161,14 @@ def crank(bench: Bench) -> Group:
 
 def _assumed(bench: Bench) -> Group:
     """Return the numbers of the mechanism, the paper's and the assumed ones."""
-    own = mechanism(bench).data
+    model = mechanism(bench)
+    own = model.data
     longer = LongRun(LONG_SET, CASES[0], 1).mechanism(own).data["bodies"]
     lighter = LongRun(LIGHT_SET, CASES[0], 1).mechanism(own).data["bodies"]
-    joint, bodies = own["clearance"], own["bodies"]
+    pair, bodies = model.clearance.contact.pair, own["bodies"]
     values: dict[str, Value] = {
-        "speed": Quantity(abs(own["joints"]["drive"]["speed"]), "rpm", 4),
-        "radius": Quantity(joint["R_bearing"], "mm", 2),
+        "speed": Quantity(60 / model.period, "rpm", 4),
+        "radius": Quantity(float(np.asarray(pair.R_i)), "mm", 2),
         "large": Quantity(LARGE, "mm", 1),
         "small": Quantity(SMALL, "mm", 1),
         "elastic": Quantity(max(RESTITUTIONS), "", 1),

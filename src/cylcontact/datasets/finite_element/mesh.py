@@ -97,7 +97,7 @@ class SetupKeys(Spec):
 class Setup(SetupKeys):
     """Everything about a case except the clearance and the load.
 
-    Parameters
+    Attributes
     ----------
     hole_radius, outer_ratio : float
         R_i in mm, and the plate's outer radius over it, which sets the additive constant of the
