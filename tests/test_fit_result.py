@@ -181,11 +181,12 @@ def test_a_prediction_for_a_pair_of_many(pairs):
     table = result.predict(100.0, pair=other)
     assert table["penetration_mm"][0] == pytest.approx(fitted_reading(result, 100.0, other))
     assert table["low_mm"][0] < table["curve_low_mm"][0] < table["penetration_mm"][0]
-    with pytest.raises(InputError) as caught:
-        result.predict(100.0)
-    assert str(caught.value) == (
-        "prediction: pair: is required: the data have 2 pairs; give a CylinderPair"
-    )
+    both = result.predict([100.0, 200.0])
+    names, groups = result.optimum.fit.data.groups("pair")
+    assert list(both["pair"]) == [name for name in names for _ in range(2)]
+    second = result.optimum.fit.data.take(np.flatnonzero(groups == 1)[:1]).pair
+    alone = result.predict([100.0, 200.0], pair=second)
+    assert both[both["pair"] == names[1]]["low_mm"].to_list() == alone["low_mm"].to_list()
 
 
 @pytest.mark.parametrize("level", [0.0, 1.0, 95.0, np.nan])

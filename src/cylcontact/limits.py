@@ -174,6 +174,7 @@ def first_yield(
     The second one in an eye that is pulled by its shank:
 
     >>> from cylcontact.laws import Housing, Sector
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=steel)
     >>> print(first_yield(pair, housing=Housing(20.0, Sector(60, side="far"))))
     1,428 N/mm (von Mises, in the hole, at its surface, 93° from the load)
     """

@@ -316,7 +316,8 @@ def predict(
         typer.Option("--load", help='A load with its unit, e.g. "4500 N"; may be repeated.'),
     ],
     level: Annotated[
-        float | None, typer.Option("--level", help="Level of the intervals; 0.95 by default.", **NUMBER)
+        float | None,
+        typer.Option("--level", help="Level of the intervals; 0.95 by default.", **NUMBER),
     ] = None,
     law: LawOption,
 ) -> None:
@@ -327,20 +328,16 @@ def predict(
     fit = fit if law.law is None else fit.with_law(law.law)
     table = fit.predict(load, 0.95 if level is None else level)
     beyond = table.pop("beyond")
-    own = [
-        name
-        for name in map(str, table)
-        if not name.startswith("curve") and not name.endswith("_mm")
-    ]
-    shown = table[own] if len(own) > 1 else table
+    # In the units of the table, which come last.
+    starts = ("pair", "load", "penetration", "low", "high")
+    columns = [[name for name in map(str, table) if name.startswith(start)] for start in starts]
+    shown = table[[names[-1] for names in columns if names]]
     notes = []
     if beyond.any():
         loads = fit.optimum.fit.data.load
         rows = ", ".join(str(k + 1) for k in np.flatnonzero(beyond))
-        notes = [
-            f"! beyond the readings, which reach from {loads.min():g} to {loads.max():g} N/mm: "
-            f"row {rows}"
-        ]
+        reach = f"reach from {loads.min():g} to {loads.max():g} N/mm"
+        notes = [f"! beyond the readings, which {reach}: row {rows}"]
     say("\n\n".join([shown.to_string(index=False, float_format="{:.5g}".format), *notes]))
 
 

@@ -619,7 +619,7 @@ class DataFit(FitResult):
         band : float
             Level of the bands.
         pair : CylinderPair, optional
-            Any pair of the same contact; by default that of the data.
+            Any pair of the same contact; by default those of the data.
 
         Returns
         -------
@@ -627,18 +627,24 @@ class DataFit(FitResult):
             Columns load_N_per_mm, penetration_mm, low_mm and high_mm (band of a new reading),
             curve_low_mm and curve_high_mm (band of the curve), and beyond (whether the load is
             beyond the readings). Where the table has other units, the load, the penetration and
-            the band of a new reading in these as well.
+            the band of a new reading in these as well. Where the data have several pairs and none
+            is given, rows for each, named in the column pair.
 
         Raises
         ------
         InputError
-            If the data have several pairs and none is given, the coefficients have no covariance,
-            or the law is undefined at a load.
+            If the coefficients have no covariance, or the law is undefined at a load.
         """
         if not 0 < band < 1:
             rule, remedy = "must lie between 0 and 1", "0.95 is common"
             raise InputError("prediction", "band", band, rule, remedy)
-        data, pair = self.optimum.fit.data, pair or self._only_pair()
+        data = self.optimum.fit.data
+        if pair is None:
+            names, groups = data.groups("pair")
+            firsts = [np.flatnonzero(groups == k)[:1] for k in range(len(names))]
+            tables = [self.predict(load, band, data.take(first).pair) for first in firsts]
+            named = [table.assign(pair=name) for name, table in zip(names, tables, strict=True)]
+            return tables[0] if len(names) == 1 else pd.concat(named, ignore_index=True)
         texts = [load] if isinstance(load, str) else load
         if isinstance(texts, Sequence) and all(isinstance(text, str) for text in texts):
             length = None if pair.length is None else float(np.ravel(pair.length)[0])
@@ -707,7 +713,7 @@ class DataFit(FitResult):
         >>> result = cc.fit(data, "explicit", pair)
         >>> print(result.interval(lambda law: 1e3 * law.penetration(500.0, pair)).round(3))
            value  standard_error    low   high
-        0  6.111           0.022  6.060  6.163
+        0  4.993           0.016  4.954  5.031
         """
 
         def of_contact(law: ContactLaw) -> ArrayLike:
@@ -767,15 +773,6 @@ class DataFit(FitResult):
         loads = np.atleast_1d(as_floats(candidates))
         clearances = None if dR is None else np.atleast_1d(as_floats(dR))
         return design(self.optimum, loads, clearances, add, parameter, level)
-
-    def _only_pair(self) -> CylinderPair:
-        """Return the pair of the data; raise `InputError` if they have several."""
-        data = self.optimum.fit.data
-        names, _ = data.groups("pair")
-        if len(names) > 1:
-            rule = f"is required: the data have {len(names)} pairs"
-            raise InputError("prediction", "pair", None, rule, "give a CylinderPair")
-        return data.take(np.zeros(1, dtype=np.intp)).pair
 
     @property
     def correlation(self) -> pd.DataFrame:

@@ -60,7 +60,7 @@ class PowerClearance(PowerShaped):
     >>> pair = CylinderPair.from_dR("internal", 0.5, Material("steel", E=207e3, nu=0.3))
     >>> law = PowerClearance(A=0.88, p=0.723, n0=1.1336, n1=-0.02)
     >>> print(f"{law.exponent(pair):.4f}, {law.penetration(100.0, pair) * 1e3:.3f} µm")
-    1.1475, 1.974 µm
+    1.1475, 2.054 µm
     """
 
     A: float

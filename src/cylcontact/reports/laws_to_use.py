@@ -122,6 +122,7 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
     published              0.0660
     refit                  0.0520
     power-dimensionless    0.0287
+    power-clearance        0.0212
     explicit               0.0005
     johnson                0.0000
     """
