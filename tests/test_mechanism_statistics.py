@@ -327,6 +327,16 @@ class TestWarnings:
         assert counted in text
         assert text.endswith(f"in 5 of 5 revolutions, first at {run.time[high][0]:.4g} s")
 
+    def test_first_yield_is_that_of_the_housing(self):
+        spec = yields_at(200.0) | {"joint.wrist-pin.housing": {"R_o": 13.0}}
+        run = simulate(slider_crank(law="conformal", spec=spec), revolutions=1)
+        contact = run.mechanism.clearance.contact
+        housed = float(limits.yield_load(contact.pair, housing=laws.Housing(13.0)))
+        assert housed < 0.98 * float(limits.yield_load(contact.pair))
+        assert f"is above first yield at {housed:,.0f} N/mm" in run.warnings[0]
+        share = f"{100 * run.max_elastic_load / housed:.3g} % of first yield"
+        assert share in run.statistics().to_text()
+
     def test_the_end_of_the_law_is_counted(self):
         mechanism = slider_crank("johnson", 0.02, 1.0, 0.1)
         statistics = long_run(mechanism, revolutions=3, beyond="tangent")

@@ -272,15 +272,19 @@ class ClearanceJoint:
         """The record with the tangent that continues a law."""
         return self.record()
 
+    @property
+    def housing(self) -> Housing | None:
+        """The housing that the law knows, if any."""
+        datum = getattr(self.law, "datum", None)
+        return datum if isinstance(datum, Housing) else None
+
     @cached_property
     def first_yield(self) -> float:
         """The elastic force in N at first yield; inf unless both yield stresses are known."""
         bodies = self.pair.material_i, self.pair.material_j
         if any(body.yield_stress is None for body in bodies):
             return float("inf")
-        datum = getattr(self.law, "datum", None)
-        housing = datum if isinstance(datum, Housing) else None
-        load = float(yield_load(self.pair, housing=housing))
+        load = float(yield_load(self.pair, housing=self.housing))
         return load * self.pair.contact_length("the joint")
 
     @cached_property

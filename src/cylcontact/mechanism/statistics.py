@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cylcontact.arrays import FloatArray, IndexArray, require
-from cylcontact.limits import yield_load, yield_warning
+from cylcontact.limits import yield_warning
 from cylcontact.mechanism.batch_means import BatchMeans
 from cylcontact.mechanism.joint_motion import JointMotion, Limits, changes
 from cylcontact.mechanism.model import Joint, Mechanism
 from cylcontact.mechanism.run import JOINT_LEDGERS, Settings, State
-from cylcontact.pair import CylinderPair
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -338,12 +337,10 @@ class Statistics:
             f"{len(table):,} revolutions, first at {first:.4g} s"
         )
 
-    @property
-    def _pair(self) -> CylinderPair:
-        return self._joint.contact.pair
-
     def _yield(self) -> str:
-        text = yield_warning(self.revolutions["max_load_N_per_mm"].max(), self._pair)
+        contact = self._joint.contact
+        loads = self.revolutions["max_load_N_per_mm"]
+        text = yield_warning(loads.max(), contact.pair, contact.housing)
         counted = self._counted("above_yield", "contacts", "contacts pass it") if text else ""
         return f"{text}; {counted}" if text else ""
 
@@ -433,7 +430,8 @@ class Statistics:
         if np.isnan(self._limits.first_yield):
             return {}
         load = float(self.revolutions["max_load_N_per_mm"].max())
-        share = load / float(yield_load(self._pair))
+        contact = self._joint.contact
+        share = load * contact.pair.contact_length("the joint") / contact.first_yield
         text = f"{load:,.0f} N/mm, {100 * share:.3g} % of first yield (von Mises)"
         return {"max elastic load": text}
 
