@@ -805,6 +805,11 @@ def test_loads_above_first_yield_are_told(run, tmp_path, words, count):
     note = f"{count} of 4 loads are above first yield by von Mises"
     assert (note in said) == (count > 0)
     assert said.count("first yield") == (count > 0)
+    # A pulled eye yields far below an infinite plate.
+    if count == 2:
+        eye = (*options, "--R-o", 15, "--clamp", "far:60", "--law", "conformal")
+        _, said, _ = run("fit", tmp_path / "t.csv", *eye, *words, "-o", tmp_path / "e.json")
+        assert "3 of 4 loads are above first yield" in said
     # Without a radius there is no telling.
     options = tuple(word for word in options if word not in ("--Ri", "10"))
     _, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "s.json")

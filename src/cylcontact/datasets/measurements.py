@@ -23,6 +23,7 @@ from cylcontact.choices import Branch
 from cylcontact.datasets.branches import PAIR_COLUMNS, equal_rows, kept_rows
 from cylcontact.datasets.columns import Mapped, mapped, require_found
 from cylcontact.errors import InputError
+from cylcontact.laws import Housing
 from cylcontact.materials import (
     LARGEST_MODULUS,
     MaterialRow,
@@ -524,12 +525,12 @@ def _add_moduli(
     ]
 
 
-def pair_notes(measured: Measurements, own: Path | None) -> list[str]:
+def pair_notes(measured: Measurements, own: Path | None, housing: Housing | None) -> list[str]:
     """Return what is to be noted on the pairs: lengths hardly meant, and loads above yield."""
-    return [*unusual_lengths(measured.pair), *_yield_notes(measured, own)]
+    return [*unusual_lengths(measured.pair), *_yield_notes(measured, own, housing)]
 
 
-def _yield_notes(measured: Measurements, own: Path | None) -> list[str]:
+def _yield_notes(measured: Measurements, own: Path | None, housing: Housing | None) -> list[str]:
     """Return a note if loads are above first yield, where materials and radii are known."""
     labels = measured.data.labels
     of_both = labels.get("material")
@@ -544,7 +545,7 @@ def _yield_notes(measured: Measurements, own: Path | None) -> list[str]:
         hole, pin = (rows[word].material for word in words)
         if hole.yield_stress is not None and pin.yield_stress is not None:
             pair = replace(part.pair, material_i=hole, material_j=pin)
-            above += int(np.count_nonzero(part.load > limits.yield_load(pair)))
+            above += int(np.count_nonzero(part.load > limits.yield_load(pair, housing=housing)))
     if not above:
         return []
     return [

@@ -357,7 +357,8 @@ def _read_table(
         *(spec.ignore, spec.columns, spec.group, spec.branch),
     )
     measured = measurements_of(data, str(table) if isinstance(table, Path) else source)
-    data.notes.extend(pair_notes(measured, materials))
+    housing = None if spec.housing is None else spec.housing.housing
+    data.notes.extend(pair_notes(measured, materials, housing))
     return MeasuredTable(name, spec, measured, folder, source)
 
 
