@@ -23,6 +23,7 @@ def draw(bench):
 FITS = (
     *("internal", "external", "explicit-internal"),
     *("practical", "power-practical", "power-external"),
+    *("power-clearance-practical-six", "power-clearance-external"),
     *("recovered-internal", "recovered-external"),
 )
 CACHES = shutil.ignore_patterns("__pycache__")
