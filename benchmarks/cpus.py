@@ -98,7 +98,7 @@ def numbers(campaigns: tuple[str, ...], revolutions: tuple[int, ...]) -> Numbers
     out: Numbers = {}
     for name in campaigns:
         campaign = read_campaign(ROOT / f"fitting/{name}.toml")
-        moments, _ = reduce_grid(campaign.data.grid)
+        moments, _ = reduce_grid(campaign.grid)
         out[f"moments of `{name}`"] = _flat(vars(moments).values())
         result = calibrate(campaign)
         out[f"coefficients of `{name}`"] = [*result.coefficients.values()]

@@ -76,7 +76,7 @@ def measure(shape: tuple[int, int, int, int]) -> dict[str, float]:
         begun.setdefault(stage, time.perf_counter())
 
     begun["sampling"] = time.perf_counter()
-    result = calibrate(campaign.on(thinned(campaign.data.grid, shape)), JOBS, note)
+    result = calibrate(campaign.on(thinned(campaign.grid, shape)), JOBS, note)
     ends = [*(begun[stage] for stage in STAGES), time.perf_counter()]
     seconds = {f"{stage}_s": ends[k + 1] - ends[k] for k, stage in enumerate(STAGES)}
     log = log_pass(result.counts.samples + result.counts.masked)

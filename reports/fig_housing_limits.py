@@ -17,9 +17,9 @@ from .joints import origins_of
 
 CAPTION = (
     "Thin eyes are soft and weak: the joint of the figure of penetrations in housings of R_o/R_i "
-    "(-), with the rim or a sector of it clamped. (a) Tangent stiffness over that by Johnson's "
-    "datum (-). (b) Load of first yield by von Mises over that of an infinite plate (-); circles: "
-    "the bore yields beside the contact, by bending and hoop tension."
+    "(-), with the rim or a sector clamped. (a) Tangent stiffness over that by Johnson's datum "
+    "(-). (b) First yield by von Mises over that of an infinite plate (-); circles: the bore "
+    "yields beside the contact, by bending and hoop tension."
 )
 METHOD = (
     "R_i = 10 mm, R_j = 9.95 mm, plane strain, no friction; stiffness at 1000 N/mm. Stresses of "
@@ -51,7 +51,7 @@ def draw(bench: Bench) -> Drawing:
                 headline[f"{where}: first yield, N/mm"] = float(first.load)
                 headline[f"{where}: degrees from the load"] = rows[-1][2]
         for what, values in zip(
-            ("stiffness", "yield", "angle"), zip(*rows, strict=True), strict=True
+            ("stiffness_ratio", "yield_ratio", "angle_deg"), zip(*rows, strict=True), strict=True
         ):
             table[f"{name}_{what}"] = values
     method = METHOD.format(origins=origins_of(bench, [(PIN, HOLE)]))
@@ -62,21 +62,21 @@ def _draw(table: pd.DataFrame) -> Figure:
     """Draw both ratios over the housing, a line per clamp."""
     figure = new_figure("full", 80.0)
     panels = figure.subplots(1, 2).flat
-    labels = {"stiffness": "stiffness ratio (-)", "yield": "yield load ratio (-)"}
+    labels = {"stiffness_ratio": "stiffness ratio (-)", "yield_ratio": "yield load ratio (-)"}
     for number, (axes, (what, label)) in enumerate(zip(panels, labels.items(), strict=True)):
         for k, (name, (words, _)) in enumerate(CLAMPS.items()):
             line = {"color": COLOURS[k], "linestyle": "-"}
             axes.plot(table["ratio"], table[f"{name}_{what}"], marker="", label=words, **line)
-            if what == "yield":
-                beside = table[table[f"{name}_angle"] > _BESIDE]
+            if what == "yield_ratio":
+                beside = table[table[f"{name}_angle_deg"] > _BESIDE]
                 line |= {"linestyle": "", "marker": "o", "markerfacecolor": "none"}
-                axes.plot(beside["ratio"], beside[f"{name}_yield"], **line)
+                axes.plot(beside["ratio"], beside[f"{name}_{what}"], **line)
         axes.axhline(1, color=QUIET, linestyle=":", marker="", zorder=1)
         axes.set(xscale="log", yscale="log", xlim=(1.25, 20.8), xlabel=r"housing $R_o/R_i$ (-)")
         plain_log(axes, "x", (1.3, 2, 3, 5, 10, 20))
         plain_log(axes, "y", (0.1, 0.2, 0.5, 1.0, 2.0))
         axes.set_ylabel(label)
-        panel_title(axes, number, "stiffness" if what == "stiffness" else "first yield")
+        panel_title(axes, number, "stiffness" if number == 0 else "first yield")
     lines, words = axes.get_legend_handles_labels()
     figure.legend(lines, words, title="clamped", loc="outside lower center", ncols=5)
     return figure

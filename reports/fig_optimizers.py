@@ -112,6 +112,7 @@ def _draw_panels(table: pd.DataFrame) -> StyledFigure:
     for number, (axes, optimizer) in enumerate(zip(panels, optimizers, strict=True)):
         _draw_runs(axes, table[table["optimizer"] == optimizer])
         panel_title(axes, number, NAMES.get(optimizer, optimizer))
+    panels[0].set_ylim(FLOOR, max(100.0, 1.2 * table["excess_percent"].max()))
     panels[0].set_ylabel("objective above the best found (%)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
@@ -134,6 +135,6 @@ def _draw_runs(axes: Axes, table: pd.DataFrame) -> None:
             clip_on=False,
             zorder=3,
         )
-    plain_log(axes, "y", (1e-3, 1e-2, 0.1, 1, 10, 100))
-    axes.set(ylim=(FLOOR, 100), xlabel="run, best first")
+    plain_log(axes, "y", (1e-3, 1e-2, 0.1, 1, 10, 100, 1000))
+    axes.set_xlabel("run, best first")
     axes.xaxis.set_major_locator(MultipleLocator(5))

@@ -185,7 +185,7 @@ def test_a_law_that_cannot_be_cross_validated_sets_nothing_for_the_others(monkey
 
     def failing(problem, *others):
         values = missed(problem, *others)
-        return values * np.nan if problem.model.law == "explicit" else values
+        return values * np.nan if problem.fit.model.law == "explicit" else values
 
     monkeypatch.setattr(choice_module, "_missed", failing)
     choice = cc.choose(data, pair, laws=["explicit", "johnson"], noise="both")

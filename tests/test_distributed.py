@@ -55,7 +55,7 @@ def test_one_process_two_and_a_cluster_agree_to_the_bit(loopback, small_campaign
 
 
 def test_moments_sampled_on_a_cluster_agree_to_the_bit(loopback, small_campaign):
-    grid = replace(small_campaign.data.grid, load=np.linspace(1.0, 500.0, 70_000))
+    grid = replace(small_campaign.grid, load=np.linspace(1.0, 500.0, 70_000))
     local, counts = reduce_grid(grid, 1)
     remote, remote_counts = reduce_grid(grid, Cluster(loopback.address))
     assert counts == remote_counts

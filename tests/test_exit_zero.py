@@ -8,6 +8,7 @@ import matplotlib.image
 import pandas as pd
 import pytest
 
+import cylcontact as cc
 from cylcontact.choices import CHOICE_FILES, FIT_FILES
 from cylcontact.cli.app import app
 from cylcontact.datasets import finite_element
@@ -67,6 +68,8 @@ CASES = [
     (("fit", "r.json", "-j", 1, "-o", "u.json"), "u.json", of_json),
     (("choose", *TABLE, "--law", "johnson,explicit", "-o", "c"), "c", of_folder(*CHOICE_FILES)),
     (("choose", *TABLE, "--law", "johnson,explicit", "-o", "c2"), "c2/choice.csv", rows),
+    (("predict", "data.json", "--load", "100 N/mm"), None, None),
+    (("design", *TABLE, "--law", "johnson", "--loads", "5:400", "-o", "d"), "d/design.png", drawn),
     (("compare", "r.json"), None, None),
     (("verify", "r.json", "-j", 1), None, None),
     (("laws",), None, None),
@@ -106,6 +109,9 @@ def folder(tmp_path_factory, small_result):
     write_measured(root / "measured.csv", "johnson", "internal", noise=0.01)
     write_toml(root / "elements.toml", ELEMENTS)
     small_result.save(root / "r.json")
+    constants = {"E_GPa": 207, "nu": 0.3, "R_i_mm": 10}
+    table = root / "measured.csv"
+    cc.fit(table, "johnson", contact="internal", constants=constants).save(root / "data.json")
     (root / "reports/claims").mkdir(parents=True)
     (root / "reports/paper.py").write_text("LOADS = (10.0, 1000.0)\n")
     (root / "reports/fig99.py").write_text(RECIPE)

@@ -50,11 +50,11 @@ def peak_of(shape):
 
 def campaign_of(shape):
     campaign = read_campaign(HUGE, runs=1)
-    return campaign.on(thinned(campaign.data.grid, shape))
+    return campaign.on(thinned(campaign.grid, shape))
 
 
 def test_the_huge_grid_has_a_thousand_million_samples():
-    grid = read_campaign(HUGE).data.grid
+    grid = read_campaign(HUGE).grid
     assert grid.size == 10**9
     assert grid.shape == SHAPES[-1]
 

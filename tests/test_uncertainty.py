@@ -467,7 +467,8 @@ def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
     # ln(Λ_factor·Λ·E*/f) + c: c moved by s and Λ_factor by exp(−s) are the same law.
     verdicts = []
     for shift in (0.0, 0.5, -2.0):
-        problem, best, noise = best_of(measured_campaign(tmp_path, noise=NOISE))
+        noise = best_of(measured_campaign(tmp_path, noise=NOISE))
+        problem, best = noise.fit, noise.best
         moved = problem.fixing(Lambda_factor=float(np.exp(-shift)))
         shifted = {**best, "c": best["c"] + shift, "Lambda_factor": float(np.exp(-shift))}
         assert moved.value_of(shifted) == pytest.approx(problem.value_of(best), rel=1e-9)
