@@ -7,6 +7,7 @@ with a title is the file of that name. A block of text right below one that ran 
 
 import contextlib
 import doctest
+import importlib
 import io
 import re
 import shlex
@@ -68,6 +69,9 @@ def copy_bench(folder):
 def run_page(page, folder, monkeypatch):
     """Run all blocks of a page in `folder`; return each with what it printed."""
     monkeypatch.chdir(folder)
+    # A page may put its folder, relative to this one, where Python looks for modules.
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    importlib.invalidate_caches()
     names, ran = {"__name__": "page"}, []
     for block in blocks(page):
         printed = None
