@@ -99,7 +99,6 @@ def _noise(rng: np.random.Generator, like: np.ndarray) -> np.ndarray:
 BOTH = {"constant": 3e-5, "proportional": 0.01}
 SERIES = {**BOTH, "offset": 1.5e-4, "gain": 0.03}
 GROUP = {"group": "specimen"}
-LEFT_OUT = {"ignore": ["specimen"]}
 KINDS: dict[str, Kind] = {
     "proportional scatter": Kind(1, 40, {"noise": "proportional"}, proportional=0.02, unnamed=None),
     "constant scatter": Kind(1, 40, {"noise": "constant"}, constant=5e-5),

@@ -35,8 +35,6 @@ LONG = {"genetic.runs": 50, "genetic.generations": 3000, "genetic.populations": 
 FIT = ("fit", "fitting/small.toml", "--jobs", "1")
 AS_USER = (sys.executable, "-m", "cylcontact.cli")
 RESULT = "fitting/results/small.json"
-ROOT_USER = hasattr(os, "geteuid") and os.geteuid() == 0
-NOBODY = 65534
 SHARED = Path("/dev/shm")
 
 

@@ -20,6 +20,7 @@ from cylcontact.cli.options import (
     integer_from,
     numbers,
     option_of,
+    plain_numbers,
     split,
 )
 from cylcontact.cli.pair import (
@@ -34,7 +35,7 @@ from cylcontact.cli.terminal import progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.files import require_writable
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.reading import plain_number, require_file
+from cylcontact.reading import require_file
 
 if TYPE_CHECKING:
     from cylcontact.fitting import Campaign, TableCampaign
@@ -180,6 +181,9 @@ def _table(
     """Return a table with the options for it."""
     from cylcontact.fitting.table_campaign import read_table
 
+    if not is_table(path):
+        rule, remedy = "is not a table", "name a table of measurements"
+        raise InputError(str(path), "", None, rule, remedy)
     require_file(path)
     if "contact" not in given and OF_PIN_AND_HOLE & {*given}:
         given["contact"] = "internal"
@@ -233,9 +237,6 @@ def choose(
     from cylcontact.fitting.choice import choose_law
     from cylcontact.reports.fit_folder import write_choice
 
-    if not is_table(data):
-        rule, remedy = "is not a table", "name a table of measurements"
-        raise InputError(str(data), "", None, rule, remedy)
     folder = out or data.parent / "results" / data.stem
     require_writable(*(folder / name for name in CHOICE_FILES))
     first = law[0] if law else "johnson"
@@ -280,10 +281,7 @@ def design(
     from cylcontact.fitting import fit_table
     from cylcontact.reports.fit_folder import write_design
 
-    if not is_table(data):
-        rule, remedy = "is not a table", "name a table of measurements"
-        raise InputError(str(data), "", None, rule, remedy)
-    ends = _numbers(loads.split(":"))
+    ends = plain_numbers(loads.split(":"))
     if ends is None or len(ends) != 2 or not 0 < ends[0] < ends[1]:
         rule, remedy = "must be two positive loads in N/mm", "e.g. --loads 5:400"
         raise InputError(str(data), "--loads", loads, rule, remedy)
@@ -363,7 +361,7 @@ def _parameters(source: str, bounds: list[str], fixed: list[str]) -> dict[str, d
     for key, texts, parts in (("--bound", bounds, 2), ("--fix", fixed, 1)):
         for text in texts:
             name, _, numbers = text.partition("=")
-            values = _numbers(numbers.split(":"))
+            values = plain_numbers(numbers.split(":"))
             if not name or values is None or len(values) != parts:
                 example = "n=1:1.5" if parts == 2 else "n=1.1"
                 raise InputError(source, key, text, "is not valid", f"write {key} {example}")
@@ -379,15 +377,7 @@ def _parameters(source: str, bounds: list[str], fixed: list[str]) -> dict[str, d
 
 def _share(source: str, key: str, text: str) -> float:
     """Return a share such as 1% or 0.01 as a number."""
-    numbers = _numbers([text.strip().removesuffix("%")])
+    numbers = plain_numbers([text.strip().removesuffix("%")])
     if numbers is None:
         raise InputError(source, key, text, "is not a share", f"write {key} 1% or {key} 0.01")
     return numbers[0] / 100 if text.strip().endswith("%") else numbers[0]
-
-
-def _numbers(texts: list[str]) -> list[float] | None:
-    """Return texts as numbers; None if one is not a number."""
-    try:
-        return [plain_number(text) for text in texts]
-    except ValueError:
-        return None

@@ -59,13 +59,21 @@ def _number(given: str | float) -> float:
 NUMBER: dict[str, Any] = {"parser": _number, "metavar": "FLOAT"}
 
 
+def plain_numbers(texts: Sequence[str]) -> list[float] | None:
+    """Return texts as numbers; None if one is not a number."""
+    try:
+        return [plain_number(text) for text in texts]
+    except ValueError:
+        return None
+
+
 def numbers(option: str, texts: Sequence[str] | None) -> list[float]:
     """Return texts as numbers; none if the option is not given."""
-    try:
-        return [plain_number(text) for text in texts or ()]
-    except ValueError:
+    found = plain_numbers(texts or ())
+    if found is None:
         given, rule = ",".join(texts or ()), "must be numbers separated by commas"
-        raise InputError(option, "", given, rule, "e.g. 0.5,0.02") from None
+        raise InputError(option, "", given, rule, "e.g. 0.5,0.02")
+    return found
 
 
 def option_of(name: str) -> str:

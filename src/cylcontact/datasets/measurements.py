@@ -68,8 +68,6 @@ _Materials = dict[str, MaterialRow]
 _SHIPPED = "the table that ships"
 # Columns that an error names.
 _LISTED = 8
-# What tells pairs apart.
-_OF_PAIR = ("dR", "R_i", "R_j", "E_i", "E_j", "nu_i", "nu_j", "length")
 _GROUPINGS = ("rows", "material", "dR", "pair", "group", "branch")
 
 
