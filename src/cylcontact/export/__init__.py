@@ -195,10 +195,13 @@ def export_joint(
         not stem or re.fullmatch(r"[\w+-][\w.+ -]*", stem, re.ASCII) is not None, "export", "--out",
         stem, "is not plain text", "name the file with ASCII letters, digits, spaces, - and _",
     )  # fmt: skip
-    from cylcontact.export.fmu import joint_source
-    from cylcontact.export.joint import source
+    from cylcontact.export import element, fmu
+    from cylcontact.export.joint import element_of
 
-    return joint_source(joint, stem) if target == "fmu" else source(joint, target, stem)
+    chosen = element_of(joint)
+    if target == "fmu":
+        return fmu.joint_source(chosen, stem)
+    return element.source(chosen, target, stem)
 
 
 def _named(what: str, contact: Contact | None) -> tuple[ContactLaw, Contact | None, str]:
