@@ -205,16 +205,16 @@ def export_joint(
 
 
 def _named(what: str, contact: Contact | None) -> tuple[ContactLaw, Contact | None, str]:
-    """Return a law by its name or the path of a fit result, its contact, and its origin in words.
-
-    Raises `InputError` if it is neither, or the result is for the other contact.
-    """
+    """Return a law by its name or the path of a fit result, its contact, and its origin."""
     if what in LAWS:
         return LAWS[what](), contact, ""
     if what.startswith("power"):
         rule, remedy = "has no coefficients of its own", "name a fit result of it"
         raise InputError("export", "law", what, rule, remedy)
-    if Path(what).suffix == ".json" or _exists(what):
+    is_path = Path(what).suffix == ".json"
+    with suppress(OSError):  # of a name that is too long
+        is_path = is_path or Path(what).exists()
+    if is_path:
         return _of_result(what, contact)
     if ":" in what:
         return user_law(what, Path.cwd()), contact, "a function of the user's own"
@@ -222,13 +222,6 @@ def _named(what: str, contact: Contact | None) -> tuple[ContactLaw, Contact | No
     names = ", ".join(EXPORTABLE)
     remedy = f"choose {names}, module:function of your own, or the path of a result"
     raise InputError("export", "law", what, rule, remedy)
-
-
-def _exists(path: str) -> bool:
-    """Return whether the file exists; False for a name that is too long."""
-    with suppress(OSError):
-        return Path(path).exists()
-    return False
 
 
 def _of_result(path: str, contact: Contact | None) -> tuple[ContactLaw, Contact, str]:
@@ -250,7 +243,6 @@ def _of_result(path: str, contact: Contact | None) -> tuple[ContactLaw, Contact,
 
 
 def _require_target(target: str, targets: Collection[str] = TARGETS) -> None:
-    """Raise `InputError` for an unknown target."""
     if target not in targets:
         raise InputError(
             "export", "--to", target, "is not a known target", f"choose {listed(targets)}"
@@ -258,12 +250,9 @@ def _require_target(target: str, targets: Collection[str] = TARGETS) -> None:
 
 
 def _contact(contact: str | None) -> Contact | None:
-    """Return the contact; raise `InputError` if it is neither internal nor external."""
-    for known in CONTACTS:
-        if contact == known:
-            return known
-    if contact is None:
-        return None
+    known: tuple[Contact | None, ...] = (*CONTACTS, None)
+    if contact in known:
+        return known[known.index(contact)]
     raise InputError(
         "export", "--contact", contact, "is not a contact", f"choose {listed(CONTACTS)}"
     )
