@@ -10,9 +10,9 @@ from scipy.optimize import least_squares
 from cylcontact import laws
 from cylcontact.fitting import calibrate, compare, read_campaign
 from cylcontact.fitting.calibration import problem_of
+from cylcontact.fitting.comparison import compare_results
 from cylcontact.fitting.polish import minimise
 from cylcontact.fitting.results import FitResult
-from cylcontact.fitting.verify import compare_results
 
 ROOT = Path(__file__).resolve().parents[1]
 COMMITTED = sorted((ROOT / "fitting/results").glob("*.json"))

@@ -11,8 +11,8 @@ from cylcontact import InputError
 from cylcontact.fitting import DataFit, fit_table
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.discrepancy import study_discrepancy
+from cylcontact.fitting.objectives import collect_samples, form_of
 from cylcontact.fitting.polish import polish
-from cylcontact.fitting.samples import collect_samples, form_of
 from cylcontact.fitting.study import study_noise
 from tests.measured_files import measured_campaign
 

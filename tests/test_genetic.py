@@ -8,11 +8,9 @@ from cylcontact import laws
 from cylcontact.datasets import Moments, concatenate
 from cylcontact.fitting.genetic import CROSSOVERS, OPERATORS, WholePopulations, search
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.objectives import OBJECTIVES, make_objective
+from cylcontact.fitting.objectives import OBJECTIVES, Problem, Samples, form_of, make_objective
 from cylcontact.fitting.polish import polish
-from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.runs import plan_runs
-from cylcontact.fitting.samples import Samples, form_of
 from cylcontact.laws.law import Parameter
 
 BOUNDS = {

@@ -12,13 +12,12 @@ import pytest
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import DataFit, FitResult, compare
+from cylcontact.fitting.comparison import verify
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.loss import LOSSES, Loss
-from cylcontact.fitting.own_data import fit
+from cylcontact.fitting.measured import LOSSES, Loss
 from cylcontact.fitting.study import study_noise
 from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
-from cylcontact.fitting.table_fit import fit_table
-from cylcontact.fitting.verify import verify
+from cylcontact.fitting.table_fit import fit, fit_table
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.logarithmic import adjusted_logarithmic
 from tests.measured_files import (

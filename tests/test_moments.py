@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.datasets import Grid, Moments, concatenate, merge, reduce_grid
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.objectives import RmsLogPenetration
-from cylcontact.fitting.samples import form_of
+from cylcontact.fitting.objectives import RmsLogPenetration, form_of
 from tests.strategies import powers_of_ten
 
 JOHNSON = laws.Johnson()

@@ -8,8 +8,7 @@ from scipy.optimize import minimize
 
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
-from cylcontact.fitting.diagnose import findings_of
-from cylcontact.fitting.estimates import uncertainty_of
+from cylcontact.fitting.diagnose import findings_of, uncertainty_of
 from cylcontact.fitting.noise import (
     Covariance,
     Degrees,
@@ -18,8 +17,7 @@ from cylcontact.fitting.noise import (
     NoiseModel,
     estimate,
 )
-from cylcontact.fitting.resampling import leave_one_out
-from cylcontact.fitting.study import Resampling, study_noise
+from cylcontact.fitting.study import Resampling, leave_one_out, study_noise
 from cylcontact.fitting.table_fit import fit_table
 from tests.measured_files import CONSTANTS, STEEL
 from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cylcontact import InputError
 from cylcontact.fitting import FitResult, calibrate, fit_table, read_campaign
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.ties import evaluate, names_in, require_valid
+from cylcontact.fitting.problem import evaluate, names_in, require_valid
 from cylcontact.progress import silent
 from tests.spec_files import DROP, write_bench
 

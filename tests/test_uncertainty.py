@@ -8,16 +8,14 @@ import pytest
 from scipy import optimize, stats
 
 from cylcontact import CylinderPair, InputError
-from cylcontact.fitting.estimates import uncertainty_of
+from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.measured import Fit
-from cylcontact.fitting.noise_words import noise_verdicts
+from cylcontact.fitting.measured import Fit, Loss
 from cylcontact.fitting.optimum import Optimum, half_width
-from cylcontact.fitting.resampling import bootstrap, leave_one_out
-from cylcontact.fitting.study import study_noise
+from cylcontact.fitting.study import bootstrap, leave_one_out, study_noise
 from cylcontact.fitting.table_campaign import campaign_of_table
 from cylcontact.fitting.table_fit import fit_table
+from cylcontact.fitting.words import noise_verdicts
 from cylcontact.laws.law import LawModel, Parameter
 from tests.measured_files import (
     CONSTANTS,

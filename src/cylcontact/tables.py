@@ -21,8 +21,6 @@ from cylcontact.reading import plain_number, read_bytes
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["MAX_ROWS", "Table", "finite_numbers", "read_table", "table_of_frame", "texts"]
-
 # All rows are held in memory and stored in the result.
 MAX_ROWS = 200_000
 # As many columns as a data logger may have, and what a gigabyte of memory holds.
@@ -41,27 +39,7 @@ _NO_THOUSANDS = "has separators of thousands", "write it without them"
 
 @dataclass(frozen=True)
 class Table:
-    """The cells of a table with N rows.
-
-    Attributes
-    ----------
-    source : str
-        Its name in errors.
-    row_word : str
-        "line" or "row", in errors.
-    sha256 : str
-        The hash of its bytes.
-    names : list of str
-        The names of the columns.
-    lines : list of int
-        The position of each row in the file, N of them.
-    columns : list of list
-        The cells, column by column; None where one is empty.
-    separator : str
-        What separates the cells of a CSV; empty for other files.
-    steps : list of str
-        What was recognised, for the result.
-    """
+    """The cells of a table with N rows."""
 
     source: str
     row_word: str
@@ -74,35 +52,10 @@ class Table:
 
 
 def read_table(path: Path | str) -> Table:
-    r"""Read an Excel workbook, a Parquet file or, under any other name, a table in text.
+    """Read an Excel workbook, a Parquet file or, under any other name, a table in text.
 
     The separator of a text, its encoding and its decimal mark are recognised. Of a workbook the
     first sheet that holds cells is read.
-
-    Parameters
-    ----------
-    path : path
-        A file such as .csv, .txt, .xlsx or .parquet, with the names of the columns in
-        its first row.
-
-    Returns
-    -------
-    Table
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is of another kind or too large, or has no rows or too many.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder, "mine.csv")
-    ...     _ = path.write_text("F [kN];Weg [mm]\n0,5;0,001\n")
-    ...     table = read_table(path)
-    >>> table.names, table.columns, table.steps
-    (['F [kN]', 'Weg [mm]'], [['0,5'], ['0,001']], ['cells are separated by semicolons'])
     """
     source, suffix = str(path), Path(path).suffix.lower()
     if suffix == ".xls":
@@ -392,13 +345,7 @@ def _plain(cell: Any) -> Any:
 
 
 def texts(table: Table, k: int) -> list[str]:
-    """Return a column as words.
-
-    Raises
-    ------
-    InputError
-        If a cell is empty.
-    """
+    """Return a column as words."""
     _require_filled(table, k)
     return list(map(_text, table.columns[k]))
 
@@ -414,29 +361,6 @@ def finite_numbers(table: Table, wanted: Sequence[int]) -> list[list[float]]:
 
     Commas mark decimals if no number has a point, and one of them can mark nothing else: "1,234"
     alone may be a thousand.
-
-    Parameters
-    ----------
-    table : Table
-        The cells.
-    wanted : sequence of int
-        The indices of the columns.
-
-    Returns
-    -------
-    list of list of float
-        The columns, N numbers each.
-
-    Raises
-    ------
-    InputError
-        If a cell is empty or not a finite number, or the decimal mark is not certain.
-
-    Examples
-    --------
-    >>> table = Table("example", "row", "", ["a", "b"], [1, 2], [["1,5", "2"], ["0,25", "1,125"]])
-    >>> finite_numbers(table, [0, 1]), table.steps
-    ([[1.5, 2.0], [0.25, 1.125]], ['decimals are marked by commas'])
     """
     has_commas = _require_decimals(table, wanted)
     if has_commas:

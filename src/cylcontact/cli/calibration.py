@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from cylcontact.fitting import Campaign, FitResult, TableCampaign
     from cylcontact.parallel import Workers
 
-__all__ = ["compare", "fit", "sample", "verify"]
-
 
 def sample(
     spec: Annotated[Path, typer.Argument(help="A grid spec, e.g. datasets/internal.toml.")],
@@ -211,7 +209,7 @@ def verify(
     scheduler: Scheduler = None,
 ) -> None:
     """Redo committed fits with their own settings; exit code 1 if one differs."""
-    from cylcontact.fitting.verify import verify as verify_one
+    from cylcontact.fitting.comparison import verify as verify_one
 
     paths = results or sorted(RESULTS.glob("*.json"))
     if not paths:

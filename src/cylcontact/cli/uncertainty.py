@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from cylcontact.cli.measured import LawOption
     from cylcontact.parallel import Workers
 
-__all__ = ["StudyOptions", "study_uncertainty"]
-
 
 def _option(*names: str, help: str, **details: Any) -> Any:
     """Return an option in the help panel for results."""

@@ -12,8 +12,6 @@ from cylcontact.choices import BRANCHES, Branch
 from cylcontact.errors import InputError
 from cylcontact.tables import Table
 
-__all__ = ["PAIR_COLUMNS", "equal_rows", "is_unloading", "kept_rows"]
-
 # What tells pairs apart.
 PAIR_COLUMNS = ("dR", "R_i", "R_j", "E_i", "E_j", "nu_i", "nu_j", "length")
 # Positions of rows that a step lists.
@@ -108,26 +106,6 @@ def is_unloading(load: FloatArray, series: IndexArray) -> BoolArray | None:
     A turning point is where the load turns by more than 5 % of its range. The loads from a peak
     down to the next turning point are unloading, if there are at least two: one alone is where
     the next loading starts. Where loads only fall, in all series, none is unloading.
-
-    Parameters
-    ----------
-    load : array, shape (N,)
-        Loads in the order of measurement.
-    series : array of int, shape (N,)
-        The series of each row; each has its own course.
-
-    Returns
-    -------
-    array of bool, shape (N,), or None
-        None if the loads of a series rise and fall in no order.
-
-    Examples
-    --------
-    >>> load = np.array([1.0, 5.0, 9.0, 10.0, 6.0, 2.0])
-    >>> is_unloading(load, np.zeros(6, dtype=int))
-    array([False, False, False, False,  True,  True])
-    >>> is_unloading(np.array([3.0, 9.0, 1.0, 8.0, 2.0, 7.0]), np.zeros(6, dtype=int)) is None
-    True
     """
     course = np.zeros(load.size, dtype=np.intp)
     order = np.argsort(series, kind="stable")

@@ -18,27 +18,13 @@ from cylcontact.units import (
     unit_in,
 )
 
-__all__ = ["Mapped", "mapped", "require_found"]
-
 # Names of columns that a step or an error lists.
 _LISTED = 8
 
 
 @dataclass(frozen=True)
 class Mapped:
-    """A table, and what its columns are.
-
-    Attributes
-    ----------
-    table : Table
-        Without a row of units.
-    columns : dict of int to Column
-        By the index of the column.
-    group : int or None
-        The index of the column whose values are the groups, if it is named.
-    left_out : list of str
-        The names of columns that are none of a measurement's.
-    """
+    """A table, and what its columns are."""
 
     table: Table
     columns: dict[int, Column]
@@ -53,38 +39,7 @@ class Mapped:
 def mapped(
     table: Table, given: Mapping[str, str], group: str | None, ignored: Sequence[str]
 ) -> Mapped:
-    """Return what the columns of a table are.
-
-    Parameters
-    ----------
-    table : Table
-        The cells.
-    given : mapping
-        Names of columns by what they are, e.g. {"load_N": "Kraft"}; the unit may be left out if
-        the column's name or the row of units has it.
-    group : str or None
-        The column whose values are the groups.
-    ignored : sequence of str
-        Columns to leave out.
-
-    Returns
-    -------
-    Mapped
-
-    Raises
-    ------
-    InputError
-        If a column that is named is not there, or in doubt: a quantity without a unit, in one
-        that is not known, or there twice.
-
-    Examples
-    --------
-    >>> table = Table("mine", "row", "", ["Kraft", "displacement"], [2, 3],
-    ...               [["kN", "1"], ["µm", "2"]])
-    >>> found = mapped(table, {"load": "Kraft"}, None, ())
-    >>> [(c.quantity, c.unit) for c in found.columns.values()], found.table.lines
-    ([('load', 'kN'), ('penetration', 'um')], [3])
-    """
+    """Return what the columns of a table are."""
     for name in ignored:
         _require_there(table, "ignore", name)
     if group is not None:

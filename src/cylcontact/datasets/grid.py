@@ -19,19 +19,6 @@ from cylcontact.materials import LARGEST_MODULUS, material_in_MPa
 from cylcontact.pair import Contact, CylinderPair, are_possible
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
-__all__ = [
-    "AnyGrid",
-    "AxesSpec",
-    "AxisSpec",
-    "DimensionlessGrid",
-    "DimensionlessGridSpec",
-    "Grid",
-    "GridSpec",
-    "grid_from",
-    "read_grid",
-    "read_grid_data",
-]
-
 _POSITIVE_AXES = ("E", "dR", "load")
 # How the axes of either kind of grid are asked for.
 _AXES = (
@@ -322,22 +309,6 @@ class DimensionlessGrid:
     """The product of values of α, β and φ = f/(E*·ΔR), without pairs that no materials make.
 
     Its pairs have E* = 1 MPa and ΔR = 1 mm: their loads are φ, their penetrations d = δ/ΔR.
-
-    Attributes
-    ----------
-    reference : str
-        Name of the law sampled.
-    alpha, beta, phi : array of float
-        The axes.
-    source : str
-        Its name in errors.
-
-    Examples
-    --------
-    >>> ends = np.array([-0.4, 0.0, 0.4])
-    >>> grid = DimensionlessGrid("conformal", ends, ends / 2, np.array([0.1, 1.0]))
-    >>> grid.rows, grid.size
-    (7, 14)
     """
 
     reference: str
@@ -416,13 +387,7 @@ def read_grid(path: Path | str) -> AnyGrid:
 
 
 def read_grid_data(path: Path | str) -> dict[str, Any]:
-    """Return the contents of a grid spec, with a named table replaced by its contents.
-
-    Raises
-    ------
-    InputError
-        If the file is not TOML, or the table is missing or was edited by hand.
-    """
+    """Return the contents of a grid spec, with a named table replaced by its contents."""
     data = read_toml(path)
     return with_table(data, Path(path)) if data.get("reference") == FINITE_ELEMENT else data
 

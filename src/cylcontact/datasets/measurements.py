@@ -35,7 +35,6 @@ from cylcontact.materials import (
 from cylcontact.pair import Contact, CylinderPair, roles, unusual_lengths
 from cylcontact.spec import Spec
 from cylcontact.tables import (
-    MAX_ROWS,
     Table,
     finite_numbers,
     read_table,
@@ -46,19 +45,6 @@ from cylcontact.units import LABELS, Column, column_named, spellings
 
 if TYPE_CHECKING:
     import pandas as pd
-
-__all__ = [
-    "MAX_ROWS",
-    "Constants",
-    "Indices",
-    "MeasuredData",
-    "Measurements",
-    "measurements_of",
-    "pair_notes",
-    "read_frame",
-    "read_measured",
-    "require_positive_penetration",
-]
 
 Constants = Mapping[str, float | str]
 Indices = NDArray[np.intp]
@@ -122,17 +108,7 @@ class MeasuredData(Spec):
 
 @dataclass(frozen=True, eq=False)
 class Measurements:
-    """N measured points, each a load and a penetration of a known pair.
-
-    Attributes
-    ----------
-    data : MeasuredData
-        The columns they were made from.
-    rows : array of int, shape (N,)
-        Indices of the rows in `data`, possibly repeated.
-    columns : dict of str to array of float, shape (N,)
-        Columns in mm, N and MPa.
-    """
+    """N measured points, each a load and a penetration of a known pair."""
 
     data: MeasuredData
     rows: Indices
@@ -187,18 +163,7 @@ class Measurements:
         return self.data.lines[int(self.rows[row])]
 
     def groups(self, over: str) -> tuple[list[str], Indices]:
-        """Return the names of the groups, and the group of each row.
-
-        Parameters
-        ----------
-        over : {"rows", "material", "dR", "pair", "group"}
-            The criterion of the grouping.
-
-        Raises
-        ------
-        InputError
-            If the grouping is unknown, or the table has no column `group`.
-        """
+        """Return the names of the groups, and the group of each row."""
         if over not in _GROUPINGS:
             remedy = f"choose {', '.join(_GROUPINGS)}"
             raise InputError("grouping", "over", over, "is unknown", remedy)
@@ -221,16 +186,7 @@ class Measurements:
         return [lines for lines in positions.values() if len(lines) > 1]
 
     def replicates(self) -> list[Indices]:
-        """Return the indices of rows of the same load and pair, an array for two or more of them.
-
-        Examples
-        --------
-        >>> import pandas as pd
-        >>> frame = pd.DataFrame({"load_N_per_mm": [1, 2, 1], "penetration_um": [0.2, 0.3, 0.1]})
-        >>> data = read_frame(frame, "internal", {"E_GPa": 207, "nu": 0.3, "dR_um": 30})
-        >>> measurements_of(data, "example").replicates()
-        [array([0, 2])]
-        """
+        """Return the indices of rows of the same load and pair, two or more of them."""
         keys = [self.columns[name] for name in ("load", *PAIR_COLUMNS) if name in self.columns]
         alike = equal_rows(keys, len(self))
         order = np.argsort(alike, kind="stable")
@@ -266,56 +222,7 @@ def read_measured(
     group: str | None = None,
     branch: Branch | None = None,
 ) -> MeasuredData:
-    r"""Read a table of measurements into columns.
-
-    Parameters
-    ----------
-    path : path
-        A CSV, Excel or Parquet file with the units in the names of its columns or below them
-        (`cylcontact.units`).
-    contact : {"internal", "external"}
-        Pin in hole, or two rollers.
-    constants : mapping, optional
-        Values for all rows, by column name: {"E_GPa": 207, "dR_um": 50}.
-    materials : path, optional
-        Your own table of materials, in addition to that of the package.
-    ignored : sequence of str
-        Columns to leave out.
-    columns : mapping, optional
-        Columns by what they are, where their names do not say it: {"load_N": "Kraft"}.
-    group : str, optional
-        The column whose values are the groups: specimens, runs, dates.
-    branch : {"loading", "unloading"}, optional
-        The rows to keep; all by default.
-
-    Returns
-    -------
-    MeasuredData
-        Unchecked; `measurements_of` checks it.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is of another kind, has a column in doubt or a cell that is
-        empty or not a number, no rows or too many; or a constant is wrong, a quantity is given
-        twice or not at all, or a material is unknown.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder, "mine.csv")
-    ...     _ = path.write_text("F [kN];displacement [µm]\n0,2;0,206\n0,5;0,454\n")
-    ...     pair = {"E_GPa": 207, "nu": 0.3, "dR_um": 30, "length_mm": 20}
-    ...     data = read_measured(path, "internal", pair)
-    >>> data.numbers["load"], data.numbers["E_i"], data.lines
-    ([10.0, 25.0], [207000.0], [2, 3])
-    >>> print(*data.steps, sep="\n")
-    cells are separated by semicolons
-    decimals are marked by commas
-    column 'F [kN]' is read as total load in kN, divided by the length of 20 mm
-    column 'displacement [µm]' is read as penetration in µm
-    """
+    """Read a table of measurements into columns."""
     table = read_table(path)
     found = mapped(table, columns or {}, group, ignored)
     return _measured_data(found, Path(table.source).name, contact, constants, materials, branch)
@@ -331,34 +238,7 @@ def read_frame(
     group: str | None = None,
     branch: Branch | None = None,
 ) -> MeasuredData:
-    """Read a DataFrame as `read_measured` reads a file.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The table; its index is not used. Errors count its rows from 1.
-    contact, constants, materials, ignored, columns, group, branch
-        As for `read_measured`.
-
-    Returns
-    -------
-    MeasuredData
-        With the hash of the table as CSV.
-
-    Raises
-    ------
-    InputError
-        As for `read_measured`.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> frame = pd.DataFrame({"load_N_per_mm": [10.0, 25.0], "depth": [0.2, 0.5]})
-    >>> pair = {"E_GPa": 207, "nu": 0.3, "dR_um": 30}
-    >>> data = read_frame(frame, "internal", pair, columns={"penetration_um": "depth"})
-    >>> data.numbers["penetration"], data.steps
-    ([0.0002, 0.0005], ["column 'depth' is read as penetration in µm"])
-    """
+    """Read a DataFrame as `read_measured` reads a file."""
     table = table_of_frame(frame)
     found = mapped(table, columns or {}, group, ignored)
     return _measured_data(found, table.source, contact, constants, materials, branch)
@@ -601,35 +481,7 @@ def _divide_by_length(source: str, numbers: _Numbers, totals: Sequence[str]) -> 
 
 
 def measurements_of(data: MeasuredData, source: str) -> Measurements:
-    """Check columns row by row and return the measurements.
-
-    Parameters
-    ----------
-    data : MeasuredData
-        From `read_measured`, or from a result.
-    source : str
-        Its name in errors.
-
-    Returns
-    -------
-    Measurements
-
-    Raises
-    ------
-    InputError
-        If a column is missing or has another number of rows, or a row has an impossible value;
-        the message names the row.
-
-    Examples
-    --------
-    >>> data = MeasuredData(
-    ...     source="made up", sha256="", contact="internal", lines=[2, 3], labels={}, notes=[],
-    ...     numbers={"load": [10.0, 100.0], "penetration": [2e-4, 1.6e-3], "dR": [0.05],
-    ...              "E_i": [207e3], "E_j": [207e3], "nu_i": [0.3], "nu_j": [0.3]})
-    >>> measured = measurements_of(data, "example")
-    >>> len(measured), measured.pair.E_star.shape
-    (2, (2,))
-    """
+    """Check columns row by row and return the measurements."""
     size = len(data.lines)
     _require_shapes(data, size, source)
     columns = {
@@ -692,33 +544,7 @@ def _require_sign(data: MeasuredData, source: str, columns: _Numbers) -> None:
 
 
 def require_positive_penetration(measured: Measurements, source: str, remedy: str) -> None:
-    """Raise `InputError` for the first row whose penetration is not positive.
-
-    Parameters
-    ----------
-    measured : Measurements
-        The rows.
-    source : str
-        Their table's name in errors.
-    remedy : str
-        What to do about readings that are not zeroed.
-
-    Raises
-    ------
-    InputError
-        The message names the row.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> frame = pd.DataFrame({"load_N_per_mm": [1, 2], "penetration_um": [-0.1, 0.2]})
-    >>> data = read_frame(frame, "internal", {"E_GPa": 207, "nu": 0.3, "dR_um": 30})
-    >>> measured = measurements_of(data, "example")
-    >>> require_positive_penetration(measured, "example", "correct it")
-    Traceback (most recent call last):
-    ...
-    cylcontact.errors.InputError: example, row 1: penetration = -0.0001: must be positive...
-    """
+    """Raise `InputError` for the first row whose penetration is not positive."""
     _require(measured.data, source, "penetration", measured.penetration, _POSITIVE, remedy)
 
 

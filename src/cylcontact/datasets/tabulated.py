@@ -12,8 +12,6 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.pair import CylinderPair
 
-__all__ = ["FINITE_ELEMENT", "TabulatedReference", "with_table"]
-
 # The name of such a reference in grid specs.
 FINITE_ELEMENT = "finite-element"
 # The columns of a table by the axes of a grid.
@@ -22,25 +20,7 @@ _AXES = {"E": "E_GPa", "nu": "nu", "dR": "dR_mm", "load": "load_N_per_mm"}
 
 @dataclass(frozen=True, eq=False)
 class TabulatedReference:
-    """A reference law given by a table, defined at its clearances and loads only.
-
-    Attributes
-    ----------
-    dR : array of float, shape (m,)
-        Clearances in mm.
-    load : array of float, shape (k,)
-        Loads in N/mm, increasing.
-    values : array of float, shape (m, k)
-        Penetrations in mm.
-
-    Examples
-    --------
-    >>> from cylcontact.materials import Material
-    >>> two = TabulatedReference(np.array([0.1]), np.array([20.0, 40.0]), np.array([[4e-4, 8e-4]]))
-    >>> pair = CylinderPair.from_dR("internal", 0.1, Material("steel", 207e3, 0.3))
-    >>> two.penetration([40.0, 50.0], pair)
-    array([0.0008,    nan])
-    """
+    """A reference law given by a table, defined at its clearances and loads only."""
 
     dR: FloatArray
     load: FloatArray
@@ -56,27 +36,7 @@ class TabulatedReference:
 
 
 def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
-    """Return a grid spec with the contents of the table that it names.
-
-    Parameters
-    ----------
-    data : dict
-        The contents of the spec, with reference = "finite-element" and table, a path relative to
-        the spec.
-    source : path
-        The file of the spec.
-
-    Returns
-    -------
-    dict
-        The spec with the axes and penetrations of the table, independent of the file.
-
-    Raises
-    ------
-    InputError
-        If the spec names no table or has axes, the table was edited by hand,
-        or it is of two materials.
-    """
+    """Return a grid spec with the contents of the table that it names."""
     from cylcontact.datasets.finite_element import read_table
     from cylcontact.datasets.finite_element.study import PIN_COLUMNS
 

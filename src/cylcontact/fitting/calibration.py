@@ -14,17 +14,18 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.objectives import (
     ON_ROWS,
+    Problem,
     RmsLogPenetration,
+    Samples,
+    collect_samples,
     make_objective,
     max_abs_difference_percent,
 )
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.profiles import Profile, profiles
-from cylcontact.fitting.records import MaxDifference, ObjectiveValue, SampleCounts
+from cylcontact.fitting.profiles import profiles
+from cylcontact.fitting.records import MaxDifference, ObjectiveValue, Profile, SampleCounts
 from cylcontact.fitting.results import LawFit
 from cylcontact.fitting.runs import best_of, published_on, run_all, searches
-from cylcontact.fitting.samples import Samples, collect_samples
 from cylcontact.journal import Journal
 from cylcontact.parallel import Workers, call, collect
 from cylcontact.progress import Progress, silent
@@ -126,13 +127,7 @@ def calibrate(
 def problem_of(
     campaign: Campaign, jobs: Workers = 1, progress: Progress = silent
 ) -> tuple[Problem, Counts]:
-    """Return the problem of a campaign, and the number of its samples used and masked.
-
-    Raises
-    ------
-    InputError
-        If every sample is masked, or the bounds exclude the law's domain.
-    """
+    """Return the problem of a campaign, and the number of its samples used and masked."""
     grid, name = campaign.grid, campaign.objective
     samples: Moments | Samples
     if campaign.model.power_form is not None and name not in ON_ROWS:

@@ -32,23 +32,7 @@ _LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
 
 @dataclass(frozen=True, eq=False)
 class CampaignBase(ABC):
-    """A law and its parameters, ready to be fitted: to a law by a `Campaign`, or to a table.
-
-    Attributes
-    ----------
-    name : str
-        The file's name without suffix.
-    spec : CampaignSpec or MeasuredSpec
-        Its settings, with a table for every parameter of the law.
-    model : LawModel
-        The law and contact.
-    parameters : tuple of Parameter
-        In the order of the model's names.
-    objective : str
-        The name of the objective.
-    source : str
-        The path of its file or table, its name in errors.
-    """
+    """A law and its parameters, ready to be fitted: to a law by a `Campaign`, or to a table."""
 
     name: str
     spec: CampaignSpec | MeasuredSpec

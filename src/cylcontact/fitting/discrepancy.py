@@ -22,11 +22,12 @@ from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.objectives import form_of, samples_of
 from cylcontact.fitting.polish import polish
-from cylcontact.fitting.profiles import DiscrepancyPair, Profile, discrepancy_pair
-from cylcontact.fitting.records import LeftOut
-from cylcontact.fitting.results import LawFit, Rows, item, left_out_table
-from cylcontact.fitting.samples import form_of, samples_of
+from cylcontact.fitting.profiles import discrepancy_pair
+from cylcontact.fitting.records import DiscrepancyPair, LeftOut, Profile
+from cylcontact.fitting.results import LawFit
+from cylcontact.fitting.words import Rows, item, left_out_table
 from cylcontact.parallel import Workers, call, collect
 from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
@@ -83,31 +84,7 @@ def study_discrepancy(
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> DiscrepancyStudy:
-    """Return the discrepancy of a fit to a reference law.
-
-    Parameters
-    ----------
-    result : LawFit
-        The fit.
-    leave_out : str, optional
-        The axis of the grid whose values are left out one after the other: dR, E (or material),
-        nu or load.
-    with_pairs : bool
-        Whether to map the objective over each pair of coefficients.
-    jobs : int or Cluster
-        Worker processes, or a Dask cluster; the result does not depend on it.
-    progress : callable, optional
-        Called with the stage, how many of its parts are done, and their number.
-
-    Returns
-    -------
-    DiscrepancyStudy
-
-    Raises
-    ------
-    InputError
-        If the axis is unknown or has one value only.
-    """
+    """Return the discrepancy of a fit to a reference law."""
     source = f"fit result {result.name!r}"
     campaign = Campaign.of_settings(result.name, result.settings, source)
     best = result.coefficients

@@ -12,8 +12,7 @@ from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.problem import ParameterSpace
-from cylcontact.fitting.records import RunRecord
-from cylcontact.fitting.results import SAME_BASIN, same_basin
+from cylcontact.fitting.records import SAME_BASIN, RunRecord, same_basin
 from cylcontact.fitting.runs import run_all, searches
 from cylcontact.fitting.table_campaign import TableCampaign
 from cylcontact.parallel import Workers

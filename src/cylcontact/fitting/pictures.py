@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measurements import Indices, Measurements
-from cylcontact.fitting.diagnose import Outlier
 from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.records import Interval, ObjectiveValue
+from cylcontact.fitting.records import Interval, ObjectiveValue, Outlier
 from cylcontact.plain_text import as_label, brief
 from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.figure import Drawing, new_figure

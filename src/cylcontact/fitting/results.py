@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from html import escape
@@ -22,29 +22,28 @@ from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
 from cylcontact.fitting.campaign import CampaignBase
 from cylcontact.fitting.design import Design, design
-from cylcontact.fitting.estimates import Uncertainty
 from cylcontact.fitting.law_models import fitted_law, units_of, user_model, with_rig
-from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.measured import Fit
-from cylcontact.fitting.noise_words import noise_verdicts, noise_warnings
+from cylcontact.fitting.measured import Fit, Loss
 from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.profiles import TOLERANCE, Profile
 from cylcontact.fitting.records import (
     FAIRLY,
+    TOLERANCE,
     WELL,
-    LeftOut,
     MaxDifference,
     ObjectiveValue,
+    Profile,
     Published,
     RunRecord,
     SampleCounts,
+    Uncertainty,
 )
 from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of, require_increasing
+from cylcontact.fitting.words import noise_verdicts, noise_warnings
 from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.plain_text import as_label, brief
+from cylcontact.plain_text import brief
 from cylcontact.reading import marked, read_text, unmarked
 from cylcontact.spec import Spec, parse_spec, require_other_kind
 from cylcontact.text_tables import Table
@@ -54,23 +53,22 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from cylcontact.plots.figure import Drawing
+from cylcontact.fitting.records import SAME_BASIN, same_basin
+from cylcontact.fitting.words import (
+    OBJECTIVE_UNITS,
+    WIDTH,
+    Rows,
+    axis_label,
+    item,
+    label_of,
+    or_dash,
+    without_profile,
+)
 
-# Runs whose objectives are this close, relatively, ended in the same basin.
-SAME_BASIN = 1e-3
 # A coefficient this close to a bound, relative to the search interval, is at the bound.
 _AT_BOUND = 1e-6
-_WIDTH = 100
-# The units of objectives that have one, if no deviations are given with the data.
-OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-load": "N/mm", "rms-standardised": "std. dev."}
 # What only files of before have, where fits to laws and to readings were one record.
 _FORMER = ("kind", "bound", "profiles")
-
-Rows = list[tuple[str, ...]]
-
-
-def same_basin(record: RunRecord, objective: float, exact: float = 1e-12) -> bool:
-    """Return whether a run reached an objective, to 0.1 % and round-off."""
-    return record.objective <= objective * (1 + SAME_BASIN) + exact
 
 
 class FitResult(Spec):
@@ -288,7 +286,7 @@ class FitResult(Spec):
         unwarned = [sentence for sentence in self.verdicts if sentence not in self.warnings]
         return "\n".join(
             [
-                fill(self.headline, _WIDTH),
+                fill(self.headline, WIDTH),
                 *([self.status] if self.status else []),
                 *(item(sentence, "! ") for sentence in self.warnings),
                 "",
@@ -1002,65 +1000,8 @@ class DataFit(FitResult):
 # --- pieces -----------------------------------------------------------------------------------
 
 
-def label_of(name: str, units: Mapping[str, str]) -> str:
-    """Return a name with its unit, if it has one."""
-    return ", ".join(filter(None, (name, units.get(name))))
-
-
-def axis_label(name: str, units: Mapping[str, str]) -> str:
-    """Return the label of an axis over a coefficient."""
-    return f"{as_label(name)} ({units[name]})" if units.get(name) else as_label(name)
-
-
-def item(sentence: str, mark: str = "- ") -> str:
-    """Return a sentence as an item of a list, wrapped."""
-    return fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent="  ")
-
-
-def left_out_table(fits: Sequence[LeftOut], names: Sequence[str]) -> list[str]:
-    """Return the table of fits without one group; nothing if there are none."""
-    if not fits:
-        return []
-    rows = [
-        (
-            fit.group,
-            f"{fit.rows:,}",
-            *(f"{fit.coefficients[name]:.5g}" for name in names),
-            "-" if fit.own_rms is None else f"{fit.own_rms:.4g}",
-        )
-        for fit in fits
-    ]
-    table = Table(("without", "samples", *names, "RMS on that group"), rows)
-    return [f"Fits without one group, and how well they predict it:\n{table}"]
-
-
-def or_dash(value: float | None, style: str = ".5g") -> str:
-    """Return a number, or a dash for None."""
-    return "-" if value is None else format(value, style)
-
-
-def without_profile(result: str, name: str, known: Mapping[str, object]) -> InputError:
-    """Return the error of a coefficient without a profile."""
-    rule = "has no profile: it was not searched, or the data do not determine it"
-    remedy = f"choose {', '.join(known)}" if known else "free it"
-    return InputError(f"fit result {result!r}", "name", name, rule, remedy)
-
-
 def require_same_inputs(path: Path, campaign: CampaignBase) -> None:
-    """Refuse to replace a result of other inputs than those of a campaign.
-
-    Parameters
-    ----------
-    path : Path
-        Where the result will be written.
-    campaign : Campaign
-        The campaign.
-
-    Raises
-    ------
-    InputError
-        If the file exists and is another campaign's result, or not a result.
-    """
+    """Refuse to replace a result of other inputs than those of a campaign."""
     remedy = "write elsewhere with -o, or add --force to replace it"
     if not path.exists():
         return
@@ -1079,13 +1020,7 @@ def require_same_inputs(path: Path, campaign: CampaignBase) -> None:
 
 
 def _differences(before: Any, now: Any, key: str = "") -> list[str]:
-    """Return the differences between two settings, one text for each key.
-
-    Examples
-    --------
-    >>> _differences({"law": "power", "seed": 1}, {"law": "hertz", "seed": 1})
-    ["law: 'power' there, 'hertz' now"]
-    """
+    """Return the differences between two settings, one text for each key."""
     if before == now:
         return []
     if isinstance(before, dict) and isinstance(now, dict):

@@ -12,25 +12,15 @@ from pydantic import Field, model_validator
 from cylcontact.choices import Branch
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
-from cylcontact.fitting.loss import LOSSES
+from cylcontact.fitting.measured import LOSSES
 from cylcontact.fitting.noise import NOISES
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.fitting.ties import require_valid
+from cylcontact.fitting.problem import require_valid
 from cylcontact.housing_spec import HousingSpec
 from cylcontact.laws.law import LawModel, Parameter
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, broken
-
-__all__ = [
-    "CampaignSpec",
-    "GeneticSpec",
-    "MeasuredSpec",
-    "ParameterSpec",
-    "completed",
-    "parameters_of",
-    "require_complete",
-]
 
 _SpecType = TypeVar("_SpecType", bound=Spec)
 
@@ -250,31 +240,7 @@ def parameters_of(
     source: str,
     others: str = "",
 ) -> tuple[Parameter, ...]:
-    """Return the parameters of a campaign, in the order of the law.
-
-    Parameters
-    ----------
-    model : LawModel
-        The law, with default bounds for what the campaign leaves out.
-    tables : mapping
-        The campaign's tables [parameters.NAME].
-    ties : mapping or None
-        Its table [ties].
-    source : str
-        The campaign's name in errors.
-    others : str, optional
-        Further parameters that may be named, for an error message.
-
-    Returns
-    -------
-    tuple of Parameter
-
-    Raises
-    ------
-    InputError
-        If a table is not of a parameter of the law, a tie is invalid, a parameter has no default
-        bounds and no table, or nothing is searched.
-    """
+    """Return the parameters of a campaign, in the order of the law."""
     for name in tables:
         if name not in model.names:
             rule = f"is not a parameter of {model.law} for {model.contact} contact"
