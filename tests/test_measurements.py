@@ -6,7 +6,6 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.datasets.measurements import (
-    MAX_ROWS,
     MeasuredData,
     measurements_of,
     read_measured,
@@ -14,6 +13,7 @@ from cylcontact.datasets.measurements import (
 from cylcontact.fitting.measured import STANDARDISED
 from cylcontact.fitting.table_campaign import campaign_of_table
 from cylcontact.materials import COLUMNS
+from cylcontact.tables import MAX_ROWS
 from cylcontact.units import QUANTITIES, column_named, spellings
 from tests.measured_files import USER_LAW, write_table
 from tests.programs import require_package

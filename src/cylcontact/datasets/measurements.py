@@ -94,16 +94,17 @@ _REQUIRED = ("load", "penetration", "E_i", "E_j", "nu_i", "nu_j")
 class MeasuredData(Spec):
     """Measurements as stored in a result: columns in mm, N and MPa with N rows or one."""
 
-    source: str = Field(description="the table they came from")
-    sha256: str = Field(description="the hash of its bytes")
-    contact: Contact = Field(description='"internal" or "external"')
-    row_word: str = Field("line", description='"line" or "row"')
-    lines: list[int] = Field(description="the position of each row in the table")
-    numbers: dict[str, list[float]] = Field(description="columns of numbers")
-    labels: dict[str, list[str]] = Field(description="columns of words")
-    notes: list[str] = Field(description="remarks for the report")
-    steps: list[str] = Field([], description="what was done to the table")
-    units: dict[str, str] = Field({}, description="the units of load and penetration in the table")
+    source: str
+    sha256: str
+    contact: Contact
+    row_word: str = "line"
+    lines: list[int]
+    numbers: dict[str, list[float]]
+    labels: dict[str, list[str]]
+    notes: list[str]
+    # What was done to the table, and its units of load and penetration.
+    steps: list[str] = Field([])
+    units: dict[str, str] = Field({})
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +214,7 @@ class Measurements:
 
 
 def read_measured(
-    path: Path | str,
+    data: Path | str | pd.DataFrame,
     contact: Contact,
     constants: Constants | None = None,
     materials: Path | None = None,
@@ -222,60 +223,32 @@ def read_measured(
     group: str | None = None,
     branch: Branch | None = None,
 ) -> MeasuredData:
-    """Read a table of measurements into columns."""
-    table = read_table(path)
+    """Read a file or a DataFrame of measurements into columns; `measurements_of` checks them."""
+    table = read_table(data) if isinstance(data, Path | str) else table_of_frame(data)
     found = mapped(table, columns or {}, group, ignored)
-    return _measured_data(found, Path(table.source).name, contact, constants, materials, branch)
-
-
-def read_frame(
-    frame: pd.DataFrame,
-    contact: Contact,
-    constants: Constants | None = None,
-    materials: Path | None = None,
-    ignored: Sequence[str] = (),
-    columns: Mapping[str, str] | None = None,
-    group: str | None = None,
-    branch: Branch | None = None,
-) -> MeasuredData:
-    """Read a DataFrame as `read_measured` reads a file."""
-    table = table_of_frame(frame)
-    found = mapped(table, columns or {}, group, ignored)
-    return _measured_data(found, table.source, contact, constants, materials, branch)
-
-
-def _measured_data(
-    found: Mapped,
-    name: str,
-    contact: Contact,
-    constants: Constants | None,
-    materials: Path | None,
-    branch: Branch | None,
-) -> MeasuredData:
-    """Return the data of a table whose columns are known."""
     table, source = found.table, found.table.source
-    columns = list(found.columns.values())
+    parsed = list(found.columns.values())
     of_numbers = found.indices(of_words=False)
     read = zip(of_numbers, finite_numbers(table, of_numbers), strict=True)
     values: dict[str, list[Any]] = {found.columns[k].quantity: cells for k, cells in read}
     values |= {found.columns[k].quantity: texts(table, k) for k in found.indices(of_words=True)}
     if found.group is not None:
         values["group"] = texts(table, found.group)
-    columns += _add_constants(source, constants or {}, values)
+    parsed += _add_constants(source, constants or {}, values)
     _require_all(found, values, contact)
     labels = {quantity: words for quantity, words in values.items() if quantity in LABELS}
     numbers = {
         c.quantity: np.array([value * c.factor for value in values[c.quantity]])
-        for c in columns
+        for c in parsed
         if c.quantity not in LABELS
     }
     notes = _add_moduli(source, numbers, labels, materials, contact)
-    _divide_by_length(source, numbers, sorted(c.quantity for c in columns if c.is_total))
+    _divide_by_length(source, numbers, sorted(c.quantity for c in parsed if c.is_total))
     _require_finite(table, numbers)
     table.steps.extend(_readings(found, numbers))
     kept = kept_rows(table, numbers, labels, branch)
     return MeasuredData(
-        source=name,
+        source=Path(source).name,
         sha256=table.sha256,
         contact=contact,
         row_word=table.row_word,
@@ -286,7 +259,7 @@ def _measured_data(
         },
         notes=notes,
         steps=table.steps,
-        units={c.quantity: c.unit for c in columns if c.quantity in ("load", "penetration")},
+        units={c.quantity: c.unit for c in parsed if c.quantity in ("load", "penetration")},
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,7 +19,6 @@ from cylcontact.datasets.measurements import (
     Measurements,
     measurements_of,
     pair_notes,
-    read_frame,
     read_measured,
     require_positive_penetration,
 )
@@ -319,8 +318,7 @@ def _read_table(
 ) -> MeasuredTable:
     """Read the data of a campaign."""
     materials = own_table(spec.materials, folder, source)
-    read: Callable[..., MeasuredData] = read_measured if isinstance(table, Path) else read_frame
-    data = read(
+    data = read_measured(
         *(table, spec.contact, spec.constants, materials),
         *(spec.ignore, spec.columns, spec.group, spec.branch),
     )
