@@ -186,7 +186,7 @@ def _compare_optimizers(
         compared = optimizer_comparison.compare_optimizers(planned, names, where, progress)
     if out is not None:
         with replacing(out) as temporary:
-            temporary.write_text(optimizer_comparison.as_csv(compared), encoding="utf-8")
+            compared.to_csv(temporary, index=False, lineterminator="\n")
     say(optimizer_comparison.as_text(compared))
 
 
@@ -213,13 +213,9 @@ def verify(
 
     paths = results or sorted(RESULTS.glob("*.json"))
     if not paths:
-        raise InputError(
-            str(RESULTS),
-            "",
-            None,
-            "has no results",
-            "name some, or lay out a bench with: cylcontact init FOLDER",
-        )
+        rule = "has no results"
+        remedy = "name some, or lay out a bench with: cylcontact init FOLDER"
+        raise InputError(str(RESULTS), "", None, rule, remedy)
     failed = 0
     for path in paths:
         with progress_bars() as progress:

@@ -34,8 +34,7 @@ class StudyOptions:
         _option(help="Refit to resampled data.", parser=integer_from(2), metavar="REFITS"),
     ] = None
     over: Annotated[
-        str | None,
-        _option(help="What to resample: rows (default), material, dR, pair or group."),
+        str | None, _option(help="What to resample: rows (default), material, dR, pair or group.")
     ] = None
     leave_out: Annotated[
         str | None,
@@ -81,19 +80,11 @@ def study_uncertainty(
             )
         elif isinstance(fit, LawFit):
             if bootstrap is not None:
-                raise InputError(
-                    str(result),
-                    "--bootstrap",
-                    bootstrap,
-                    "is for measurements: samples of a law carry no noise to resample",
-                    "use --leave-out dR or --leave-out material",
-                )
+                rule = "is for measurements: samples of a law carry no noise to resample"
+                remedy = "use --leave-out dR or --leave-out material"
+                raise InputError(str(result), "--bootstrap", bootstrap, rule, remedy)
             study = study_discrepancy(
-                fit,
-                leave_out=leave_out,
-                with_pairs=options.pairs,
-                jobs=where,
-                progress=progress,
+                fit, leave_out=leave_out, with_pairs=options.pairs, jobs=where, progress=progress
             )
     _write(study, out)
     say(f"{study}\n\nwritten to {out}" if out else str(study))

@@ -51,12 +51,9 @@ class AxisSpec(Spec):
             return self
         missing = [key for key, value in ranged.items() if value is None]
         if missing:
-            raise broken(
-                missing[0],
-                None,
-                "is required",
-                "an axis takes min, max, points and spacing, or values = [...]",
-            )
+            rule = "is required"
+            remedy = "an axis takes min, max, points and spacing, or values = [...]"
+            raise broken(missing[0], None, rule, remedy)
         self._check_range()
         return self
 
@@ -111,12 +108,8 @@ class AxesSpec(Spec):
             raise broken("E", stiffest, rule, "give it in GPa, e.g. 207 for steel")
         ratio = self.nu.numbers()
         if ratio[0] < 0 or ratio[-1] > 0.5:
-            raise broken(
-                "nu",
-                [float(ratio[0]), float(ratio[-1])],
-                "Poisson's ratio must lie in [0, 0.5]",
-                "narrow the axis",
-            )
+            rule = "Poisson's ratio must lie in [0, 0.5]"
+            raise broken("nu", [float(ratio[0]), float(ratio[-1])], rule, "narrow the axis")
         return self
 
 
@@ -219,12 +212,8 @@ def _check_penetrations(
     sizes = [getattr(axes, name).numbers().size for name in ("E", "nu", "dR", "load")]
     lengths = [len(row) for row in penetrations or ()]
     if sizes[:2] != [1, 1] or lengths != [sizes[3]] * sizes[2]:
-        raise broken(
-            "penetrations",
-            None,
-            "must hold one E, one nu, and a list for each dR with a number for each load",
-            "name the table instead: table = ...",
-        )
+        rule = "must hold one E, one nu, and a list for each dR with a number for each load"
+        raise broken("penetrations", None, rule, "name the table instead: table = ...")
     if min(min(row) for row in penetrations or ()) <= 0:
         raise broken("penetrations", None, "must be positive", "give them in mm")
 
@@ -263,13 +252,7 @@ class Grid:
     source: str = "grid"
     penetrations: FloatArray | None = None
     axes: ClassVar[tuple[str, ...]] = ("dR", "E", "nu", "load")
-    columns: ClassVar[tuple[str, ...]] = (
-        "E_GPa",
-        "nu",
-        "dR_mm",
-        "load_N_per_mm",
-        "penetration_mm",
-    )
+    columns: ClassVar[tuple[str, ...]] = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
 
     @property
     def law(self) -> ContactLaw | TabulatedReference:

@@ -34,13 +34,7 @@ from cylcontact.materials import (
 )
 from cylcontact.pair import Contact, CylinderPair, roles, unusual_lengths
 from cylcontact.spec import Spec
-from cylcontact.tables import (
-    Table,
-    finite_numbers,
-    read_table,
-    table_of_frame,
-    texts,
-)
+from cylcontact.tables import Table, finite_numbers, read_table, table_of_frame, texts
 from cylcontact.units import LABELS, Column, column_named, spellings
 
 if TYPE_CHECKING:
@@ -406,12 +400,7 @@ def _yield_notes(measured: Measurements, own: Path | None, housing: Housing | No
 
 
 def _moduli(
-    body: str,
-    source: str,
-    numbers: _Numbers,
-    labels: _Labels,
-    rows: _Materials,
-    contact: Contact,
+    body: str, source: str, numbers: _Numbers, labels: _Labels, rows: _Materials, contact: Contact
 ) -> tuple[FloatArray, FloatArray]:
     """Return E in MPa and ν of one body, given exactly once, by name or by number."""
     named = [name for name in (f"material_{body}", "material") if name in labels]

@@ -184,13 +184,8 @@ def reduce_grid(
     order = np.argsort(moments.dR)
     moments = moments.at(order[moments.count[order] > 0])
     if not moments.total:
-        raise InputError(
-            grid.source,
-            "axes",
-            None,
-            f"all {grid.size} samples lie outside the domain of {grid.reference}",
-            "lower the loads, or raise E or dR",
-        )
+        rule = f"all {grid.size} samples lie outside the domain of {grid.reference}"
+        raise InputError(grid.source, "axes", None, rule, "lower the loads, or raise E or dR")
     return moments, Counts(int(moments.total), grid.size - int(moments.total))
 
 

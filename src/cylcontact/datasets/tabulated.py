@@ -42,13 +42,9 @@ def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
 
     name = data.get("table")
     if not isinstance(name, str):
-        raise InputError(
-            str(source),
-            "table",
-            name,
-            f'is required with reference = "{FINITE_ELEMENT}"',
-            "name a table that cylcontact finite-element has written, from the spec's folder",
-        )
+        rule = f'is required with reference = "{FINITE_ELEMENT}"'
+        remedy = "name a table that cylcontact finite-element has written, from the spec's folder"
+        raise InputError(str(source), "table", name, rule, remedy)
     if "axes" in data or "penetrations" in data:
         key = "axes" if "axes" in data else "penetrations"
         raise InputError(
@@ -58,13 +54,9 @@ def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
     rows = rows[rows["variant"] == "base"]
     of_pin = dict(zip(PIN_COLUMNS, ("E_GPa", "nu"), strict=True))
     if any((rows.get(pin, rows[own]) != rows[own]).any() for pin, own in of_pin.items()):
-        raise InputError(
-            str(source),
-            "table",
-            name,
-            "is of a pin and a plate of different materials",
-            "name one of a single material, as grids are",
-        )
+        rule = "is of a pin and a plate of different materials"
+        remedy = "name one of a single material, as grids are"
+        raise InputError(str(source), "table", name, rule, remedy)
     axes = {axis: {"values": sorted(set(rows[column]))} for axis, column in _AXES.items()}
     nodes = rows.pivot_table("penetration_mm", "dR_mm", "load_N_per_mm").to_numpy()
     return {**data, "axes": axes, "penetrations": nodes.tolist()}

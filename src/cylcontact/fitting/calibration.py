@@ -149,13 +149,9 @@ def _require_few(grid: AnyGrid, campaign: Campaign) -> None:
     """Refuse a grid whose samples do not fit into memory."""
     if grid.size > _MAX_ROWS:
         moments = ", or use rms-log-penetration, which needs only moments"
-        raise InputError(
-            campaign.source,
-            "objective",
-            campaign.objective,
-            f"keeps every sample in memory and the grid has {grid.size} (at most {_MAX_ROWS})",
-            f"thin the grid{moments if campaign.model.power_form else ''}",
-        )
+        rule = f"keeps every sample in memory and the grid has {grid.size} (at most {_MAX_ROWS})"
+        remedy = f"thin the grid{moments if campaign.model.power_form else ''}"
+        raise InputError(campaign.source, "objective", campaign.objective, rule, remedy)
 
 
 def _require_defined_somewhere(problem: Problem, source: str) -> None:

@@ -118,13 +118,9 @@ def _leave_one_out(
     """Fit without each value of an axis, and evaluate the fit on that value."""
     axes = campaign.grid.axes
     if axis not in axes:
-        raise InputError(
-            campaign.source,
-            "leave-out",
-            axis,
-            "is not an axis of a grid",
-            f"choose {', '.join(axes)}{' or material' if 'E' in axes else ''}",
-        )
+        rule = "is not an axis of a grid"
+        remedy = f"choose {', '.join(axes)}{' or material' if 'E' in axes else ''}"
+        raise InputError(campaign.source, "leave-out", axis, rule, remedy)
     size = getattr(campaign.grid, axis).size
     if size < 2:
         raise InputError(
@@ -166,13 +162,8 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
         for block in blocks(campaign.grid, float(dR)):
             ratio = form.log_penetration_ratio(0, samples_of(campaign.grid, block))
             if not np.isfinite(ratio).all():
-                raise InputError(
-                    campaign.source,
-                    "coefficients",
-                    dict(best),
-                    "leave the law undefined for some of its samples",
-                    "redo the fit",
-                )
+                rule = "leave the law undefined for some of its samples"
+                raise InputError(campaign.source, "coefficients", dict(best), rule, "redo the fit")
             counts += np.histogram(np.clip(ratio, -_LARGEST, _LARGEST), edges)[0]
     reached = np.cumsum(counts) / counts.sum()
     middles = (edges[1:] + edges[:-1]) / 2

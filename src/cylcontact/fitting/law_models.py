@@ -88,13 +88,9 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
             source, "law", law, f"is for {others[0]} contact only", "choose another law or contact"
         )
     known = ", ".join(dict.fromkeys(name for name, _ in MODELS))
-    raise InputError(
-        source,
-        "law",
-        law,
-        "is not a law that can be fitted",
-        f"choose {known}, or module:function for one of your own",
-    )
+    rule = "is not a law that can be fitted"
+    remedy = f"choose {known}, or module:function for one of your own"
+    raise InputError(source, "law", law, rule, remedy)
 
 
 def _without_parameters(law: str, contact: Contact) -> LawModel | None:

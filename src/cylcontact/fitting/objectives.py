@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 from scipy.optimize import least_squares, linprog
@@ -110,22 +110,6 @@ def collect_samples(grid: AnyGrid) -> tuple[Samples, Counts]:
     return rows, Counts(rows.s.size, masked)
 
 
-class Form(Protocol):
-    """P candidates that can be compared with samples."""
-
-    def __len__(self) -> int:
-        """Return P."""
-        ...
-
-    def log_penetration_ratio(self, candidate: int, rows: Samples) -> FloatArray:
-        """Return ln(δ_law/δ_reference) of each sample at equal load, shape (N,)."""
-        ...
-
-    def log_load_ratio(self, candidate: int, rows: Samples) -> FloatArray:
-        """Return ln(f_law/f_reference) of each sample at equal penetration, shape (N,)."""
-        ...
-
-
 @dataclass(frozen=True)
 class PowerForm:
     """P power laws at m clearances: c = ln ΔR − ln K* and n, NaN where K* or n is not positive."""
@@ -201,30 +185,7 @@ _GROUPS = 400
 _STEP = 1e-6
 
 
-class Objective(Protocol):
-    """A number to minimise, evaluated for many candidates at once."""
-
-    @property
-    def dR(self) -> FloatArray:
-        """The clearances in mm, shape (m,)."""
-        ...
-
-    def form(self, model: LawModel, candidates: FloatArray) -> Form:
-        """Return P candidates of a law, shape (P, k), as the objective evaluates them."""
-        ...
-
-    def values(self, form: Form) -> FloatArray:
-        """Return the objective of P candidates, shape (P,); inf if undefined."""
-        ...
-
-    def residuals(self, form: Form) -> FloatArray:
-        """Return the residuals for the polish, shape (P, q)."""
-        ...
-
-    @property
-    def bound(self) -> float:
-        """The per-clearance lower bound."""
-        ...
+Form = PowerForm | LawForm
 
 
 @dataclass(frozen=True)
@@ -313,12 +274,14 @@ class _RowObjective(ABC):
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""
         with np.errstate(over="ignore"):
-            return _or_inf(np.array([self._value(self._log_ratio(form, k)) for k in _all(form)]))
+            return _or_inf(
+                np.array([self._value(self._log_ratio(form, k)) for k in range(len(form))])
+            )
 
     def residuals(self, form: Form) -> FloatArray:
         """Return the residuals for the polish, shape (P, q)."""
         with np.errstate(over="ignore"):
-            return np.array([self._residuals(self._log_ratio(form, k)) for k in _all(form)])
+            return np.array([self._residuals(self._log_ratio(form, k)) for k in range(len(form))])
 
     @property
     @abstractmethod
@@ -374,7 +337,7 @@ class RootMeanSquare(_RowObjective):
             level, tilt, at = d_log_K, dn, rows.j
         else:
             level, tilt, at = form.c[:, None] * du - d_log_K * u[:, None], du, rows.s
-        log_ratio = np.array([self._log_ratio(form, k) for k in _all(form)])
+        log_ratio = np.array([self._log_ratio(form, k) for k in range(len(form))])
         ahead, behind = (self.deviation(log_ratio + step) for step in (_STEP, -_STEP))
         weight = (ahead - behind) / (2 * _STEP * np.sqrt(at.size))
         return as_floats(weight[:, None] * (level[..., rows.index] + tilt[..., rows.index] * at))
@@ -468,11 +431,6 @@ class MaxRelativeForce(Largest):
     of_load: ClassVar[bool] = True
 
 
-def _all(form: Form) -> range:
-    """Return the indices of the candidates."""
-    return range(len(form))
-
-
 def _or_inf(values: FloatArray) -> FloatArray:
     """Replace what is not finite by inf."""
     return np.where(np.isfinite(values), values, np.inf)
@@ -497,6 +455,8 @@ def _strip_width(s: FloatArray, j: FloatArray) -> float:
         raise ArithmeticError(f"the narrowest strip was not found: {solution.message}")
     return float(solution.x[2])
 
+
+Objective = RmsLogPenetration | _RowObjective
 
 ON_ROWS: dict[str, Callable[[Samples], Objective]] = {
     "rms-difference-percent": RmsDifference,

@@ -37,11 +37,7 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.fitting.measured import MEDIAN_TO_SIGMA, Fit
 from cylcontact.fitting.noise import Degrees, Likelihood
-from cylcontact.fitting.records import (
-    Band,
-    Interval,
-    PairMap,
-)
+from cylcontact.fitting.records import Band, Interval, PairMap
 from cylcontact.laws.law import Coefficients, ContactLaw
 from cylcontact.pair import CylinderPair
 

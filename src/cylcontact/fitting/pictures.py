@@ -73,12 +73,7 @@ def plot_profile_of_law(
 
 
 def plot_profile_of_data(
-    optimum: Optimum,
-    name: str,
-    ends: Interval,
-    level: float,
-    label: str,
-    ax: Axes | None = None,
+    optimum: Optimum, name: str, ends: Interval, level: float, label: str, ax: Axes | None = None
 ) -> Axes:
     """Draw the likelihood ratio over a coefficient of a fit to readings."""
     values, root, threshold = optimum.profile(name, ends, level)

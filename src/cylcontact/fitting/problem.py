@@ -147,13 +147,9 @@ def require_valid(
             known = f"its parameters: {', '.join(names)}"
             raise InputError(source, key, expression, "is not a parameter of the law", known)
         if name in own_tables:
-            raise InputError(
-                source,
-                key,
-                expression,
-                f"conflicts with [parameters.{name}]",
-                "keep one: a tied parameter has no bounds of its own",
-            )
+            rule = f"conflicts with [parameters.{name}]"
+            remedy = "keep one: a tied parameter has no bounds of its own"
+            raise InputError(source, key, expression, rule, remedy)
         if not _is_arithmetic(expression):
             remedy = 'e.g. b = "a/10"'
             raise InputError(source, key, expression, f"may hold only {_ARITHMETIC}", remedy)

@@ -17,12 +17,7 @@ from scipy.optimize import elementwise
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
 from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.polish import affordable_starts, climb_down, descend
-from cylcontact.fitting.records import (
-    TOLERANCE,
-    DiscrepancyPair,
-    Ends,
-    Profile,
-)
+from cylcontact.fitting.records import TOLERANCE, DiscrepancyPair, Ends, Profile
 from cylcontact.laws.law import Coefficients
 
 # Values of a coefficient in a profile.
@@ -214,10 +209,7 @@ def _around(problem: Problem, best: Coefficients, name: str, ends: Ends) -> list
 
 
 def discrepancy_pair(
-    problem: Problem,
-    names: tuple[str, str],
-    best: Coefficients,
-    profiles: Mapping[str, Profile],
+    problem: Problem, names: tuple[str, str], best: Coefficients, profiles: Mapping[str, Profile]
 ) -> DiscrepancyPair:
     """Map the objective over two coefficients, as far as their profiles reach."""
     x, y = (_around(problem, best, name, profiles[name]) for name in names)

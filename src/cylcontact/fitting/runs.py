@@ -121,13 +121,9 @@ def execute(problem: ParameterSpace, plan: RunPlan, source: str = "campaign") ->
         )
         point, value = minimise(problem, best.point, plan.seed)
     if not np.isfinite(value):
-        raise InputError(
-            source,
-            "genetic.populations",
-            plan.population,
-            f"run {plan.index} found no coefficients for which the law is defined",
-            "narrow the parameters' bounds, or raise populations and generations",
-        )
+        rule = f"run {plan.index} found no coefficients for which the law is defined"
+        remedy = "narrow the parameters' bounds, or raise populations and generations"
+        raise InputError(source, "genetic.populations", plan.population, rule, remedy)
     return RunRecord(
         index=plan.index,
         seed=plan.seed,

@@ -14,14 +14,7 @@ from cylcontact.datasets.measurements import Indices
 from cylcontact.errors import InputError
 from cylcontact.fitting.diagnose import LEVEL, uncertainty_of
 from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.records import (
-    Band,
-    Bootstrap,
-    Interval,
-    LeftOut,
-    PairMap,
-    Uncertainty,
-)
+from cylcontact.fitting.records import Band, Bootstrap, Interval, LeftOut, PairMap, Uncertainty
 from cylcontact.fitting.results import DataFit
 from cylcontact.fitting.words import Rows, item, left_out_table, noise_verdicts, noise_warnings
 from cylcontact.parallel import Workers, call, collect, run_calls

@@ -247,10 +247,7 @@ def read_table(
 
 
 def read_campaign(
-    path: Path | str,
-    runs: int | None = None,
-    seed: int | None = None,
-    optimizer: str | None = None,
+    path: Path | str, runs: int | None = None, seed: int | None = None, optimizer: str | None = None
 ) -> Campaign | TableCampaign:
     """Read a campaign file, and the grid or the table that it names.
 
@@ -365,13 +362,9 @@ def _on_table(
     parameters = parameters_of(model, spec.parameters, spec.ties, source, rig)
     free = sum(p.is_free for p in parameters)
     if len(measured) <= free:
-        raise InputError(
-            source,
-            "data",
-            f"{len(measured)} rows",
-            f"are not more than the {free} free parameters",
-            "measure more points, or fix parameters with fixed = true",
-        )
+        rule = f"are not more than the {free} free parameters"
+        remedy = "measure more points, or fix parameters with fixed = true"
+        raise InputError(source, "data", f"{len(measured)} rows", rule, remedy)
     noise = _noise_of(spec, measured, parameters, source)
     objective = STANDARDISED if noise is not None else _objective_of(spec, measured, source)
     if "log" in objective or not any(p.is_free for p in parameters if p.name == "offset"):

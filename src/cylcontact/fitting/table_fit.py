@@ -20,11 +20,7 @@ from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.records import MaxDifference, ObjectiveValue, RunRecord, SampleCounts
 from cylcontact.fitting.results import DataFit
 from cylcontact.fitting.runs import best_of, published_on, run_all, searches
-from cylcontact.fitting.table_campaign import (
-    TableCampaign,
-    require_increasing,
-    table_of,
-)
+from cylcontact.fitting.table_campaign import TableCampaign, require_increasing, table_of
 from cylcontact.journal import Journal
 from cylcontact.laws.law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
