@@ -10,7 +10,7 @@ import pytest
 from _cylcontact_bench.fig_optimizers import optimizer_runs
 
 from cylcontact import InputError
-from cylcontact.fitting import FitResult, calibrate, read_campaign
+from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.optimizer_comparison import (
     as_text,
@@ -115,23 +115,6 @@ def test_a_budget_is_spent_to_the_last_candidate_and_the_best_is_kept(problem):
 
 
 # --- campaigns --------------------------------------------------------------------------------
-
-
-def test_a_campaign_says_which_optimiser_and_the_result_records_it(tmp_path, optimizer):
-    path = write_bench(tmp_path, {"optimizer": optimizer})
-    result = calibrate(read_campaign(path))
-    assert result.settings["campaign"]["optimizer"] == optimizer
-    assert [run.crossover is None for run in result.runs] == [optimizer != "genetic"] * 3
-    result.save(tmp_path / "result.json")
-    again = FitResult.read(tmp_path / "result.json")
-    assert again.repeatable() == result.repeatable()
-    assert str(again) == str(result)
-
-
-def test_the_command_line_goes_before_the_campaign(tmp_path):
-    path = write_bench(tmp_path, {"optimizer": "genetic"})
-    assert read_campaign(path, optimizer="least-squares").spec.optimizer == "least-squares"
-    assert read_campaign(path).key != read_campaign(path, optimizer="least-squares").key
 
 
 def test_an_unknown_optimiser_is_refused(tmp_path):

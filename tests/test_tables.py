@@ -12,13 +12,12 @@ import pytest
 from cylcontact import InputError
 from cylcontact.datasets.branches import is_unloading
 from cylcontact.datasets.measurements import (
-    MeasuredData,
     measurements_of,
     read_measured,
 )
-from cylcontact.fitting.table_campaign import campaign_of, campaign_of_table, read_campaign
+from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
 from cylcontact.units import column_named
-from tests.measured_files import CONSTANTS, measured_campaign, write_measured
+from tests.measured_files import CONSTANTS, write_measured
 from tests.spec_files import assert_told
 
 PAIR = {"E_GPa": 207.0, "nu": 0.3, "dR_um": 50.0}
@@ -285,13 +284,6 @@ def test_names_of_users_are_understood(names, quantity, unit):
         assert (column.quantity, column.unit) == (quantity, unit), name
 
 
-def test_columns_without_a_name_or_cells_do_not_matter(tmp_path):
-    for separator in ",;\t":
-        text = PLAIN.replace(",", separator).replace("\n", f"{separator}\n")
-        assert read(tmp_path / "t.csv", text).load == pytest.approx(LOADS)
-        assert not any("left out" in step for step in read(tmp_path / "t.csv").data.steps)
-
-
 @pytest.mark.parametrize(
     "name",
     ["load cell", "load_step", "travel rate [mm/s]", "F/A", "f [Hz]", "T [°C]", "", "[N]", "d"],
@@ -528,16 +520,6 @@ def test_readings_below_zero_need_a_free_offset_and_constant_noise(tmp_path):
     with pytest.raises(InputError) as caught:
         read_campaign(file)
     assert caught.value.source == f"{file}, t.csv, line 4"
-
-
-def test_settings_of_a_plain_table_have_no_new_keys(tmp_path):
-    plan = measured_campaign(tmp_path)
-    assert "steps" not in plan.settings["measurements"]
-    assert not {"columns", "group", "branch"} & {*plan.settings["campaign"]}
-    again = campaign_of("again", plan.settings, "r.json")
-    assert again.key == plan.key
-    old = MeasuredData(**plan.settings["measurements"])
-    assert old.steps == []
 
 
 @pytest.mark.slow
