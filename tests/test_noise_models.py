@@ -17,7 +17,7 @@ from cylcontact.fitting.noise import (
     NoiseModel,
     estimate,
 )
-from cylcontact.fitting.study import Resampling, leave_one_out, study_noise
+from cylcontact.fitting.study import leave_one_out, study_noise
 from tests.measured_files import CONSTANTS, STEEL
 from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 from tests.programs import require_package
@@ -732,8 +732,8 @@ def series():
 def test_series_are_resampled_and_left_out_whole(series):
     _, result = series
     with pytest.raises(InputError, match="'rows': would tear apart the series of the noise model"):
-        study_noise(result, resampling=Resampling(20, over="rows"))
-    study = study_noise(result, resampling=Resampling(60, over="group"), leave_out="group")
+        study_noise(result, replicates=20)
+    study = study_noise(result, replicates=60, over="group", leave_out="group")
     errors = {name: e.standard_error for name, e in result.uncertainty.estimates.items()}
     assert study.bootstrap.standard_errors == pytest.approx(errors, rel=0.5)
     assert [left.rows for left in study.left_out] == [8] * 6

@@ -104,7 +104,7 @@ BAD_INPUT = [
     # NaN in the settings
     (
         {"profiles.a.objective": [0.1, math.nan]},
-        *("", "profiles.a.objective.1", math.nan, "a finite number", "the objective with all"),
+        *("", "profiles.a.objective.1", math.nan, "a finite number", "a value that fits"),
     ),
     (
         {"settings.campaign.parameters.a.low": math.nan},

@@ -59,7 +59,7 @@ def study_uncertainty(
     """Estimate the uncertainty of a fit: noise of measurements, or discrepancy of laws."""
     from cylcontact.fitting import DataFit, FitResult, LawFit
     from cylcontact.fitting.discrepancy import DiscrepancyStudy, study_discrepancy
-    from cylcontact.fitting.study import NoiseStudy, Resampling, study_noise
+    from cylcontact.fitting.study import NoiseStudy, study_noise
 
     level = 0.95 if options.level is None else options.level
     bootstrap, over, leave_out = options.bootstrap, options.over, options.leave_out
@@ -71,7 +71,9 @@ def study_uncertainty(
             study = study_noise(
                 fit,
                 level=level,
-                resampling=Resampling(bootstrap, over or "rows", seed) if bootstrap else None,
+                replicates=bootstrap,
+                over=over or "rows",
+                seed=seed,
                 leave_out=leave_out,
                 with_pairs=options.pairs,
                 law=law.law,

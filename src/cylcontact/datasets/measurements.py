@@ -34,7 +34,7 @@ from cylcontact.materials import (
 )
 from cylcontact.pair import Contact, CylinderPair, roles, unusual_lengths
 from cylcontact.spec import Spec
-from cylcontact.tables import Table, finite_numbers, read_table, table_of_frame, texts
+from cylcontact.tables import finite_numbers, read_table, table_of_frame, texts
 from cylcontact.units import LABELS, Column, column_named, spellings
 
 if TYPE_CHECKING:
@@ -238,7 +238,12 @@ def read_measured(
     }
     notes = _add_moduli(source, numbers, labels, materials, contact)
     _divide_by_length(source, numbers, sorted(c.quantity for c in parsed if c.is_total))
-    _require_finite(table, numbers)
+    for name, column in numbers.items():
+        wrong = np.flatnonzero(~np.isfinite(column))
+        if wrong.size:
+            line = f", {table.row_word} {table.lines[wrong[0]]}" if column.size > 1 else ""
+            remedy = "correct it; mind the unit in the column's name"
+            raise InputError(f"{table.source}{line}", name, None, "is too large", remedy)
     table.steps.extend(_readings(found, numbers))
     kept = kept_rows(table, numbers, labels, branch)
     return MeasuredData(
@@ -255,16 +260,6 @@ def read_measured(
         steps=table.steps,
         units={c.quantity: c.unit for c in parsed if c.quantity in ("load", "penetration")},
     )
-
-
-def _require_finite(table: Table, numbers: _Numbers) -> None:
-    """Raise `InputError` for the first number that is too large in the unit in which it is kept."""
-    for name, column in numbers.items():
-        wrong = np.flatnonzero(~np.isfinite(column))
-        if wrong.size:
-            line = f", {table.row_word} {table.lines[wrong[0]]}" if column.size > 1 else ""
-            remedy = "correct it; mind the unit in the column's name"
-            raise InputError(f"{table.source}{line}", name, None, "is too large", remedy)
 
 
 def _readings(found: Mapped, numbers: _Numbers) -> list[str]:
@@ -451,7 +446,10 @@ def measurements_of(data: MeasuredData, source: str) -> Measurements:
         for name, values in data.numbers.items()
     }
     _require_given(source, _REQUIRED, columns)
-    _require_sign(data, source, columns)
+    if (columns["load"] <= 0).all() and (columns["penetration"] <= 0).all():
+        remedy = "turn the sign of both columns: compression counts as positive"
+        rule = _POSITIVE._replace(rule="must be positive, and no load or penetration is")
+        _require(data, source, "load", columns["load"], rule, remedy)
     for name, allowed in _RANGES.items():
         if name in columns:
             _require(data, source, name, columns[name], allowed)
@@ -495,14 +493,6 @@ def _require(
         where = f"{source}, {data.row_word} {data.lines[first]}"
         more = f" ({wrong.size - 1} more like it)" if wrong.size > 1 else ""
         raise InputError(where, name, float(values[first]), allowed.rule, f"{remedy}{more}")
-
-
-def _require_sign(data: MeasuredData, source: str, columns: _Numbers) -> None:
-    """Raise `InputError` for a table that counts compression negative."""
-    if (columns["load"] <= 0).all() and (columns["penetration"] <= 0).all():
-        remedy = "turn the sign of both columns: compression counts as positive"
-        rule = _POSITIVE._replace(rule="must be positive, and no load or penetration is")
-        _require(data, source, "load", columns["load"], rule, remedy)
 
 
 def require_positive_penetration(measured: Measurements, source: str, remedy: str) -> None:

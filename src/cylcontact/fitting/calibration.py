@@ -30,8 +30,6 @@ from cylcontact.journal import Journal
 from cylcontact.parallel import Workers, call, collect
 from cylcontact.progress import Progress, silent
 
-# Every worker keeps all samples in memory, 24 bytes each.
-_MAX_ROWS = 20_000_000
 # Sets of coefficients evaluated at a time until the law is defined for one.
 _TRIED = 64
 
@@ -133,7 +131,6 @@ def problem_of(
     if campaign.model.power_form is not None and name not in ON_ROWS:
         samples, counts = reduce_grid(grid, jobs, _by_clearance(progress, "sampling", grid))
     else:
-        _require_few(grid, campaign)
         samples, counts = collect_samples(grid)
     problem = Problem(campaign.model, campaign.parameters, make_objective(name, samples))
     _require_defined_somewhere(problem, campaign.source)
@@ -143,15 +140,6 @@ def problem_of(
 def _by_clearance(progress: Progress, stage: str, grid: AnyGrid) -> Callable[[int], None]:
     """Return a function that reports how many clearances are done."""
     return lambda done: progress(stage, done, grid.dR.size)
-
-
-def _require_few(grid: AnyGrid, campaign: Campaign) -> None:
-    """Refuse a grid whose samples do not fit into memory."""
-    if grid.size > _MAX_ROWS:
-        moments = ", or use rms-log-penetration, which needs only moments"
-        rule = f"keeps every sample in memory and the grid has {grid.size} (at most {_MAX_ROWS})"
-        remedy = f"thin the grid{moments if campaign.model.power_form else ''}"
-        raise InputError(campaign.source, "objective", campaign.objective, rule, remedy)
 
 
 def _require_defined_somewhere(problem: Problem, source: str) -> None:

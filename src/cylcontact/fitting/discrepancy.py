@@ -14,7 +14,6 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from pydantic import Field
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.grid import AnyGrid
@@ -44,15 +43,14 @@ _QUANTILES = (0.025, 0.5, 0.975)
 class DiscrepancyStudy(Spec):
     """The discrepancy of a fit to a reference law."""
 
-    name: str = Field(description="the fit's name")
-    profiles: dict[str, Profile] = Field(description="the objective over each coefficient")
-    pairs: list[DiscrepancyPair] = Field(description="the objective over pairs of them")
-    left_out: list[LeftOut] = Field(description="fits without one value of an axis")
-    spread_percent: dict[str, float] = Field(
-        description="quantiles of Eq 9 over the samples of the grid, in percent"
-    )
-    coefficients: dict[str, float] = Field(description="the fitted coefficients")
-    reference: str = Field(description="the law they were fitted to")
+    name: str
+    profiles: dict[str, Profile]
+    pairs: list[DiscrepancyPair]
+    left_out: list[LeftOut]
+    # Quantiles of Eq 9 over the samples of the grid.
+    spread_percent: dict[str, float]
+    coefficients: dict[str, float]
+    reference: str
 
     def __str__(self) -> str:
         rows: Rows = [

@@ -327,7 +327,12 @@ class Fit(ParameterSpace):
             noise = self.with_noise(model, self.coefficients(point), {}).noise
             assert noise is not None
             likelihood = self.likelihood(point, noise)
-            self._require_rows(likelihood)
+            rows, free = likelihood.slopes.shape
+            effects = likelihood.covariance.fixed.shape[1]
+            if rows <= free + effects:
+                rule = f"are not more than {free} parameters and {effects} effects of the series"
+                remedy = "measure more points, or leave group and drift out"
+                raise InputError(self.data.data.source, "group", f"{rows} rows", rule, remedy)
             weighed = replace(self, noise=replace(noise, deviations=estimate(likelihood)))
             moved = weighed.minimise(point).point
             step = likelihood.slopes @ (moved - point)
@@ -336,15 +341,6 @@ class Fit(ParameterSpace):
             if float(np.abs(step).max(initial=0.0)) <= _SETTLED * size:
                 break
         return weighed
-
-    def _require_rows(self, likelihood: Likelihood) -> None:
-        """Refuse data with no more rows than parameters and fixed effects."""
-        rows, free = likelihood.slopes.shape
-        effects = likelihood.covariance.fixed.shape[1]
-        if rows <= free + effects:
-            rule = f"are not more than {free} parameters and {effects} effects of the series"
-            remedy = "measure more points, or leave group and drift out"
-            raise InputError(self.data.data.source, "group", f"{rows} rows", rule, remedy)
 
     def robust(self, loss: str, scale: float | None, start: Callable[[], FloatArray]) -> Fit:
         """Return the fit with a robust loss and its scale.

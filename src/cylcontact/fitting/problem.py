@@ -112,6 +112,7 @@ _UNARY: dict[type[ast.unaryop], Callable[[FloatArray], FloatArray]] = {
     ast.UAdd: operator.pos,
     ast.USub: operator.neg,
 }
+_ALLOWED = (ast.Constant, ast.Name, ast.Load, ast.UnaryOp, ast.BinOp, *_UNARY, *_BINARY)
 # Python's parser recurses, so a longer expression could exhaust its stack.
 _LONGEST = 200
 _ARITHMETIC = "numbers, names of parameters, parentheses and + - * / **"
@@ -170,27 +171,17 @@ def _is_arithmetic(expression: str) -> bool:
         return False
     try:
         with warnings.catch_warnings(action="error"):  # the parser warns of "1or"
-            tree = _parsed(expression)
+            nodes = list(ast.walk(_parsed(expression)))
     except (SyntaxError, ValueError):
         return False
-    return _is_allowed(tree)
-
-
-def _is_allowed(node: ast.expr) -> bool:
-    """Return whether a node and all below it are arithmetic."""
-    match node:
-        case ast.Constant(value=bool()):
-            return False
-        case ast.Constant(value=int() | float() as number):
-            return math.isfinite(number)
-        case ast.Name():
-            return True
-        case ast.UnaryOp(op=sign, operand=operand):
-            return type(sign) in _UNARY and _is_allowed(operand)
-        case ast.BinOp(left=left, op=sign, right=right):
-            return type(sign) in _BINARY and _is_allowed(left) and _is_allowed(right)
-        case _:
-            return False
+    for node in nodes:
+        if isinstance(node, ast.Constant):
+            number = node.value
+            if not isinstance(number, int | float) or isinstance(number, bool):
+                return False
+            if not math.isfinite(number):
+                return False
+    return all(isinstance(node, _ALLOWED) for node in nodes)
 
 
 @lru_cache(maxsize=256)

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from pydantic import Field
 
 from cylcontact.arrays import as_floats
 from cylcontact.errors import InputError, short
@@ -77,18 +76,20 @@ class FitResult(Spec):
     `print(result)` gives the report, and a notebook shows it. `to_law` returns the fitted law.
     """
 
-    name: str = Field(description="the campaign's name")
-    law: str = Field(description="the law fitted")
-    contact: Contact = Field(description="the contact it is for")
-    reference: str = Field(description="the law it was fitted to, or measurements")
-    coefficients: dict[str, float] = Field(description="the fitted coefficients")
-    objective: ObjectiveValue = Field(description="the objective reached")
-    published: Published | None = Field(description="the published coefficients' objective")
-    max_abs_diff_percent: MaxDifference = Field(description="largest |Eq 9| over the data")
-    runs: list[RunRecord] = Field(description="every run")
-    counts: SampleCounts = Field(description="samples used and masked")
-    settings: dict[str, Any] = Field(description="the campaign and the grid, or the data, as run")
-    provenance: dict[str, Any] = Field(description="versions and hashes")
+    name: str
+    law: str
+    contact: Contact
+    # A law, or "measurements".
+    reference: str
+    coefficients: dict[str, float]
+    objective: ObjectiveValue
+    published: Published | None
+    max_abs_diff_percent: MaxDifference
+    runs: list[RunRecord]
+    counts: SampleCounts
+    # The campaign and the grid, or the data, as run; then versions and hashes.
+    settings: dict[str, Any]
+    provenance: dict[str, Any]
 
     # The objective below which the law follows the samples exactly.
     round_off: ClassVar[float]
@@ -141,7 +142,7 @@ class FitResult(Spec):
 
     def require_consistent(self, source: str) -> None:
         """Raise `InputError` if the parts of a result contradict each other."""
-        campaign = self._campaign(source)
+        campaign = campaign_of(self.name, self.settings, source)
         names, spec = campaign.model.names, campaign.spec
         model = campaign.model
         expected = {"law": model.law, "contact": model.contact, "reference": campaign.reference}
@@ -170,10 +171,6 @@ class FitResult(Spec):
             rule = f"must be the value that its campaign fixes, {table.value}"
         if not table.allows(value) or (table.fixed and value != table.value):
             raise InputError(source, f"coefficients.{name}", value, rule, "redo the fit")
-
-    def _campaign(self, source: str) -> CampaignBase:
-        """Return the campaign from the settings."""
-        return campaign_of(self.name, self.settings, source)
 
     def to_law(self, source: str = "") -> ContactLaw:
         """Return the fitted law of the contact, without the offset and compliance of the rig.
@@ -338,10 +335,9 @@ class FitResult(Spec):
 class LawFit(FitResult):
     """A law fitted to a law; `calibrate` has an example."""
 
-    bound: float | None = Field(
-        description="the per-clearance lower bound of the objective, for power laws"
-    )
-    profiles: dict[str, Profile] = Field(description="a profile for each free coefficient")
+    # The per-clearance lower bound of the objective, for power laws.
+    bound: float | None
+    profiles: dict[str, Profile]
 
     round_off: ClassVar[float] = 1e-6  # moments have half of the digits
 
@@ -506,7 +502,7 @@ class DataFit(FitResult):
     `print(result)` gives the report, and a notebook shows it with its picture.
     """
 
-    uncertainty: Uncertainty = Field(description="the uncertainty of the coefficients")
+    uncertainty: Uncertainty
 
     round_off: ClassVar[float] = 1e-12
 

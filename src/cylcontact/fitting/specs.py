@@ -238,7 +238,9 @@ def parameters_of(
         else _parameter(default, tables.get(default.name), source)
         for default in model.parameters
     )
-    _require_free(parameters, source)
+    if not any(p.is_free for p in parameters):
+        rule, remedy = "all are fixed or tied", "free at least one: give it low and high"
+        raise InputError(source, "parameters", None, rule, remedy)
     return parameters
 
 
@@ -261,10 +263,3 @@ def require_complete(
         if parameter.name not in tables and parameter.tie is None:
             known = f"the law has {', '.join(p.name for p in parameters)}"
             raise InputError(source, f"parameters.{parameter.name}", None, "is required", known)
-
-
-def _require_free(parameters: tuple[Parameter, ...], source: str) -> None:
-    """Refuse parameters of which none is searched."""
-    if not any(p.is_free for p in parameters):
-        rule, remedy = "all are fixed or tied", "free at least one: give it low and high"
-        raise InputError(source, "parameters", None, rule, remedy)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass
 
 import numpy as np
-from pydantic import Field
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measurements import Indices
@@ -27,24 +25,15 @@ from cylcontact.text_tables import Table
 _CONTOURS = (0.68, 0.95)
 
 
-@dataclass(frozen=True)
-class Resampling:
-    """The options of the bootstrap: refits, what is resampled, and the seed if not the fit's."""
-
-    replicates: int
-    over: str = "rows"
-    seed: int | None = None
-
-
 class NoiseStudy(Spec):
     """The uncertainty of the coefficients of a fit to measurements; `print` gives the report."""
 
-    name: str = Field(description="the fit's name")
-    uncertainty: Uncertainty = Field(description="covariance, profiles and verdicts")
-    pairs: list[PairMap] = Field(description="the likelihood over each pair of parameters")
-    bootstrap: Bootstrap | None = Field(description="refits to resampled data")
-    left_out: list[LeftOut] = Field(description="fits without one group")
-    bands: list[Band] = Field(description="predictions with their bands")
+    name: str
+    uncertainty: Uncertainty
+    pairs: list[PairMap]
+    bootstrap: Bootstrap | None
+    left_out: list[LeftOut]
+    bands: list[Band]
 
     def __str__(self) -> str:
         uncertainty, bootstrap = self.uncertainty, self.bootstrap
@@ -79,14 +68,20 @@ def study_noise(
     result: DataFit,
     *,
     level: float = LEVEL,
-    resampling: Resampling | None = None,
+    replicates: int | None = None,
+    over: str = "rows",
+    seed: int | None = None,
     leave_out: str | None = None,
     with_pairs: bool = False,
     law: str | None = None,
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> NoiseStudy:
-    """Return the uncertainty of the coefficients of a fit to measurements."""
+    """Return the uncertainty of the coefficients of a fit to measurements.
+
+    With `replicates` it is refitted so often to resampled rows, or to other groups. A function of
+    the user's own is run only if it is named again as the law.
+    """
     optimum = (result if law is None else result.with_law(law)).optimum
     uncertainty = uncertainty_of(optimum, level, jobs)
     pairs: list[PairMap] = []
@@ -96,11 +91,8 @@ def study_noise(
         calls = [call(optimum.map_of_pair, pair, ends, _CONTOURS) for pair in names]
         pairs = collect(calls, jobs, progress, "mapping")
     resampled = None
-    if resampling is not None:
-        seed = resampling.seed
-        if seed is None:
-            seed = int(result.settings["campaign"]["seed"])
-        replicates, over = resampling.replicates, resampling.over
+    if replicates is not None:
+        seed = int(result.settings["campaign"]["seed"]) if seed is None else seed
         resampled = bootstrap(optimum, over, replicates, seed, level, jobs, progress)
     return NoiseStudy(
         name=result.name,
