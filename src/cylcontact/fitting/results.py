@@ -26,6 +26,7 @@ from cylcontact.fitting.measured import Fit, Loss
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.records import (
     FAIRLY,
+    SAME_BASIN,
     TOLERANCE,
     WELL,
     MaxDifference,
@@ -35,10 +36,21 @@ from cylcontact.fitting.records import (
     RunRecord,
     SampleCounts,
     Uncertainty,
+    same_basin,
 )
 from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of, require_increasing
-from cylcontact.fitting.words import noise_verdicts, noise_warnings
+from cylcontact.fitting.words import (
+    OBJECTIVE_UNITS,
+    WIDTH,
+    Rows,
+    item,
+    label_of,
+    noise_verdicts,
+    noise_warnings,
+    or_dash,
+    without_profile,
+)
 from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
@@ -52,17 +64,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from cylcontact.plots.figure import Drawing
-from cylcontact.fitting.records import SAME_BASIN, same_basin
-from cylcontact.fitting.words import (
-    OBJECTIVE_UNITS,
-    WIDTH,
-    Rows,
-    axis_label,
-    item,
-    label_of,
-    or_dash,
-    without_profile,
-)
 
 # A coefficient this close to a bound, relative to the search interval, is at the bound.
 _AT_BOUND = 1e-6
@@ -361,12 +362,9 @@ class LawFit(FitResult):
         """
         from cylcontact.fitting import pictures
 
-        curve = self.profiles.get(name)
-        if curve is None:
+        if name not in self.profiles:
             raise without_profile(self.name, name, self.profiles)
-        best, optimum = self.coefficients[name], self.objective
-        label = axis_label(name, self.units)
-        return pictures.plot_profile_of_law(curve.values, curve.objective, best, optimum, label, ax)
+        return pictures.plot_profile_of_law(self, name, ax)
 
     def identification(self, name: str) -> str:
         """Return "well", "fairly", "poorly", "at a bound", "fixed", a tie, or "-"."""
@@ -814,13 +812,13 @@ class DataFit(FitResult):
         """
         from cylcontact.fitting import pictures
 
-        return pictures.plot(self.optimum, self.law, self.level, ax)
+        return pictures.plot(self, ax)
 
     def plot_residuals(self, ax: Axes | None = None) -> Axes:
         """Draw the residuals over the load; `ax` as for `plot`."""
         from cylcontact.fitting import pictures
 
-        return pictures.plot_residuals(self.optimum, self.residuals, self.uncertainty.outliers, ax)
+        return pictures.plot_residuals(self, ax)
 
     def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
         """Draw how much worse the fit gets when a coefficient moves and all others follow.
@@ -838,19 +836,13 @@ class DataFit(FitResult):
         estimate = estimates.get(name)
         if estimate is None or estimate.profile is None:
             raise without_profile(self.name, name, estimates)
-        label = axis_label(name, self.units)
-        return pictures.plot_profile_of_data(
-            self.optimum, name, estimate.profile, self.level, label, ax
-        )
+        return pictures.plot_profile_of_data(self, name, estimate.profile, ax)
 
     def drawing(self) -> Drawing:
         """Return a figure of the data with the law and its band, the residuals beneath."""
         from cylcontact.fitting import pictures
 
-        outliers = self.uncertainty.outliers
-        return pictures.fit_drawing(
-            self.optimum, self.name, self.law, self.level, self.residuals, outliers
-        )
+        return pictures.fit_drawing(self)
 
     def _repr_html_(self) -> str:
         from cylcontact.plots.style import figure_style
