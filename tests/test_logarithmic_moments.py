@@ -7,7 +7,7 @@ import pytest
 
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.datasets import Grid, Moments, merge, reduce_grid
-from cylcontact.datasets.logarithmic_moments import row_moments
+from cylcontact.datasets.moments import row_moments
 from cylcontact.datasets.sampling import PIECE, blocks
 
 LOGARITHMIC = [name for name in laws.REFERENCES if issubclass(laws.LAWS[name], laws.LogarithmicLaw)]

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from cylcontact import InputError
-from cylcontact.datasets.branches import is_unloading
+from cylcontact.datasets.columns import is_unloading
 from cylcontact.datasets.measurements import (
     measurements_of,
     read_measured,

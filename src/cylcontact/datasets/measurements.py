@@ -20,8 +20,14 @@ from pydantic import Field
 from cylcontact import limits
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.choices import Branch
-from cylcontact.datasets.branches import PAIR_COLUMNS, equal_rows, kept_rows
-from cylcontact.datasets.columns import Mapped, mapped, require_found
+from cylcontact.datasets.columns import (
+    PAIR_COLUMNS,
+    Mapped,
+    equal_rows,
+    kept_rows,
+    mapped,
+    require_found,
+)
 from cylcontact.errors import InputError
 from cylcontact.laws import Housing
 from cylcontact.materials import (

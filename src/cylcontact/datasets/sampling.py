@@ -19,8 +19,7 @@ import numpy as np
 
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray
 from cylcontact.datasets.grid import AnyGrid, Grid
-from cylcontact.datasets.logarithmic_moments import row_moments
-from cylcontact.datasets.moments import Moments, concatenate, merge
+from cylcontact.datasets.moments import Moments, concatenate, merge, row_moments
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_parquet, require_suffix
 from cylcontact.laws import LogarithmicLaw
