@@ -1,4 +1,4 @@
-"""Fit results side by side, as text for a terminal and as cells for other renderings."""
+"""Results side by side, as text and as cells for other renderings; a result and its fit redone."""
 
 from __future__ import annotations
 

@@ -321,7 +321,7 @@ def runs_test(optimum: Optimum) -> float | None:
     return float(special.ndtr((runs - mean) / np.sqrt(variance)))
 
 
-# --- all together ---
+# --- standard errors, intervals and verdicts ----------------------------------------------------
 
 LEVEL = 0.95
 # The half-width, relative to the value, up to which a parameter is poorly determined. The zero of a

@@ -5,6 +5,9 @@ penetration, which for a power law is −n·r.
 
 The lower bound is the objective with the best K* and n at *each* clearance. No law of the form
 f = K*(ΔR)·E*/ΔR·δ^n(ΔR) can be better, whatever its K*(ΔR) and n(ΔR).
+
+Candidates that are a power law at each clearance are a `PowerForm`, evaluated at once; a `LawForm`
+holds candidates of any law.
 """
 
 from __future__ import annotations

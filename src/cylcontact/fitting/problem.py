@@ -1,4 +1,8 @@
-"""Calibration problems: the free parameters of a law, and the objective to minimise."""
+"""The parameters of a law that is fitted: free between bounds, fixed, or tied to others.
+
+A tie is an expression such as "a/10" in a campaign's [ties], of numbers, names of parameters,
+parentheses and + - * / **. It is parsed, not executed, and anything else is refused.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Study the uncertainty of a fit to readings: intervals, maps of pairs, the bootstrap, bands."""
+"""Study the uncertainty of a fit to readings: intervals, maps of pairs, the bootstrap, bands.
+
+Rows of one specimen share its errors. Resampling whole groups (materials, clearances, pairs)
+preserves this. Leaving one out shows its influence on the coefficients, and how well the others
+predict it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the uncertainty of a fit to readings means, in sentences."""
+"""What the uncertainty of a fit to readings means, in sentences; labels and tables of reports."""
 
 from __future__ import annotations
 
