@@ -12,7 +12,7 @@ from benchmarks.harness import Row, Side, compare, rows
 from benchmarks.peers import PEERS, RowProblem, reach, rows_of
 from benchmarks.sampling import grid_of
 from benchmarks.search import problem_of
-from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.runs import execute, plan_runs
 
 # A search has arrived when its objective is this close to the best.

@@ -14,9 +14,9 @@ from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.genetic import search
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.polish import polish
-from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.results import SAME_BASIN
+from cylcontact.fitting.records import SAME_BASIN
 from cylcontact.fitting.runs import RunPlan, execute, plan_runs
 from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.progress import silent

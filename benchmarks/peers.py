@@ -21,7 +21,7 @@ from scipy.optimize import differential_evolution, least_squares
 
 from cylcontact.datasets import Grid
 from cylcontact.datasets.sampling import blocks
-from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.objectives import Problem
 
 # What the campaign gives to one of its runs.
 POPULATION, GENERATIONS = 60, 300

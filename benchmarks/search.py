@@ -12,9 +12,8 @@ from benchmarks.sampling import grid_of
 from cylcontact.datasets import reduce_grid
 from cylcontact.fitting import genetic
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.objectives import RmsLogPenetration
+from cylcontact.fitting.objectives import Problem, RmsLogPenetration
 from cylcontact.fitting.optimizers import ELITE
-from cylcontact.fitting.problem import Problem
 from cylcontact.laws.law import Parameter
 
 # The bounds of the paper's internal campaign.

@@ -14,8 +14,8 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting import Campaign, DataFit, FitResult, LawFit
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.discrepancy import RISES
-from cylcontact.fitting.optimum import PairMap
-from cylcontact.fitting.profiles import DiscrepancyPair, discrepancy_pair
+from cylcontact.fitting.profiles import discrepancy_pair
+from cylcontact.fitting.records import DiscrepancyPair, PairMap
 from cylcontact.fitting.table_campaign import TableCampaign, read_campaign
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.plots.figure import Drawing, new_figure, panel_title

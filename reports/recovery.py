@@ -12,8 +12,8 @@ import numpy as np
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.polish import minimise, polish
-from cylcontact.fitting.problem import Problem
 from cylcontact.laws import PUBLISHED
 from cylcontact.laws.law import Parameter
 from cylcontact.pair import CONTACTS, Contact

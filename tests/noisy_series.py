@@ -7,8 +7,7 @@ import pandas as pd
 
 from cylcontact import CylinderPair, laws
 from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.own_data import constants_of
-from cylcontact.fitting.table_campaign import campaign_of_table
+from cylcontact.fitting.table_campaign import campaign_of_table, constants_of
 from tests.measured_files import STEEL
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)

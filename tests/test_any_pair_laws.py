@@ -11,10 +11,8 @@ from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.datasets import read_grid
 from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.objectives import make_objective
+from cylcontact.fitting.objectives import Problem, collect_samples, make_objective
 from cylcontact.fitting.polish import polish
-from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.samples import collect_samples
 from cylcontact.fitting.table_campaign import campaign_of, read_campaign
 from cylcontact.laws import explicit_pair, glauert, parametric
 from cylcontact.laws.conformal import Bodies

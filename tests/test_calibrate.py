@@ -8,11 +8,11 @@ import pytest
 from scipy.optimize import least_squares
 
 from cylcontact import laws
-from cylcontact.fitting import calibrate, compare, read_campaign
+from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
+from cylcontact.fitting.comparison import compare_results
 from cylcontact.fitting.polish import minimise
 from cylcontact.fitting.results import FitResult
-from cylcontact.fitting.verify import compare_results
 
 ROOT = Path(__file__).resolve().parents[1]
 COMMITTED = sorted((ROOT / "fitting/results").glob("*.json"))
@@ -79,28 +79,6 @@ def test_profiles_rise_one_percent_at_the_ends_of_their_intervals(results, name)
             assert is_bound or near == pytest.approx(1.01 * result.objective.value, rel=0.02), key
 
 
-def test_report_says_that_the_internal_coefficients_are_not_the_optimum(results):
-    report = " ".join(str(results["internal-E1000"]).split())
-    assert "the published coefficients are not the optimum on this grid" in report
-    assert "2.24 times the fitted one" in report
-    assert "runs reached the best objective within 0.1 %" in report
-
-
-def test_report_names_what_is_poorly_identified(results):
-    sentence = next(v for v in results["internal-E1000"].verdicts if "poorly" in v)
-    assert "n_exponent" in sentence
-    assert "Y_offset," not in sentence
-    assert " b," in sentence
-
-
-def test_comparison_puts_coefficients_beside_the_published_ones(results):
-    text = compare(list(results.values()))
-    assert "0.965" in text
-    assert "1.094" in text
-    for result in results.values():
-        assert f"{result.coefficients['a']:.5g}" in text
-
-
 def test_fitted_coefficients_go_straight_into_the_law(results):
     for result in results.values():
         law = laws.Enhanced(coefficients=result.coefficients)
@@ -117,20 +95,6 @@ def small(name, **genetic):
 def test_one_worker_and_two_give_the_same_result():
     campaign = small("external-E1000", runs=4, populations=(12, 16), generations=8)
     assert calibrate(campaign, jobs=1).repeatable() == calibrate(campaign, jobs=2).repeatable()
-
-
-def test_progress_counts_to_the_end():
-    seen = {}
-    campaign = small("external-E1000", runs=2, populations=(8,), generations=3)
-
-    def note(stage, done, total):
-        seen.setdefault(stage, []).append((done, total))
-
-    calibrate(campaign, progress=note)
-    assert list(seen) == ["sampling", "searching", "comparing", "profiling"]
-    for calls in seen.values():
-        assert calls[-1][0] == calls[-1][1]
-        assert calls == sorted(calls)
 
 
 @pytest.mark.parametrize("path", COMMITTED, ids=lambda path: path.stem)

@@ -11,7 +11,6 @@ from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.table_campaign import campaign_of
-from cylcontact.provenance import spec_hash
 from tests.spec_files import (
     CAMPAIGN,
     DROP,
@@ -46,28 +45,7 @@ def test_published_coefficients_lie_within_the_bounds_of_every_search(path):
             assert parameter.low < campaign.model.published[parameter.name] < parameter.high
 
 
-@pytest.mark.parametrize("contact", ["internal", "external"])
-def test_the_main_campaigns_search_with_different_populations_and_crossovers(contact):
-    campaign = read_campaign(ROOT / f"fitting/{contact}.toml")
-    genetic = campaign.spec.genetic
-    assert campaign.grid.contact == contact
-    assert campaign.spec.law == "enhanced"
-    assert campaign.spec.objective == "rms-log-penetration"
-    assert genetic.runs >= len(genetic.populations) * len(genetic.crossovers) > 1
-
-
 # --- what is read -----------------------------------------------------------------------------
-
-
-def test_settings_come_out_as_written(tmp_path):
-    campaign = read_campaign(write_bench(tmp_path))
-    assert (campaign.name, campaign.spec.seed, campaign.spec.law) == ("small", 7, "power")
-    assert campaign.model.contact == "internal"
-    assert campaign.grid.shape == (3, 2, 4, 4)
-    K_star, n = campaign.parameters
-    assert (K_star.name, K_star.low, K_star.high, K_star.fixed) == ("K_star", 0.5, 10.0, False)
-    assert (n.name, n.low, n.high, n.fixed) == ("n", 1.0, 1.5, False)
-    assert campaign.spec.genetic.crossovers == ("blend", "uniform")
 
 
 def test_what_may_be_left_out_has_a_default(tmp_path):
@@ -97,12 +75,6 @@ def test_a_parameter_left_out_is_searched_between_the_bounds_of_the_law(tmp_path
         assert list(tables) == ["K_star", "n"]
 
 
-def test_parameters_come_in_the_order_of_the_law(tmp_path):
-    swapped = dict(reversed(CAMPAIGN["parameters"].items()))
-    campaign = read_campaign(write_bench(tmp_path, {"parameters": swapped}))
-    assert [p.name for p in campaign.parameters] == ["K_star", "n"]
-
-
 def test_runs_and_seed_may_be_given_instead_of_the_files(tmp_path):
     path = write_bench(tmp_path)
     campaign = read_campaign(path, runs=5, seed=0)
@@ -128,12 +100,6 @@ def test_a_dataset_is_found_above_the_campaign_from_wherever_it_is_read(tmp_path
     assert read_campaign(path.name).grid.source == "../datasets/small.toml"
     monkeypatch.chdir("/")
     assert read_campaign(path).grid.size == 96
-
-
-def test_a_dataset_may_be_given_by_its_whole_path(tmp_path):
-    dataset = write_toml(tmp_path / "far/away.toml", GRID)
-    path = write_bench(tmp_path / "bench", {"dataset": str(dataset)})
-    assert read_campaign(path).grid.source == str(dataset)
 
 
 def test_the_key_changes_with_whatever_the_result_depends_on(tmp_path):
@@ -291,13 +257,6 @@ def test_replacements_are_checked_like_the_files_own(tmp_path, runs, seed, key):
     assert_told(caught, path, key, runs if seed is None else seed, "must be at least", "integer")
 
 
-def test_replacing_the_runs_of_a_wrong_table_tells_of_the_table(tmp_path):
-    path = write_bench(tmp_path, {"genetic": 16})
-    with pytest.raises(InputError) as caught:
-        read_campaign(path, runs=3)
-    assert_told(caught, path, "genetic", 16, TABLE, "a table [genetic]")
-
-
 @pytest.mark.parametrize(
     ("changes", "source", "key", "rule"),
     [
@@ -313,10 +272,6 @@ def test_settings_that_are_no_campaign_are_refused(tmp_path, changes, source, ke
     with pytest.raises(InputError) as caught:
         campaign_of("small", changed(settings, changes), "r.json")
     assert_told(caught, source, key, DROP, rule, caught.value.remedy)
-
-
-def test_the_key_of_a_shipped_law_is_that_of_the_settings(small_campaign):
-    assert small_campaign.key == spec_hash(small_campaign.settings)
 
 
 def test_a_value_of_several_types_is_named_by_its_own_key(tmp_path):

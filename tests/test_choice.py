@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.figure import Figure
 
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
@@ -67,11 +66,6 @@ def test_the_cross_validated_error_is_that_of_refits(frame, choice):
     error = np.sqrt(np.mean(squares))
     assert choice.table.loc["johnson", "cv_error"] == pytest.approx(error, rel=1e-5)
     assert 0 < choice.table.loc["johnson", "cv_standard_error"] < error
-
-
-def test_the_best_is_no_worse_than_itself(choice):
-    assert choice.best.behind(choice.best) == 0
-    assert choice.table.loc[choice.best.law, "verdict"] == "best"
 
 
 def test_a_series_left_out_is_what_is_predicted():
@@ -202,18 +196,6 @@ def test_the_best_law_is_fitted_with_all_its_starts(frame, choice):
     assert len(choice.fit().runs) > 3
     with pytest.raises(InputError, match="hooke"):
         choice.fit("hooke")
-
-
-def test_the_picture_goes_where_one_says(choice):
-    axes = Figure().subplots(1, 2)
-    assert choice.plot(axes[0]) is axes[0]
-    (points,) = [line for line in axes[0].get_lines() if line.get_label() == "measured"]
-    assert len(points.get_xdata()) == 30
-    assert not axes[1].has_data()
-    labels = [line.get_label() for line in axes[0].get_lines()]
-    # Of laws that coincide one is drawn.
-    assert len({"explicit", "persson"} & {*labels}) == 1
-    assert "johnson" in labels
 
 
 def test_the_command_ranks_and_writes(tmp_path, run, frame):

@@ -3,7 +3,7 @@
 import pytest
 
 from cylcontact.cli import options
-from cylcontact.fitting.loss import LOSSES
+from cylcontact.fitting.measured import LOSSES
 from cylcontact.fitting.noise import NOISES
 from cylcontact.plots import style
 from cylcontact.reports import tables

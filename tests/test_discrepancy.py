@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,12 +10,10 @@ from cylcontact import InputError
 from cylcontact.fitting import DataFit, fit_table
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.discrepancy import study_discrepancy
+from cylcontact.fitting.objectives import collect_samples, form_of
 from cylcontact.fitting.polish import polish
-from cylcontact.fitting.samples import collect_samples, form_of
 from cylcontact.fitting.study import study_noise
 from tests.measured_files import measured_campaign
-
-ROOT = Path(__file__).resolve().parents[1]
 
 
 def silent(*_):
@@ -49,11 +46,6 @@ def test_leaving_a_clearance_out_is_fitting_the_others(small_campaign, small_res
     assert sum(left.rows for left in study.left_out) == small_result.counts.samples
 
 
-def test_a_material_is_a_value_of_E(small_result):
-    study = study_discrepancy(small_result, leave_out="material", jobs=2)
-    assert [left.group[:3] for left in study.left_out] == ["E ="] * 3
-
-
 def test_a_map_of_a_pair_is_the_objective_reoptimised(small_campaign, small_result, study):
     (mapped,) = study.pairs
     problem, _ = problem_of(small_campaign, 1, silent)
@@ -61,13 +53,6 @@ def test_a_map_of_a_pair_is_the_objective_reoptimised(small_campaign, small_resu
     optimum = problem.value_of(small_result.coefficients)
     assert mapped.rise[5][3] == pytest.approx(value / optimum - 1, rel=1e-9)
     assert mapped.names == ("K_star", "n")
-
-
-def test_the_report_does_not_speak_of_noise(study):
-    text = str(study)
-    assert "model discrepancy" in text
-    for word in ("std. error", "confidence", "interval", "bootstrap"):
-        assert word not in text
 
 
 def test_a_masked_value_has_no_say(small_campaign, small_result):

@@ -244,38 +244,6 @@ def test_the_law_of_a_fit_without_a_rig_is_the_law_fitted(pairs):
 # --- text -------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def warned():
-    """A fit whose report has warnings, with characters that HTML escapes."""
-    frame = readings(4, 4, offset=2e-4, gain=0.05)
-    return cc.fit(frame, "explicit", PAIR, noise="constant", starts=2, name="a<b")
-
-
-def test_the_summary_is_what_print_shows(warned):
-    text = warned.summary()
-    assert text == str(warned)
-    lines = text.splitlines()
-    assert lines[0].startswith("a<b: explicit law, internal contact")
-    assert f"R² = {warned.r_squared:.5f}" in lines[1]
-    assert f"AIC = {warned.aic:.1f}, BIC = {warned.bic:.1f}" in lines[1]
-    said = [k for k, line in enumerate(lines) if line.startswith("! ")]
-    table = next(k for k, line in enumerate(lines) if "std. error" in line)
-    assert len(said) == len(warned.warnings) > 0
-    assert max(said) < table
-    assert "--group group" in text[: text.index("std. error")]
-
-
-def test_a_notebook_shows_warnings_above_the_table_and_units(warned):
-    html = warned._repr_html_()
-    assert html.index("--group group") < html.index("<table>")
-    assert "<td>mm</td>" in html
-    assert "a&lt;b" in html
-    assert "a<b" not in html
-    row = html[html.index(">offset</th>") :]
-    value = f"{warned.coefficients['offset']:.5g}"
-    assert row.startswith(f">offset</th><td>{value}</td><td>mm</td>")
-
-
 # --- pictures ---------------------------------------------------------------------------------
 
 
@@ -324,43 +292,6 @@ def test_a_plot_shows_the_data_the_law_and_its_band(series, two_axes):
     assert (two_axes.get_xlabel(), two_axes.get_ylabel()) == ("load (N/mm)", "penetration (µm)")
 
 
-def test_each_pair_has_a_curve(pairs, two_axes):
-    frame, result = pairs
-    result.plot(two_axes)
-    _, curves = points_of(two_axes)
-    for curve, (dR, own) in zip(curves, frame.groupby("dR_um"), strict=True):
-        assert f"ΔR = {1e-3 * dR:g} mm" in curve.get_label()
-        pair = CylinderPair.from_dR("internal", 1e-3 * dR, STEEL, R_i=10.0, length=12.0)
-        assert curve.get_ydata() == pytest.approx(
-            1e3 * fitted_reading(result, curve.get_xdata(), pair)
-        )
-        assert curve.get_xdata()[-1] == pytest.approx(own["load_N_per_mm"].max())
-
-
-def test_a_plot_of_residuals_shows_them_in_deviations(warned, two_axes):
-    assert warned.plot_residuals(two_axes) is two_axes
-    markers, _ = points_of(two_axes)
-    table = warned.residuals
-    for column, drawn in (("load_N_per_mm", "get_xdata"), ("standardised", "get_ydata")):
-        values = np.concatenate([getattr(line, drawn)() for line in markers])
-        assert np.sort(values) == pytest.approx(np.sort(table[column].to_numpy()))
-    assert two_axes.get_ylabel() == "residual (std. dev.)"
-
-
-def test_outliers_are_marked_by_their_line():
-    frame = readings(8, 1, 20).drop(columns="group")
-    frame.loc[7, "penetration_um"] += 1.0
-    result = cc.fit(frame, "explicit", PAIR, noise="constant", starts=2)
-    (outlier,) = result.uncertainty.outliers
-    (words,) = result.plot_residuals().texts
-    assert words.get_text() == f"line {outlier.line}"
-    row = result.residuals.set_index("line").loc[outlier.line]
-    assert words.xy == pytest.approx((row["load_N_per_mm"], row["standardised"]))
-    # The law without it is that of a fit without it.
-    rest = cc.fit(frame.drop(index=7), "explicit", PAIR, noise="constant", starts=2)
-    assert result.uncertainty.without_outliers == pytest.approx(rest.coefficients, rel=1e-6)
-
-
 def test_a_profile_is_the_distance_in_errors_where_the_law_is_linear(plain, two_axes):
     _, result = plain
     assert result.plot_profile("compliance", two_axes) is two_axes
@@ -373,24 +304,6 @@ def test_a_profile_is_the_distance_in_errors_where_the_law_is_linear(plain, two_
     ends = [line.get_xdata()[0] for line in two_axes.lines if line.get_linestyle() == "--"]
     assert ends == [estimate.profile.low, estimate.profile.high, estimate.value]
     assert two_axes.get_xlabel() == "compliance (mm/(N/mm))"
-
-
-def test_without_axes_each_picture_has_a_figure_of_its_own(plain):
-    _, result = plain
-    before, settings = plt.get_fignums(), mpl.rcParams.copy()
-    drawn = [result.plot(), result.plot_residuals(), result.plot_profile("offset")]
-    assert len({id(axes.figure) for axes in drawn}) == 3
-    assert all(axes.has_data() for axes in drawn)
-    assert plt.get_fignums() == before
-    assert mpl.rcParams == settings
-
-
-def test_a_profile_of_a_fit_to_a_law_is_that_of_its_objective(small_result, two_axes):
-    name = next(iter(small_result.profiles))
-    small_result.plot_profile(name, two_axes)
-    _, curves = points_of(two_axes)
-    assert curves[0].get_xdata().tolist() == small_result.profiles[name].values
-    assert curves[0].get_ydata().tolist() == small_result.profiles[name].objective
 
 
 # --- refusals ---------------------------------------------------------------------------------

@@ -4,11 +4,10 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from mpmath import mp
 
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.datasets import Grid, Moments, merge, reduce_grid
-from cylcontact.datasets.logarithmic_moments import row_moments
+from cylcontact.datasets.moments import row_moments
 from cylcontact.datasets.sampling import PIECE, blocks
 
 LOGARITHMIC = [name for name in laws.REFERENCES if issubclass(laws.LAWS[name], laws.LogarithmicLaw)]
@@ -47,19 +46,6 @@ def test_rows_give_the_moments_of_their_samples(name, rows, loads):
 def test_many_rows_and_loads_are_interpolated(rows, loads):
     law, pair, load = laws.Johnson(), pairs(rows), np.geomspace(0.1, 300.0, loads)
     assert_same(row_moments(law, pair, load), by_samples(law, pair, load))
-
-
-def test_one_sample_has_its_own_logarithms_and_no_spread():
-    law, pair, load = laws.Johnson(), pairs(1), np.array([37.0])
-    m = row_moments(law, pair, load)
-    E_star, dR = float(pair.E_star[0]), float(pair.dR)
-    with mp.workdps(30):
-        s = mp.log(mp.mpf(37) / E_star)
-        j = mp.log(37 / (mp.pi * E_star) * (mp.log(4 * mp.pi * dR * E_star / 37) - 1))
-    assert float(m.mean_s[0]) == pytest.approx(float(s), rel=4e-16)
-    assert float(m.mean_j[0]) == pytest.approx(float(j), rel=4e-16)
-    assert (m.count, m.ss, m.sj) == (1, 0, 0)
-    assert m.jj <= 1e-30
 
 
 def test_grids_that_are_partly_masked_are_the_sum_of_their_samples():

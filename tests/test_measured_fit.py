@@ -12,13 +12,12 @@ import pytest
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import DataFit, FitResult, compare
+from cylcontact.fitting.comparison import verify
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.loss import LOSSES, Loss
-from cylcontact.fitting.own_data import fit
+from cylcontact.fitting.measured import LOSSES, Loss
 from cylcontact.fitting.study import study_noise
 from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
-from cylcontact.fitting.table_fit import fit_table
-from cylcontact.fitting.verify import verify
+from cylcontact.fitting.table_fit import fit, fit_table
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.logarithmic import adjusted_logarithmic
 from tests.measured_files import (
@@ -137,11 +136,6 @@ def test_losses_are_scipys(name):
     loss = Loss(name, 1.5)
     slope = (loss.residual(r + step) ** 2 - loss.residual(r - step) ** 2) / (4 * step)
     assert loss.psi(r) == pytest.approx(slope, abs=1e-6)
-
-
-def test_a_given_scale_of_the_loss_is_kept(tmp_path):
-    campaign = measured_campaign(tmp_path, noise=0.01, loss="huber", loss_scale=0.5, starts=2)
-    assert fit_table(campaign).uncertainty.loss_scale == 0.5
 
 
 def test_weights_count_like_repeated_rows(tmp_path):
@@ -268,18 +262,6 @@ def test_what_cannot_be_freed_is_told(tmp_path, settings, rule, remedy):
 
 
 # --- laws -------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("law", "contact"), MODELS, ids=lambda word: word)
-def test_the_nominal_parameters_are_the_law_as_it_stands(law, contact, pair):
-    model = MODELS[law, contact]
-    nominal = {p.name: p.nominal for p in model.parameters}
-    if None in nominal.values():
-        return
-    if contact == "external":
-        pair = CylinderPair.external(10.0, 12.0, STEEL, length=12.0)
-    plain = laws.LAWS[law]()
-    assert model.build(nominal).load(1e-3, pair) == pytest.approx(plain.load(1e-3, pair), rel=1e-12)
 
 
 def test_a_scaled_law_answers_consistently(pair):
@@ -456,14 +438,6 @@ def test_a_result_may_lack_what_it_needs_not_have(tmp_path, example, changes):
 def write_campaign(folder, **changes):
     write_measured(folder / "measured.csv", "johnson", "internal", noise=0.01)
     return write_toml(folder / "c.toml", changed(SPEC, changes))
-
-
-def test_a_campaign_file_reads_like_its_table(tmp_path):
-    campaign = read_campaign(write_campaign(tmp_path), runs=3, seed=5)
-    assert (campaign.spec.starts, campaign.spec.seed, len(campaign.measurements)) == (3, 5, 36)
-    genetic = read_campaign(write_campaign(tmp_path), runs=3, optimizer="genetic")
-    assert (genetic.spec.genetic.runs, genetic.spec.optimizer) == (3, "genetic")
-    assert campaign.key != genetic.key
 
 
 BAD_CAMPAIGNS = [

@@ -6,7 +6,6 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.datasets.measurements import (
-    MAX_ROWS,
     MeasuredData,
     measurements_of,
     read_measured,
@@ -14,7 +13,8 @@ from cylcontact.datasets.measurements import (
 from cylcontact.fitting.measured import STANDARDISED
 from cylcontact.fitting.table_campaign import campaign_of_table
 from cylcontact.materials import COLUMNS
-from cylcontact.units import QUANTITIES, column_named, spellings
+from cylcontact.tables import MAX_ROWS
+from cylcontact.units import QUANTITIES, column_named
 from tests.measured_files import USER_LAW, write_table
 from tests.programs import require_package
 from tests.spec_files import assert_told
@@ -88,14 +88,6 @@ def test_every_unit_says_the_same_thing(tmp_path, quantity, unit, factor):
     two = measured(write_table(tmp_path / "two.csv", changed))
     for name, values in one.columns.items():
         assert two.columns[name] == pytest.approx(values, rel=1e-14), name
-
-
-def test_micro_may_be_written_with_either_letter():
-    for letter in ("\u00b5", "\u03bc"):
-        assert column_named(f"dR_{letter}m").factor == 1e-3
-    assert column_named("temperature_C") is None
-    assert "load_kN" in spellings("load")
-    assert spellings("material") == "material"
 
 
 @pytest.mark.parametrize(
@@ -185,13 +177,6 @@ def test_groups_and_duplicates(tmp_path):
     assert actual.duplicates() == [[2, 5]]
     part = actual.take(np.array([3, 3, 1]))
     assert [part.line(k) for k in range(3)] == [5, 5, 3]
-
-
-def test_different_bodies_are_named_by_both_moduli(tmp_path):
-    columns = {**without("E_GPa", "nu"), "E_i_GPa": [200] * 3, "nu_i": [0.3] * 3}
-    columns |= {"E_j_GPa": [70] * 3, "nu_j": [0.33] * 3}
-    actual = measured(write_table(tmp_path / "t.csv", columns))
-    assert actual.groups("material")[0] == ["E = 200000 and 70000 MPa"]
 
 
 # --- every way to go wrong --------------------------------------------------------------------

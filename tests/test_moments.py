@@ -1,6 +1,5 @@
 """Moments: exactly the sum of squares of the samples they stand for, however they are merged."""
 
-from dataclasses import fields
 from fractions import Fraction
 from itertools import product
 
@@ -12,8 +11,7 @@ from hypothesis import strategies as st
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.datasets import Grid, Moments, concatenate, merge, reduce_grid
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.objectives import RmsLogPenetration
-from cylcontact.fitting.samples import form_of
+from cylcontact.fitting.objectives import RmsLogPenetration, form_of
 from tests.strategies import powers_of_ten
 
 JOHNSON = laws.Johnson()
@@ -143,20 +141,6 @@ def test_any_partition_merged_in_any_order_gives_the_whole(points, data):
     assert_same(merge(parts), moments_of(points), scale)
 
 
-@given(points=samples, empty=st.integers(0, 3))
-def test_empty_parts_change_nothing(points, empty):
-    nothing = [moments_of(np.empty((0, 2)))] * empty
-    merged, whole = merge([*nothing, moments_of(points), *nothing]), moments_of(points)
-    for field in fields(Moments):
-        assert np.array_equal(getattr(merged, field.name), getattr(whole, field.name))
-
-
-def test_nothing_but_empty_parts_is_empty():
-    merged = merge([moments_of(np.empty((0, 2)))] * 3)
-    assert merged.total == 0
-    assert merged.slope == merged.unexplained == 0
-
-
 def test_one_sample_has_no_spread():
     alone = moments_of([3.0, -7.0])
     assert (alone.count, alone.mean_s, alone.mean_j) == (1, 3.0, -7.0)
@@ -232,10 +216,3 @@ def test_slope_and_unexplained_are_those_of_the_least_squares_line(points):
     moments, spread = moments_of(points), np.ptp(j) + 1e-9
     assert moments.slope == pytest.approx(slope, rel=1e-9, abs=1e-9 * spread / np.ptp(s))
     assert moments.unexplained == pytest.approx(left, rel=1e-9, abs=1e-9 * spread**2)
-
-
-@given(points=samples, slope=st.floats(-2.0, 2.0))
-def test_nothing_is_unexplained_on_a_line(points, slope):
-    s = points[:, 0]
-    line = moments_of(np.column_stack([s, slope * s]))
-    assert 0 <= line.unexplained <= 1e-12 * max(1.0, float(line.jj[0]))

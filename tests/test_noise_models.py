@@ -9,7 +9,6 @@ from scipy.optimize import minimize
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting.diagnose import findings_of
-from cylcontact.fitting.estimates import uncertainty_of
 from cylcontact.fitting.noise import (
     Covariance,
     Degrees,
@@ -18,9 +17,7 @@ from cylcontact.fitting.noise import (
     NoiseModel,
     estimate,
 )
-from cylcontact.fitting.resampling import leave_one_out
-from cylcontact.fitting.study import Resampling, study_noise
-from cylcontact.fitting.table_fit import fit_table
+from cylcontact.fitting.study import leave_one_out, study_noise
 from tests.measured_files import CONSTANTS, STEEL
 from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 from tests.programs import require_package
@@ -594,14 +591,6 @@ def test_relative_scatter_that_falls_is_found_and_both_kinds_allow_for_it():
     assert found(frame, noise="both") == {}
 
 
-def test_scatter_that_neither_kind_describes_has_no_option():
-    frame = ungrouped(readings(3, 4))
-    rng, size = np.random.default_rng(1), len(frame)
-    falling = 0.4 / (1 + frame["load_N_per_mm"] / 50.0)
-    frame["penetration_um"] += falling * rng.normal(size=size)
-    assert "look for what else" in found(frame, noise="both")["spread"].remedy
-
-
 def test_branches_that_differ_are_found_and_one_of_them_agrees():
     loading, unloading = readings(5, 1, 20), readings(6, 1, 20)[::-1]
     unloading["penetration_um"] += 0.15
@@ -743,8 +732,8 @@ def series():
 def test_series_are_resampled_and_left_out_whole(series):
     _, result = series
     with pytest.raises(InputError, match="'rows': would tear apart the series of the noise model"):
-        study_noise(result, resampling=Resampling(20, over="rows"))
-    study = study_noise(result, resampling=Resampling(60, over="group"), leave_out="group")
+        study_noise(result, replicates=20)
+    study = study_noise(result, replicates=60, over="group", leave_out="group")
     errors = {name: e.standard_error for name, e in result.uncertainty.estimates.items()}
     assert study.bootstrap.standard_errors == pytest.approx(errors, rel=0.5)
     assert [left.rows for left in study.left_out] == [8] * 6
@@ -769,28 +758,6 @@ def test_a_series_left_out_is_judged_with_the_effects_of_a_random_one():
 
 
 # --- what a result does not depend on ---------------------------------------------------------
-
-
-def test_workers_change_nothing(series):
-    frame, result = series
-    campaign = campaign_of(frame, "explicit", PAIR, group="group", noise="constant", starts=3)
-    with_workers = uncertainty_of(result.optimum, jobs=2)
-    assert with_workers == result.uncertainty
-    assert fit_table(campaign, jobs=2).repeatable() == result.repeatable()
-
-
-def test_the_order_of_the_series_changes_nothing(series):
-    frame, result = series
-    parts = [part for _, part in frame.groupby("group")]
-    moved = pd.concat([parts[k] for k in (4, 1, 5, 0, 3, 2)], ignore_index=True)
-    other = cc.fit(moved, "explicit", PAIR, group="group", noise="constant", starts=3)
-    same = {"rel": 1e-9, "abs": 0}
-    assert other.coefficients == pytest.approx(result.coefficients, **same)
-    errors = [[e.standard_error for e in r.uncertainty.estimates.values()] for r in (result, other)]
-    assert errors[1] == pytest.approx(errors[0], rel=1e-6, abs=0)
-    effects = [{e.name: e.effects for e in r.uncertainty.noise.series} for r in (result, other)]
-    for name, own in effects[0].items():
-        assert effects[1][name] == pytest.approx(own, rel=1e-5, abs=0)
 
 
 def test_a_coefficient_at_its_bound_has_an_error(series):

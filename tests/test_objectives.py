@@ -9,8 +9,13 @@ from scipy.optimize import minimize
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.datasets import Grid, reduce_grid
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.objectives import OBJECTIVES, make_objective, max_abs_difference_percent
-from cylcontact.fitting.samples import collect_samples, form_of
+from cylcontact.fitting.objectives import (
+    OBJECTIVES,
+    collect_samples,
+    form_of,
+    make_objective,
+    max_abs_difference_percent,
+)
 
 GRIDS = {
     "internal": Grid(

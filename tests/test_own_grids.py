@@ -10,9 +10,9 @@ from scipy.optimize import least_squares
 from benchmarks.own_grids import GRIDS, campaign_of
 from cylcontact.fitting import calibrate, polish, read_campaign
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.profiles import profiles
-from cylcontact.fitting.results import SAME_BASIN
+from cylcontact.fitting.records import SAME_BASIN
 from cylcontact.fitting.runs import run_all, searches
 from cylcontact.progress import silent
 

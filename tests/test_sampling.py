@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from cylcontact import InputError
-from cylcontact.datasets import Grid, Moments, blocks, reduce_grid, sampling, write_samples
+from cylcontact.datasets import Grid, Moments, reduce_grid, sampling, write_samples
 from tests.paper_equations import e_star, johnson, johnson_end
 from tests.programs import require_package
 from tests.spec_files import GRID, changed, tree, write_toml
@@ -95,15 +95,6 @@ def test_limits_of_the_paper_separate_samples_from_masked_ones(tmp_path):
     ]
 
 
-def test_progress_counts_clearances(grid, tmp_path):
-    seen = []
-    write_samples(grid, tmp_path / "samples.csv", seen.append)
-    assert seen == [1, 2, 3, 4]
-    seen.clear()
-    reduce_grid(grid, progress=seen.append)
-    assert seen == [1, 2, 3, 4]
-
-
 @pytest.mark.parametrize("block", [1, 2, 7, 8, 63, 1 << 30])
 def test_tables_do_not_depend_on_the_block_size(grid, block, tmp_path, monkeypatch):
     write_samples(grid, tmp_path / "one.csv")
@@ -147,13 +138,6 @@ def test_moments_are_the_same_to_the_last_bit_for_any_number_of_jobs(grid, jobs,
     assert counts == same_counts
     for field in fields(Moments):
         assert np.array_equal(getattr(one, field.name), getattr(many, field.name))
-
-
-def test_no_block_is_larger_than_allowed(grid, monkeypatch):
-    monkeypatch.setattr(sampling, "BLOCK", 10)
-    sizes = [block.load.size + block.masked for dR in grid.dR for block in blocks(grid, dR)]
-    assert max(sizes) <= 10
-    assert sum(sizes) == grid.size
 
 
 # --- what goes wrong --------------------------------------------------------------------------
@@ -203,22 +187,6 @@ def test_an_interrupted_table_leaves_the_old_one(grid, suffix, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         write_samples(grid, path, interrupt)
     assert tree(tmp_path) == {path.name: b"old"}
-
-
-def test_sampling_does_not_import_pandas(tmp_path):
-    """An interrupt during that import, which pyarrow would start, is lost."""
-    require_package("pyarrow")
-    path = write_toml(tmp_path / "g.toml", GRID)
-    program = (
-        "import sys; from cylcontact.datasets import read_grid, write_samples\n"
-        "for out in sys.argv[2:]: write_samples(read_grid(sys.argv[1]), out)\n"
-        "print('pandas' in sys.modules)"
-    )
-    outputs = [tmp_path / "samples.csv", tmp_path / "samples.parquet"]
-    run = subprocess.run(
-        [sys.executable, "-c", program, path, *outputs], capture_output=True, text=True, check=True
-    )
-    assert run.stdout == "False\n"
 
 
 # --- memory -----------------------------------------------------------------------------------

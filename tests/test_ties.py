@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cylcontact import InputError
 from cylcontact.fitting import FitResult, calibrate, fit_table, read_campaign
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.ties import evaluate, names_in, require_valid
+from cylcontact.fitting.problem import evaluate, require_valid
 from cylcontact.progress import silent
 from tests.spec_files import DROP, write_bench
 
@@ -60,11 +60,6 @@ def test_expressions_agree_with_python(expression, a, b):
         assert not np.isfinite(evaluate(expression, {"a": a, "b": b}))
         return
     assert evaluate(expression, {"a": a, "b": b}) == expected
-
-
-def test_names_are_those_of_the_expression():
-    assert names_in("a/10 + a*b - 3") == {"a", "b"}
-    assert names_in("0.5") == frozenset()
 
 
 @pytest.mark.parametrize("expression", ["a/0", "a**a**a**a", "0**-1", "(a - 3)/0", "1e300*1e300"])
@@ -152,10 +147,6 @@ def test_a_fit_keeps_its_ties_and_says_so(tmp_path):
     assert again.settings["campaign"]["ties"] == {"K_star": "2*n"}
     (line,) = (line for line in str(again).splitlines() if line.startswith("K_star"))
     assert line.endswith("= 2*n")
-
-
-def test_campaigns_without_ties_have_no_such_key(tmp_path):
-    assert "ties" not in read_campaign(write_bench(tmp_path)).settings["campaign"]
 
 
 def test_everything_tied_or_fixed_leaves_nothing_to_search(tmp_path):

@@ -8,16 +8,14 @@ import pytest
 from scipy import optimize, stats
 
 from cylcontact import CylinderPair, InputError
-from cylcontact.fitting.estimates import uncertainty_of
+from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.measured import Fit
-from cylcontact.fitting.noise_words import noise_verdicts
+from cylcontact.fitting.measured import Fit, Loss
 from cylcontact.fitting.optimum import Optimum, half_width
-from cylcontact.fitting.resampling import bootstrap, leave_one_out
-from cylcontact.fitting.study import study_noise
+from cylcontact.fitting.study import bootstrap, leave_one_out, study_noise
 from cylcontact.fitting.table_campaign import campaign_of_table
 from cylcontact.fitting.table_fit import fit_table
+from cylcontact.fitting.words import noise_verdicts
 from cylcontact.laws.law import LawModel, Parameter
 from tests.measured_files import (
     CONSTANTS,
@@ -373,15 +371,6 @@ def test_leaving_a_clearance_out_is_fitting_the_others(noisy):
     assert actual[1].own_rms == pytest.approx(judged.value(point), rel=1e-9)
 
 
-def test_one_group_cannot_be_resampled(noisy):
-    problem, best = noisy.fit, noisy.best
-    with pytest.raises(InputError, match="all rows are of one group"):
-        bootstrap(noisy, "material", 10, 1, LEVEL)
-    small = on_data(problem, problem.data.take(np.array([0, 1, 12])))
-    with pytest.raises(InputError, match=r"only 1 rows remain for 2 parameters"):
-        leave_one_out(Optimum.of(small, best), "dR")
-
-
 # --- bands ------------------------------------------------------------------------------------
 
 
@@ -400,13 +389,6 @@ def test_bands_of_load_and_penetration_are_each_others_inverse(noisy):
     assert np.log(depth.new_high[0] / depth.value[0]) == pytest.approx(
         stats.t.ppf(0.975, noisy.degrees) * noisy.sigma, rel=0.05
     )
-
-
-def test_no_band_is_drawn_outside_the_domain(noisy):
-    pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
-    for given in ({"load": [1.0, 1e9]}, {"penetration": [-1.0]}):
-        with pytest.raises(InputError, match="leaves the domain of the fitted law"):
-            noisy.band(pair, LEVEL, **given)
 
 
 @pytest.mark.parametrize("objective", ["rms-log-load", "rms-penetration", "rms-load"])

@@ -60,10 +60,3 @@ def test_the_published_external_coefficients_cost_what_the_profiles_say(drawing)
     assert 0 <= actual.height.min() < 1e-3
     near = (actual.x - 0.85).abs() / 0.3 + (actual.y - 1.094).abs() / 0.015
     assert 0.05 < actual.height[near.idxmin()] < 0.12
-
-
-def test_the_two_kinds_are_told_apart_on_the_figure(drawing):
-    titles = [axes.get_title(loc="left") for axes in drawing.figure.axes]
-    assert ["noise" in title for title in titles] == [True, False]
-    assert ["discrepancy" in title for title in titles] == [False, True]
-    assert "synthetic" in drawing.caption

@@ -17,10 +17,9 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting.law_models import grid_model_of
-from cylcontact.fitting.profiles import TOLERANCE
-from cylcontact.fitting.records import FAIRLY
-from cylcontact.fitting.results import SAME_BASIN, LawFit
-from cylcontact.fitting.samples import collect_samples, form_of
+from cylcontact.fitting.objectives import collect_samples, form_of
+from cylcontact.fitting.records import FAIRLY, SAME_BASIN, TOLERANCE
+from cylcontact.fitting.results import LawFit
 from cylcontact.laws import PUBLISHED, arcs, explicit, explicit_pair
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN, PUBLISHED_DR

@@ -12,7 +12,8 @@ from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.own_data import choose, fit
+    from cylcontact.fitting.choice import choose
+    from cylcontact.fitting.table_fit import fit
 
 __all__ = [
     "ContactLaw",
@@ -42,7 +43,7 @@ def __getattr__(name: str) -> Any:
     if name in _LAZY:
         return import_module(f"cylcontact.{name}")
     if name in ("choose", "fit"):
-        return getattr(import_module("cylcontact.fitting.own_data"), name)
+        return getattr(import_module("cylcontact.fitting"), name)
     raise AttributeError(f"module 'cylcontact' has no attribute {name!r}")
 
 

@@ -8,9 +8,9 @@ import io
 import math
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import compress, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,13 +21,8 @@ from cylcontact.reading import plain_number, read_bytes
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["MAX_ROWS", "Table", "finite_numbers", "read_table", "table_of_frame", "texts"]
-
 # All rows are held in memory and stored in the result.
 MAX_ROWS = 200_000
-# As many columns as a data logger may have, and what a gigabyte of memory holds.
-MAX_COLUMNS, MAX_CELLS = 1000, 10_000_000
-# What is compressed in a workbook, or repeated in Parquet, may grow to this when it is read.
 # Of each row its position in the file and its cells.
 _Rows = list[tuple[int, list[Any]]]
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "spaces"}
@@ -41,27 +36,7 @@ _NO_THOUSANDS = "has separators of thousands", "write it without them"
 
 @dataclass(frozen=True)
 class Table:
-    """The cells of a table with N rows.
-
-    Attributes
-    ----------
-    source : str
-        Its name in errors.
-    row_word : str
-        "line" or "row", in errors.
-    sha256 : str
-        The hash of its bytes.
-    names : list of str
-        The names of the columns.
-    lines : list of int
-        The position of each row in the file, N of them.
-    columns : list of list
-        The cells, column by column; None where one is empty.
-    separator : str
-        What separates the cells of a CSV; empty for other files.
-    steps : list of str
-        What was recognised, for the result.
-    """
+    """The cells of a table with N rows."""
 
     source: str
     row_word: str
@@ -74,35 +49,10 @@ class Table:
 
 
 def read_table(path: Path | str) -> Table:
-    r"""Read an Excel workbook, a Parquet file or, under any other name, a table in text.
+    """Read an Excel workbook, a Parquet file or, under any other name, a table in text.
 
     The separator of a text, its encoding and its decimal mark are recognised. Of a workbook the
     first sheet that holds cells is read.
-
-    Parameters
-    ----------
-    path : path
-        A file such as .csv, .txt, .xlsx or .parquet, with the names of the columns in
-        its first row.
-
-    Returns
-    -------
-    Table
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is of another kind or too large, or has no rows or too many.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder, "mine.csv")
-    ...     _ = path.write_text("F [kN];Weg [mm]\n0,5;0,001\n")
-    ...     table = read_table(path)
-    >>> table.names, table.columns, table.steps
-    (['F [kN]', 'Weg [mm]'], [['0,5'], ['0,001']], ['cells are separated by semicolons'])
     """
     source, suffix = str(path), Path(path).suffix.lower()
     if suffix == ".xls":
@@ -134,18 +84,20 @@ def read_table(path: Path | str) -> Table:
 def table_of_frame(frame: pd.DataFrame) -> Table:
     """Return a DataFrame as a table, rows counted from 1; missing values are empty cells."""
     content = frame.to_csv(index=False, lineterminator="\n").encode()
-    columns = [frame.iloc[:, k] for k in range(frame.shape[1])]
-    cells = [column.astype(object).where(column.notna(), None).tolist() for column in columns]
-    table = Table(
-        source="DataFrame",
-        row_word="row",
-        sha256=hashlib.sha256(content).hexdigest(),
-        names=[str(name) for name in frame.columns],
-        lines=list(range(1, len(frame) + 1)),
-        columns=[[_plain(cell) for cell in column] for column in cells],
-    )
+    names, *rows = _rows_of(frame)
+    columns = [list(cells) for cells in zip(*(cells for _, cells in rows), strict=True)]
+    lines = [line for line, _ in rows]
+    table = Table("DataFrame", "row", hashlib.sha256(content).hexdigest(), names[1], lines, columns)
     require_rows(table)
     return table
+
+
+def _rows_of(frame: pd.DataFrame) -> _Rows:
+    """Return the names of the columns as row 0, then the rows; None for a missing value."""
+    columns = [frame.iloc[:, k] for k in range(frame.shape[1])]
+    cells = [column.astype(object).where(column.notna(), None).tolist() for column in columns]
+    rows = (list(map(_plain, row)) for row in zip(*cells, strict=True))
+    return [(0, list(map(str, frame.columns))), *enumerate(rows, start=1)]
 
 
 def require_rows(table: Table) -> None:
@@ -153,29 +105,9 @@ def require_rows(table: Table) -> None:
     if not table.lines:
         rule, remedy = "holds no rows", "give it at least one below the names"
         raise InputError(table.source, "", None, rule, remedy)
-    _require_size(table.source, len(table.lines), len(table.names))
-
-
-def _require_size(source: str, rows: int, columns: int, or_more: str = "") -> None:
-    """Raise `InputError` for a table with too many rows, columns or cells."""
-    for number, most, of, remedy in (
-        (rows, MAX_ROWS, "rows", "thin or average them"),
-        (columns, MAX_COLUMNS, "columns", "leave out those that are not needed"),
-        (rows * columns, MAX_CELLS, "cells", "thin the rows, or leave out columns"),
-    ):
-        if number > most:
-            rule = f"has {number} {of}{or_more} (at most {most})"
-            raise InputError(source, "", None, rule, remedy)
-
-
-def _bounded(source: str, rows: Iterable[tuple[int, list[Any]]]) -> _Rows:
-    """Return rows without empty ones, that of names first; stop at the first too many."""
-    kept: _Rows = []
-    for line, cells in rows:
-        if any(cell is not None for cell in cells):
-            kept.append((line, cells))
-            _require_size(source, len(kept) - 1, len(cells), " or more")
-    return kept
+    if len(table.lines) > MAX_ROWS:
+        rule, remedy = f"has {len(table.lines)} rows (at most {MAX_ROWS})", "thin or average them"
+        raise InputError(table.source, "", None, rule, remedy)
 
 
 def _require_rectangular(source: str, row_word: str, rows: _Rows, separator: str) -> None:
@@ -202,7 +134,7 @@ def _read_csv(source: str, content: bytes, steps: list[str]) -> tuple[str, _Rows
     try:
         text = _decoded(content, steps)
         separator = _separator(text)
-        rows = _bounded(source, _rows(text, separator, strict=True))
+        rows = [(line, cells) for line, cells in _rows(text, separator, strict=True) if any(cells)]
     except (UnicodeError, csv.Error) as error:
         rule = f"is not a CSV table ({error})"
         raise InputError(source, "", None, rule, "save it as CSV in UTF-8") from error
@@ -269,122 +201,50 @@ def _rows(text: str, separator: str, strict: bool) -> Iterator[tuple[int, list[A
 
 def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
     """Return the rows of the first sheet with cells, that of names first."""
+    import pandas as pd
+
     try:
-        title, sheets, rows = _first_sheet(source, content, data_only=False)
-        if any(_is_formula(cell) for _, cells in rows for cell in cells):
-            values = _first_sheet(source, content, data_only=True, title=title)[2]
-            rows = _with_values(rows, values)
-    except InputError:
-        raise
+        with warnings.catch_warnings():  # of styles and extensions, which do not matter here
+            warnings.simplefilter("ignore")
+            sheets = pd.read_excel(
+                io.BytesIO(content), sheet_name=None, header=None, na_filter=False, dtype=object
+            )
     except Exception as error:  # openpyxl raises whatever a damaged file makes it stumble over
         reason = (str(error) or type(error).__name__)[:80]  # they may quote the file
         rule = f"is not an Excel workbook ({reason})"
         raise InputError(source, "", None, rule, "save it as .xlsx or .csv") from error
-    if sheets > 1:
-        steps.append(f"sheet {title!r} is read, the first of {sheets} with cells")
-    rows = [(line, cells) for line, cells in rows if not str(cells[0]).startswith("#")]
-    used = (
-        [k for k in range(max(len(cells) for _, cells in rows)) if _is_used(rows, k)]
-        if rows
-        else []
-    )
-    return [(line, [cells[k] if k < len(cells) else None for k in used]) for line, cells in rows]
+    filled = {}
+    for title, frame in sheets.items():
+        rows = [(line, cells) for line, cells in _rows_of(frame)[1:] if any(map(_is_there, cells))]
+        if rows:
+            filled[title] = [each for each in rows if not str(each[1][0]).startswith("#")]
+    if not filled:
+        return []
+    title, rows = next(iter(filled.items()))
+    if len(sheets) > 1:
+        steps.append(f"sheet {title!r} is read, the first of {len(sheets)} with cells")
+    used = [any(map(_is_there, column)) for column in zip(*(c for _, c in rows), strict=True)]
+    return [(line, list(compress(cells, used))) for line, cells in rows]
 
 
-def _first_sheet(
-    source: str, content: bytes, data_only: bool, title: str = ""
-) -> tuple[str, int, _Rows]:
-    """Return the title of the first sheet with cells, or a given one, how many there are, its rows.
-
-    Of a formula they hold the text, or with `data_only` the value that was last computed.
-    """
-    import openpyxl
-
-    with warnings.catch_warnings():  # of styles and extensions, which do not matter here
-        warnings.simplefilter("ignore")
-        book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=data_only)
-    try:
-        sheets = [sheet for sheet in book.worksheets if title in ("", sheet.title)]
-        for sheet in sheets:
-            sheet.reset_dimensions()  # the file may state any, and short rows would be filled
-            found = enumerate(sheet.iter_rows(values_only=True), start=1)
-            rows = _bounded(source, ((line, _without_end(cells)) for line, cells in found))
-            if rows:
-                return sheet.title, len(sheets), rows
-    finally:
-        book.close()
-    return "", 0, []
-
-
-def _without_end(row: Iterable[Any]) -> list[Any]:
-    """Return the cells of a row up to the last that is not empty."""
-    cells = [_plain(cell) for cell in row]
-    while cells and cells[-1] is None:
-        cells.pop()
-    return cells
-
-
-def _with_values(formulas: _Rows, values: _Rows) -> _Rows:
-    """Return rows with the values of their formulas, where the file has them."""
-    known = dict(values)
-    return [
-        (line, [_value(cell, known.get(line, ()), k) for k, cell in enumerate(cells)])
-        for line, cells in formulas
-    ]
-
-
-def _value(cell: Any, values: Sequence[Any], k: int) -> Any:
-    """Return a cell, or for a formula its value or else its text."""
-    value = values[k] if _is_formula(cell) and k < len(values) else None
-    return cell if value is None else value
-
-
-def _is_formula(cell: Any) -> bool:
-    return isinstance(cell, str) and cell.startswith("=")
-
-
-def _is_used(rows: _Rows, k: int) -> bool:
-    """Return whether a column has a cell."""
-    return any(k < len(cells) and cells[k] is not None for _, cells in rows)
+def _is_there(cell: Any) -> bool:
+    return cell is not None
 
 
 def _read_parquet(source: str, content: bytes, _steps: list[str]) -> _Rows:
     """Return the rows, whose cells may be of any type, that of names first as row 0."""
-    pa = require_parquet(source)
+    require_parquet(source)
+    import pandas as pd
+
     try:
-        file = pa.parquet.ParquetFile(pa.BufferReader(content))
-        metadata = file.metadata
-        _require_size(source, metadata.num_rows, metadata.num_columns)
-        schema = file.schema_arrow
-        for column in schema:
-            if pa.types.is_nested(column.type):
-                rule, remedy = "holds lists or tables in its cells", "give a cell one value"
-                raise InputError(source, column.name, None, rule, remedy)
-        # A text that repeats is kept once: a few bytes could be gigabytes of cells otherwise.
-        texts = [c.name for c in schema if pa.types.is_string(c.type) or pa.types.is_binary(c.type)]
-        file = pa.parquet.ParquetFile(pa.BufferReader(content), read_dictionary=texts)
-        table = file.read(use_threads=False)
-    except (OSError, UnicodeDecodeError, pa.ArrowException) as error:  # of damaged contents
+        return _rows_of(pd.read_parquet(io.BytesIO(content)))
+    except (OSError, ValueError) as error:  # of damaged contents
         rule = f"is not a Parquet table ({error})"
         raise InputError(source, "", None, rule, "write it anew, or use CSV") from error
-    columns = [_parquet_cells(pa, column) for column in table.columns]
-    return [(0, table.column_names), *enumerate(map(list, zip(*columns, strict=True)), start=1)]
-
-
-def _parquet_cells(pa: Any, column: Any) -> list[Any]:
-    """Return the cells of a column; equal texts of a dictionary are one object."""
-    if not pa.types.is_dictionary(column.type):
-        return [_plain(cell) for cell in column.to_pylist()]
-    cells: list[Any] = []
-    for chunk in column.chunks:
-        words = [_plain(word) for word in chunk.dictionary.to_pylist()]
-        cells += [None if k is None else words[k] for k in chunk.indices.to_pylist()]
-    return cells
 
 
 def _plain(cell: Any) -> Any:
     """Return a cell without spaces around its text; None if it is empty."""
-    cell = getattr(cell, "text", cell)  # an array formula
     return cell.strip() or None if isinstance(cell, str) else cell
 
 
@@ -392,13 +252,7 @@ def _plain(cell: Any) -> Any:
 
 
 def texts(table: Table, k: int) -> list[str]:
-    """Return a column as words.
-
-    Raises
-    ------
-    InputError
-        If a cell is empty.
-    """
+    """Return a column as words."""
     _require_filled(table, k)
     return list(map(_text, table.columns[k]))
 
@@ -414,29 +268,6 @@ def finite_numbers(table: Table, wanted: Sequence[int]) -> list[list[float]]:
 
     Commas mark decimals if no number has a point, and one of them can mark nothing else: "1,234"
     alone may be a thousand.
-
-    Parameters
-    ----------
-    table : Table
-        The cells.
-    wanted : sequence of int
-        The indices of the columns.
-
-    Returns
-    -------
-    list of list of float
-        The columns, N numbers each.
-
-    Raises
-    ------
-    InputError
-        If a cell is empty or not a finite number, or the decimal mark is not certain.
-
-    Examples
-    --------
-    >>> table = Table("example", "row", "", ["a", "b"], [1, 2], [["1,5", "2"], ["0,25", "1,125"]])
-    >>> finite_numbers(table, [0, 1]), table.steps
-    ([[1.5, 2.0], [0.25, 1.125]], ['decimals are marked by commas'])
     """
     has_commas = _require_decimals(table, wanted)
     if has_commas:
@@ -493,9 +324,6 @@ def _numbers(table: Table, k: int, has_commas: bool) -> list[float]:
     rule, remedy = "must be a finite number", "write it with a decimal point, without its unit"
     if isinstance(cell, str) and _THOUSANDS.fullmatch(cell):
         rule, remedy = _NO_THOUSANDS
-    elif _is_formula(cell):
-        rule = "is a formula without a stored value"
-        remedy = "open the workbook in a spreadsheet program and save it, or paste the values"
     raise _cell_error(table, row, k, rule, remedy)
 
 
@@ -516,7 +344,11 @@ def _require_filled(table: Table, k: int) -> None:
     """Raise `InputError` for the first empty cell of a column."""
     row = next((row for row, cell in enumerate(table.columns[k]) if cell is None), None)
     if row is not None:
-        raise _cell_error(table, row, k, "is empty", "fill it in, or remove the row")
+        rule, remedy = "is empty", "fill it in, or remove the row"
+        if Path(table.source).suffix.lower() == ".xlsx":
+            rule = "is empty, or a formula without a stored value"
+            remedy += ", or save the workbook in a spreadsheet program"
+        raise _cell_error(table, row, k, rule, remedy)
 
 
 def _cell_error(table: Table, row: int, k: int, rule: str, remedy: str) -> InputError:

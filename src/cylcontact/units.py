@@ -8,18 +8,6 @@ from dataclasses import dataclass
 
 from cylcontact.errors import InputError
 
-__all__ = [
-    "LABELS",
-    "QUANTITIES",
-    "Column",
-    "column_named",
-    "is_unit",
-    "named_quantity",
-    "quantity_and_unit",
-    "spellings",
-    "unit_in",
-]
-
 # For each kind of quantity, its units as they stand in the names of columns, and their value in
 # mm, N, MPa and s.
 _LENGTHS = {"nm": 1e-6, "um": 1e-3, "mm": 1.0, "m": 1e3}
@@ -66,17 +54,7 @@ _MICRONS = re.compile(r"microns?|micromet(?:er|re)s?")
 
 @dataclass(frozen=True)
 class Column:
-    """A column name, parsed.
-
-    Attributes
-    ----------
-    name : str
-        The name in the table.
-    quantity : str
-        A key of `QUANTITIES`, or one of `LABELS`.
-    unit : str
-        A key of that quantity's units; empty for words and pure numbers.
-    """
+    """A column name, parsed."""
 
     name: str
     quantity: str
@@ -105,48 +83,19 @@ class Column:
 
 
 def column_named(name: str) -> Column | None:
-    """Return the parsed name of a column; None unless it says the quantity and its unit.
-
-    Examples
-    --------
-    >>> column_named("penetration_um")
-    Column(name='penetration_um', quantity='penetration', unit='um')
-    >>> column_named("F [kN]").factor, column_named("Force / N").is_total
-    (1000.0, True)
-    >>> column_named("temperature") is None
-    True
-    """
+    """Return the parsed name of a column; None unless it says the quantity and its unit."""
     parsed = quantity_and_unit(name)
     return None if parsed is None else named_quantity(name, *parsed)
 
 
 def named_quantity(name: str, quantity: str, unit: str) -> Column | None:
-    """Return a column of a quantity in a unit as a user writes it; None if it has no such unit.
-
-    Examples
-    --------
-    >>> named_quantity("Kraft", "load", "kN/m")
-    Column(name='Kraft', quantity='load', unit='kN_per_m')
-    >>> named_quantity("Kraft", "load", "lbf") is None
-    True
-    """
+    """Return a column of a quantity in a unit as a user writes it; None if it has no such unit."""
     plain = _unit(unit)
     return Column(name, quantity, plain) if plain in QUANTITIES.get(quantity, _PURE) else None
 
 
 def load_in_N_per_mm(text: str, length: float | None) -> float:
-    """Return a load with a unit, such as 4500 N or 225 N/mm, per unit of length in N/mm.
-
-    Raises
-    ------
-    InputError
-        If it is not a number with a unit of load, or a total force without a length.
-
-    Examples
-    --------
-    >>> load_in_N_per_mm("4.5 kN", 20.0), load_in_N_per_mm("225 N/mm", None)
-    (225.0, 225.0)
-    """
+    """Return a load with a unit, such as 4500 N or 225 N/mm, per unit of length in N/mm."""
     number, _, unit = text.strip().partition(" ")
     column = named_quantity("load", "load", unit)
     try:
@@ -164,15 +113,7 @@ def load_in_N_per_mm(text: str, length: float | None) -> float:
 
 
 def quantity_and_unit(name: str) -> tuple[str, str] | None:
-    """Return the quantity that a name says, and its unit as written; None without a quantity.
-
-    Examples
-    --------
-    >>> quantity_and_unit("displacement [µm]"), quantity_and_unit("Force (lbf)")
-    (('penetration', 'um'), ('load', 'lbf'))
-    >>> quantity_and_unit("indentation"), quantity_and_unit("load cell")
-    (('penetration', ''), None)
-    """
+    """Return the quantity that a name says, and its unit as written; None without a quantity."""
     plain = " ".join(name.translate(_GREEK).split())
     quantity = _quantity(plain)
     if quantity is not None:
@@ -187,37 +128,19 @@ def quantity_and_unit(name: str) -> tuple[str, str] | None:
 
 
 def unit_in(name: str, quantity: str) -> str:
-    """Return the unit of a quantity in a name that does not say the quantity; empty without one.
-
-    Examples
-    --------
-    >>> unit_in("Kraft [kN]", "load"), unit_in("Kraft", "load")
-    ('kN', '')
-    """
+    """Return the unit of a quantity in a name that does not say the quantity; empty without one."""
     plain = " ".join(name.translate(_GREEK).split())
     return next((unit for _, unit in _splits(plain) if _has_unit(quantity, unit)), "")
 
 
 def is_unit(text: str) -> bool:
-    """Return whether a cell is a unit, as in a row of units below the names.
-
-    Examples
-    --------
-    >>> [is_unit(text) for text in ("N", "[µm]", "kN/m", "steel", "")]
-    [True, True, True, False, False]
-    """
+    """Return whether a cell is a unit, as in a row of units below the names."""
     plain = _unit(text.translate(_GREEK))
     return bool(plain) and any(plain in units for units in QUANTITIES.values())
 
 
 def spellings(quantity: str) -> str:
-    """Return the possible column names of a quantity, for errors.
-
-    Examples
-    --------
-    >>> spellings("dR")
-    'dR_nm, dR_um, dR_mm, dR_m'
-    """
+    """Return the possible column names of a quantity, for errors."""
     if quantity in LABELS:
         return quantity
     return ", ".join(f"{quantity}_{unit}" if unit else quantity for unit in QUANTITIES[quantity])

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from cylcontact.fitting import Campaign, FitResult, TableCampaign
     from cylcontact.parallel import Workers
 
-__all__ = ["compare", "fit", "sample", "verify"]
-
 
 def sample(
     spec: Annotated[Path, typer.Argument(help="A grid spec, e.g. datasets/internal.toml.")],
@@ -188,7 +186,7 @@ def _compare_optimizers(
         compared = optimizer_comparison.compare_optimizers(planned, names, where, progress)
     if out is not None:
         with replacing(out) as temporary:
-            temporary.write_text(optimizer_comparison.as_csv(compared), encoding="utf-8")
+            compared.to_csv(temporary, index=False, lineterminator="\n")
     say(optimizer_comparison.as_text(compared))
 
 
@@ -211,17 +209,13 @@ def verify(
     scheduler: Scheduler = None,
 ) -> None:
     """Redo committed fits with their own settings; exit code 1 if one differs."""
-    from cylcontact.fitting.verify import verify as verify_one
+    from cylcontact.fitting.comparison import verify as verify_one
 
     paths = results or sorted(RESULTS.glob("*.json"))
     if not paths:
-        raise InputError(
-            str(RESULTS),
-            "",
-            None,
-            "has no results",
-            "name some, or lay out a bench with: cylcontact init FOLDER",
-        )
+        rule = "has no results"
+        remedy = "name some, or lay out a bench with: cylcontact init FOLDER"
+        raise InputError(str(RESULTS), "", None, rule, remedy)
     failed = 0
     for path in paths:
         with progress_bars() as progress:

@@ -158,13 +158,9 @@ def plan(
     given = _given(asdict(law) | asdict(options))
     if not is_table(path):
         if given:
-            raise InputError(
-                str(path),
-                option_of(next(iter(given))),
-                None,
-                "is an option for tables of measurements, and this is a campaign",
-                "set it in the campaign file",
-            )
+            rule = "is an option for tables of measurements, and this is a campaign"
+            remedy = "set it in the campaign file"
+            raise InputError(str(path), option_of(next(iter(given))), None, rule, remedy)
         return read_campaign(path, search.runs, search.seed, optimizer)
     table = _table(path, given, search, optimizer)
     return table.campaign(table.spec.law)
@@ -253,8 +249,7 @@ def design(
     *,
     law: LawOption,
     loads: Annotated[
-        str,
-        typer.Option("--loads", help="Loads that can be taken, in N/mm.", metavar="LOW:HIGH"),
+        str, typer.Option("--loads", help="Loads that can be taken, in N/mm.", metavar="LOW:HIGH")
     ],
     add: Annotated[
         int | None,

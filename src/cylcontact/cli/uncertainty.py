@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from cylcontact.cli.measured import LawOption
     from cylcontact.parallel import Workers
 
-__all__ = ["StudyOptions", "study_uncertainty"]
-
 
 def _option(*names: str, help: str, **details: Any) -> Any:
     """Return an option in the help panel for results."""
@@ -36,8 +34,7 @@ class StudyOptions:
         _option(help="Refit to resampled data.", parser=integer_from(2), metavar="REFITS"),
     ] = None
     over: Annotated[
-        str | None,
-        _option(help="What to resample: rows (default), material, dR, pair or group."),
+        str | None, _option(help="What to resample: rows (default), material, dR, pair or group.")
     ] = None
     leave_out: Annotated[
         str | None,
@@ -62,7 +59,7 @@ def study_uncertainty(
     """Estimate the uncertainty of a fit: noise of measurements, or discrepancy of laws."""
     from cylcontact.fitting import DataFit, FitResult, LawFit
     from cylcontact.fitting.discrepancy import DiscrepancyStudy, study_discrepancy
-    from cylcontact.fitting.study import NoiseStudy, Resampling, study_noise
+    from cylcontact.fitting.study import NoiseStudy, study_noise
 
     level = 0.95 if options.level is None else options.level
     bootstrap, over, leave_out = options.bootstrap, options.over, options.leave_out
@@ -74,7 +71,9 @@ def study_uncertainty(
             study = study_noise(
                 fit,
                 level=level,
-                resampling=Resampling(bootstrap, over or "rows", seed) if bootstrap else None,
+                replicates=bootstrap,
+                over=over or "rows",
+                seed=seed,
                 leave_out=leave_out,
                 with_pairs=options.pairs,
                 law=law.law,
@@ -83,19 +82,11 @@ def study_uncertainty(
             )
         elif isinstance(fit, LawFit):
             if bootstrap is not None:
-                raise InputError(
-                    str(result),
-                    "--bootstrap",
-                    bootstrap,
-                    "is for measurements: samples of a law carry no noise to resample",
-                    "use --leave-out dR or --leave-out material",
-                )
+                rule = "is for measurements: samples of a law carry no noise to resample"
+                remedy = "use --leave-out dR or --leave-out material"
+                raise InputError(str(result), "--bootstrap", bootstrap, rule, remedy)
             study = study_discrepancy(
-                fit,
-                leave_out=leave_out,
-                with_pairs=options.pairs,
-                jobs=where,
-                progress=progress,
+                fit, leave_out=leave_out, with_pairs=options.pairs, jobs=where, progress=progress
             )
     _write(study, out)
     say(f"{study}\n\nwritten to {out}" if out else str(study))

@@ -19,19 +19,6 @@ from cylcontact.materials import LARGEST_MODULUS, material_in_MPa
 from cylcontact.pair import Contact, CylinderPair, are_possible
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
-__all__ = [
-    "AnyGrid",
-    "AxesSpec",
-    "AxisSpec",
-    "DimensionlessGrid",
-    "DimensionlessGridSpec",
-    "Grid",
-    "GridSpec",
-    "grid_from",
-    "read_grid",
-    "read_grid_data",
-]
-
 _POSITIVE_AXES = ("E", "dR", "load")
 # How the axes of either kind of grid are asked for.
 _AXES = (
@@ -64,12 +51,9 @@ class AxisSpec(Spec):
             return self
         missing = [key for key, value in ranged.items() if value is None]
         if missing:
-            raise broken(
-                missing[0],
-                None,
-                "is required",
-                "an axis takes min, max, points and spacing, or values = [...]",
-            )
+            rule = "is required"
+            remedy = "an axis takes min, max, points and spacing, or values = [...]"
+            raise broken(missing[0], None, rule, remedy)
         self._check_range()
         return self
 
@@ -124,12 +108,8 @@ class AxesSpec(Spec):
             raise broken("E", stiffest, rule, "give it in GPa, e.g. 207 for steel")
         ratio = self.nu.numbers()
         if ratio[0] < 0 or ratio[-1] > 0.5:
-            raise broken(
-                "nu",
-                [float(ratio[0]), float(ratio[-1])],
-                "Poisson's ratio must lie in [0, 0.5]",
-                "narrow the axis",
-            )
+            rule = "Poisson's ratio must lie in [0, 0.5]"
+            raise broken("nu", [float(ratio[0]), float(ratio[-1])], rule, "narrow the axis")
         return self
 
 
@@ -232,12 +212,8 @@ def _check_penetrations(
     sizes = [getattr(axes, name).numbers().size for name in ("E", "nu", "dR", "load")]
     lengths = [len(row) for row in penetrations or ()]
     if sizes[:2] != [1, 1] or lengths != [sizes[3]] * sizes[2]:
-        raise broken(
-            "penetrations",
-            None,
-            "must hold one E, one nu, and a list for each dR with a number for each load",
-            "name the table instead: table = ...",
-        )
+        rule = "must hold one E, one nu, and a list for each dR with a number for each load"
+        raise broken("penetrations", None, rule, "name the table instead: table = ...")
     if min(min(row) for row in penetrations or ()) <= 0:
         raise broken("penetrations", None, "must be positive", "give them in mm")
 
@@ -276,13 +252,7 @@ class Grid:
     source: str = "grid"
     penetrations: FloatArray | None = None
     axes: ClassVar[tuple[str, ...]] = ("dR", "E", "nu", "load")
-    columns: ClassVar[tuple[str, ...]] = (
-        "E_GPa",
-        "nu",
-        "dR_mm",
-        "load_N_per_mm",
-        "penetration_mm",
-    )
+    columns: ClassVar[tuple[str, ...]] = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
 
     @property
     def law(self) -> ContactLaw | TabulatedReference:
@@ -322,22 +292,6 @@ class DimensionlessGrid:
     """The product of values of α, β and φ = f/(E*·ΔR), without pairs that no materials make.
 
     Its pairs have E* = 1 MPa and ΔR = 1 mm: their loads are φ, their penetrations d = δ/ΔR.
-
-    Attributes
-    ----------
-    reference : str
-        Name of the law sampled.
-    alpha, beta, phi : array of float
-        The axes.
-    source : str
-        Its name in errors.
-
-    Examples
-    --------
-    >>> ends = np.array([-0.4, 0.0, 0.4])
-    >>> grid = DimensionlessGrid("conformal", ends, ends / 2, np.array([0.1, 1.0]))
-    >>> grid.rows, grid.size
-    (7, 14)
     """
 
     reference: str
@@ -416,13 +370,7 @@ def read_grid(path: Path | str) -> AnyGrid:
 
 
 def read_grid_data(path: Path | str) -> dict[str, Any]:
-    """Return the contents of a grid spec, with a named table replaced by its contents.
-
-    Raises
-    ------
-    InputError
-        If the file is not TOML, or the table is missing or was edited by hand.
-    """
+    """Return the contents of a grid spec, with a named table replaced by its contents."""
     data = read_toml(path)
     return with_table(data, Path(path)) if data.get("reference") == FINITE_ELEMENT else data
 

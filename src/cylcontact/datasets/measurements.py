@@ -20,8 +20,14 @@ from pydantic import Field
 from cylcontact import limits
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.choices import Branch
-from cylcontact.datasets.branches import PAIR_COLUMNS, equal_rows, kept_rows
-from cylcontact.datasets.columns import Mapped, mapped, require_found
+from cylcontact.datasets.columns import (
+    PAIR_COLUMNS,
+    Mapped,
+    equal_rows,
+    kept_rows,
+    mapped,
+    require_found,
+)
 from cylcontact.errors import InputError
 from cylcontact.laws import Housing
 from cylcontact.materials import (
@@ -34,31 +40,11 @@ from cylcontact.materials import (
 )
 from cylcontact.pair import Contact, CylinderPair, roles, unusual_lengths
 from cylcontact.spec import Spec
-from cylcontact.tables import (
-    MAX_ROWS,
-    Table,
-    finite_numbers,
-    read_table,
-    table_of_frame,
-    texts,
-)
+from cylcontact.tables import finite_numbers, read_table, table_of_frame, texts
 from cylcontact.units import LABELS, Column, column_named, spellings
 
 if TYPE_CHECKING:
     import pandas as pd
-
-__all__ = [
-    "MAX_ROWS",
-    "Constants",
-    "Indices",
-    "MeasuredData",
-    "Measurements",
-    "measurements_of",
-    "pair_notes",
-    "read_frame",
-    "read_measured",
-    "require_positive_penetration",
-]
 
 Constants = Mapping[str, float | str]
 Indices = NDArray[np.intp]
@@ -108,31 +94,22 @@ _REQUIRED = ("load", "penetration", "E_i", "E_j", "nu_i", "nu_j")
 class MeasuredData(Spec):
     """Measurements as stored in a result: columns in mm, N and MPa with N rows or one."""
 
-    source: str = Field(description="the table they came from")
-    sha256: str = Field(description="the hash of its bytes")
-    contact: Contact = Field(description='"internal" or "external"')
-    row_word: str = Field("line", description='"line" or "row"')
-    lines: list[int] = Field(description="the position of each row in the table")
-    numbers: dict[str, list[float]] = Field(description="columns of numbers")
-    labels: dict[str, list[str]] = Field(description="columns of words")
-    notes: list[str] = Field(description="remarks for the report")
-    steps: list[str] = Field([], description="what was done to the table")
-    units: dict[str, str] = Field({}, description="the units of load and penetration in the table")
+    source: str
+    sha256: str
+    contact: Contact
+    row_word: str = "line"
+    lines: list[int]
+    numbers: dict[str, list[float]]
+    labels: dict[str, list[str]]
+    notes: list[str]
+    # What was done to the table, and its units of load and penetration.
+    steps: list[str] = Field([])
+    units: dict[str, str] = Field({})
 
 
 @dataclass(frozen=True, eq=False)
 class Measurements:
-    """N measured points, each a load and a penetration of a known pair.
-
-    Attributes
-    ----------
-    data : MeasuredData
-        The columns they were made from.
-    rows : array of int, shape (N,)
-        Indices of the rows in `data`, possibly repeated.
-    columns : dict of str to array of float, shape (N,)
-        Columns in mm, N and MPa.
-    """
+    """N measured points, each a load and a penetration of a known pair."""
 
     data: MeasuredData
     rows: Indices
@@ -187,18 +164,7 @@ class Measurements:
         return self.data.lines[int(self.rows[row])]
 
     def groups(self, over: str) -> tuple[list[str], Indices]:
-        """Return the names of the groups, and the group of each row.
-
-        Parameters
-        ----------
-        over : {"rows", "material", "dR", "pair", "group"}
-            The criterion of the grouping.
-
-        Raises
-        ------
-        InputError
-            If the grouping is unknown, or the table has no column `group`.
-        """
+        """Return the names of the groups, and the group of each row."""
         if over not in _GROUPINGS:
             remedy = f"choose {', '.join(_GROUPINGS)}"
             raise InputError("grouping", "over", over, "is unknown", remedy)
@@ -221,16 +187,7 @@ class Measurements:
         return [lines for lines in positions.values() if len(lines) > 1]
 
     def replicates(self) -> list[Indices]:
-        """Return the indices of rows of the same load and pair, an array for two or more of them.
-
-        Examples
-        --------
-        >>> import pandas as pd
-        >>> frame = pd.DataFrame({"load_N_per_mm": [1, 2, 1], "penetration_um": [0.2, 0.3, 0.1]})
-        >>> data = read_frame(frame, "internal", {"E_GPa": 207, "nu": 0.3, "dR_um": 30})
-        >>> measurements_of(data, "example").replicates()
-        [array([0, 2])]
-        """
+        """Return the indices of rows of the same load and pair, two or more of them."""
         keys = [self.columns[name] for name in ("load", *PAIR_COLUMNS) if name in self.columns]
         alike = equal_rows(keys, len(self))
         order = np.argsort(alike, kind="stable")
@@ -257,7 +214,7 @@ class Measurements:
 
 
 def read_measured(
-    path: Path | str,
+    data: Path | str | pd.DataFrame,
     contact: Contact,
     constants: Constants | None = None,
     materials: Path | None = None,
@@ -266,136 +223,37 @@ def read_measured(
     group: str | None = None,
     branch: Branch | None = None,
 ) -> MeasuredData:
-    r"""Read a table of measurements into columns.
-
-    Parameters
-    ----------
-    path : path
-        A CSV, Excel or Parquet file with the units in the names of its columns or below them
-        (`cylcontact.units`).
-    contact : {"internal", "external"}
-        Pin in hole, or two rollers.
-    constants : mapping, optional
-        Values for all rows, by column name: {"E_GPa": 207, "dR_um": 50}.
-    materials : path, optional
-        Your own table of materials, in addition to that of the package.
-    ignored : sequence of str
-        Columns to leave out.
-    columns : mapping, optional
-        Columns by what they are, where their names do not say it: {"load_N": "Kraft"}.
-    group : str, optional
-        The column whose values are the groups: specimens, runs, dates.
-    branch : {"loading", "unloading"}, optional
-        The rows to keep; all by default.
-
-    Returns
-    -------
-    MeasuredData
-        Unchecked; `measurements_of` checks it.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is of another kind, has a column in doubt or a cell that is
-        empty or not a number, no rows or too many; or a constant is wrong, a quantity is given
-        twice or not at all, or a material is unknown.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder, "mine.csv")
-    ...     _ = path.write_text("F [kN];displacement [µm]\n0,2;0,206\n0,5;0,454\n")
-    ...     pair = {"E_GPa": 207, "nu": 0.3, "dR_um": 30, "length_mm": 20}
-    ...     data = read_measured(path, "internal", pair)
-    >>> data.numbers["load"], data.numbers["E_i"], data.lines
-    ([10.0, 25.0], [207000.0], [2, 3])
-    >>> print(*data.steps, sep="\n")
-    cells are separated by semicolons
-    decimals are marked by commas
-    column 'F [kN]' is read as total load in kN, divided by the length of 20 mm
-    column 'displacement [µm]' is read as penetration in µm
-    """
-    table = read_table(path)
+    """Read a file or a DataFrame of measurements into columns; `measurements_of` checks them."""
+    table = read_table(data) if isinstance(data, Path | str) else table_of_frame(data)
     found = mapped(table, columns or {}, group, ignored)
-    return _measured_data(found, Path(table.source).name, contact, constants, materials, branch)
-
-
-def read_frame(
-    frame: pd.DataFrame,
-    contact: Contact,
-    constants: Constants | None = None,
-    materials: Path | None = None,
-    ignored: Sequence[str] = (),
-    columns: Mapping[str, str] | None = None,
-    group: str | None = None,
-    branch: Branch | None = None,
-) -> MeasuredData:
-    """Read a DataFrame as `read_measured` reads a file.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The table; its index is not used. Errors count its rows from 1.
-    contact, constants, materials, ignored, columns, group, branch
-        As for `read_measured`.
-
-    Returns
-    -------
-    MeasuredData
-        With the hash of the table as CSV.
-
-    Raises
-    ------
-    InputError
-        As for `read_measured`.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> frame = pd.DataFrame({"load_N_per_mm": [10.0, 25.0], "depth": [0.2, 0.5]})
-    >>> pair = {"E_GPa": 207, "nu": 0.3, "dR_um": 30}
-    >>> data = read_frame(frame, "internal", pair, columns={"penetration_um": "depth"})
-    >>> data.numbers["penetration"], data.steps
-    ([0.0002, 0.0005], ["column 'depth' is read as penetration in µm"])
-    """
-    table = table_of_frame(frame)
-    found = mapped(table, columns or {}, group, ignored)
-    return _measured_data(found, table.source, contact, constants, materials, branch)
-
-
-def _measured_data(
-    found: Mapped,
-    name: str,
-    contact: Contact,
-    constants: Constants | None,
-    materials: Path | None,
-    branch: Branch | None,
-) -> MeasuredData:
-    """Return the data of a table whose columns are known."""
     table, source = found.table, found.table.source
-    columns = list(found.columns.values())
+    parsed = list(found.columns.values())
     of_numbers = found.indices(of_words=False)
     read = zip(of_numbers, finite_numbers(table, of_numbers), strict=True)
     values: dict[str, list[Any]] = {found.columns[k].quantity: cells for k, cells in read}
     values |= {found.columns[k].quantity: texts(table, k) for k in found.indices(of_words=True)}
     if found.group is not None:
         values["group"] = texts(table, found.group)
-    columns += _add_constants(source, constants or {}, values)
+    parsed += _add_constants(source, constants or {}, values)
     _require_all(found, values, contact)
     labels = {quantity: words for quantity, words in values.items() if quantity in LABELS}
     numbers = {
         c.quantity: np.array([value * c.factor for value in values[c.quantity]])
-        for c in columns
+        for c in parsed
         if c.quantity not in LABELS
     }
     notes = _add_moduli(source, numbers, labels, materials, contact)
-    _divide_by_length(source, numbers, sorted(c.quantity for c in columns if c.is_total))
-    _require_finite(table, numbers)
+    _divide_by_length(source, numbers, sorted(c.quantity for c in parsed if c.is_total))
+    for name, column in numbers.items():
+        wrong = np.flatnonzero(~np.isfinite(column))
+        if wrong.size:
+            line = f", {table.row_word} {table.lines[wrong[0]]}" if column.size > 1 else ""
+            remedy = "correct it; mind the unit in the column's name"
+            raise InputError(f"{table.source}{line}", name, None, "is too large", remedy)
     table.steps.extend(_readings(found, numbers))
     kept = kept_rows(table, numbers, labels, branch)
     return MeasuredData(
-        source=name,
+        source=Path(source).name,
         sha256=table.sha256,
         contact=contact,
         row_word=table.row_word,
@@ -406,18 +264,8 @@ def _measured_data(
         },
         notes=notes,
         steps=table.steps,
-        units={c.quantity: c.unit for c in columns if c.quantity in ("load", "penetration")},
+        units={c.quantity: c.unit for c in parsed if c.quantity in ("load", "penetration")},
     )
-
-
-def _require_finite(table: Table, numbers: _Numbers) -> None:
-    """Raise `InputError` for the first number that is too large in the unit in which it is kept."""
-    for name, column in numbers.items():
-        wrong = np.flatnonzero(~np.isfinite(column))
-        if wrong.size:
-            line = f", {table.row_word} {table.lines[wrong[0]]}" if column.size > 1 else ""
-            remedy = "correct it; mind the unit in the column's name"
-            raise InputError(f"{table.source}{line}", name, None, "is too large", remedy)
 
 
 def _readings(found: Mapped, numbers: _Numbers) -> list[str]:
@@ -553,12 +401,7 @@ def _yield_notes(measured: Measurements, own: Path | None, housing: Housing | No
 
 
 def _moduli(
-    body: str,
-    source: str,
-    numbers: _Numbers,
-    labels: _Labels,
-    rows: _Materials,
-    contact: Contact,
+    body: str, source: str, numbers: _Numbers, labels: _Labels, rows: _Materials, contact: Contact
 ) -> tuple[FloatArray, FloatArray]:
     """Return E in MPa and ν of one body, given exactly once, by name or by number."""
     named = [name for name in (f"material_{body}", "material") if name in labels]
@@ -601,35 +444,7 @@ def _divide_by_length(source: str, numbers: _Numbers, totals: Sequence[str]) -> 
 
 
 def measurements_of(data: MeasuredData, source: str) -> Measurements:
-    """Check columns row by row and return the measurements.
-
-    Parameters
-    ----------
-    data : MeasuredData
-        From `read_measured`, or from a result.
-    source : str
-        Its name in errors.
-
-    Returns
-    -------
-    Measurements
-
-    Raises
-    ------
-    InputError
-        If a column is missing or has another number of rows, or a row has an impossible value;
-        the message names the row.
-
-    Examples
-    --------
-    >>> data = MeasuredData(
-    ...     source="made up", sha256="", contact="internal", lines=[2, 3], labels={}, notes=[],
-    ...     numbers={"load": [10.0, 100.0], "penetration": [2e-4, 1.6e-3], "dR": [0.05],
-    ...              "E_i": [207e3], "E_j": [207e3], "nu_i": [0.3], "nu_j": [0.3]})
-    >>> measured = measurements_of(data, "example")
-    >>> len(measured), measured.pair.E_star.shape
-    (2, (2,))
-    """
+    """Check columns row by row and return the measurements."""
     size = len(data.lines)
     _require_shapes(data, size, source)
     columns = {
@@ -637,7 +452,10 @@ def measurements_of(data: MeasuredData, source: str) -> Measurements:
         for name, values in data.numbers.items()
     }
     _require_given(source, _REQUIRED, columns)
-    _require_sign(data, source, columns)
+    if (columns["load"] <= 0).all() and (columns["penetration"] <= 0).all():
+        remedy = "turn the sign of both columns: compression counts as positive"
+        rule = _POSITIVE._replace(rule="must be positive, and no load or penetration is")
+        _require(data, source, "load", columns["load"], rule, remedy)
     for name, allowed in _RANGES.items():
         if name in columns:
             _require(data, source, name, columns[name], allowed)
@@ -683,42 +501,8 @@ def _require(
         raise InputError(where, name, float(values[first]), allowed.rule, f"{remedy}{more}")
 
 
-def _require_sign(data: MeasuredData, source: str, columns: _Numbers) -> None:
-    """Raise `InputError` for a table that counts compression negative."""
-    if (columns["load"] <= 0).all() and (columns["penetration"] <= 0).all():
-        remedy = "turn the sign of both columns: compression counts as positive"
-        rule = _POSITIVE._replace(rule="must be positive, and no load or penetration is")
-        _require(data, source, "load", columns["load"], rule, remedy)
-
-
 def require_positive_penetration(measured: Measurements, source: str, remedy: str) -> None:
-    """Raise `InputError` for the first row whose penetration is not positive.
-
-    Parameters
-    ----------
-    measured : Measurements
-        The rows.
-    source : str
-        Their table's name in errors.
-    remedy : str
-        What to do about readings that are not zeroed.
-
-    Raises
-    ------
-    InputError
-        The message names the row.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> frame = pd.DataFrame({"load_N_per_mm": [1, 2], "penetration_um": [-0.1, 0.2]})
-    >>> data = read_frame(frame, "internal", {"E_GPa": 207, "nu": 0.3, "dR_um": 30})
-    >>> measured = measurements_of(data, "example")
-    >>> require_positive_penetration(measured, "example", "correct it")
-    Traceback (most recent call last):
-    ...
-    cylcontact.errors.InputError: example, row 1: penetration = -0.0001: must be positive...
-    """
+    """Raise `InputError` for the first row whose penetration is not positive."""
     _require(measured.data, source, "penetration", measured.penetration, _POSITIVE, remedy)
 
 

@@ -19,8 +19,7 @@ import numpy as np
 
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray
 from cylcontact.datasets.grid import AnyGrid, Grid
-from cylcontact.datasets.logarithmic_moments import row_moments
-from cylcontact.datasets.moments import Moments, concatenate, merge
+from cylcontact.datasets.moments import Moments, concatenate, merge, row_moments
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_parquet, require_suffix
 from cylcontact.laws import LogarithmicLaw
@@ -184,13 +183,8 @@ def reduce_grid(
     order = np.argsort(moments.dR)
     moments = moments.at(order[moments.count[order] > 0])
     if not moments.total:
-        raise InputError(
-            grid.source,
-            "axes",
-            None,
-            f"all {grid.size} samples lie outside the domain of {grid.reference}",
-            "lower the loads, or raise E or dR",
-        )
+        rule = f"all {grid.size} samples lie outside the domain of {grid.reference}"
+        raise InputError(grid.source, "axes", None, rule, "lower the loads, or raise E or dR")
     return moments, Counts(int(moments.total), grid.size - int(moments.total))
 
 

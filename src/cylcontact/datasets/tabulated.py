@@ -12,8 +12,6 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.pair import CylinderPair
 
-__all__ = ["FINITE_ELEMENT", "TabulatedReference", "with_table"]
-
 # The name of such a reference in grid specs.
 FINITE_ELEMENT = "finite-element"
 # The columns of a table by the axes of a grid.
@@ -22,25 +20,7 @@ _AXES = {"E": "E_GPa", "nu": "nu", "dR": "dR_mm", "load": "load_N_per_mm"}
 
 @dataclass(frozen=True, eq=False)
 class TabulatedReference:
-    """A reference law given by a table, defined at its clearances and loads only.
-
-    Attributes
-    ----------
-    dR : array of float, shape (m,)
-        Clearances in mm.
-    load : array of float, shape (k,)
-        Loads in N/mm, increasing.
-    values : array of float, shape (m, k)
-        Penetrations in mm.
-
-    Examples
-    --------
-    >>> from cylcontact.materials import Material
-    >>> two = TabulatedReference(np.array([0.1]), np.array([20.0, 40.0]), np.array([[4e-4, 8e-4]]))
-    >>> pair = CylinderPair.from_dR("internal", 0.1, Material("steel", 207e3, 0.3))
-    >>> two.penetration([40.0, 50.0], pair)
-    array([0.0008,    nan])
-    """
+    """A reference law given by a table, defined at its clearances and loads only."""
 
     dR: FloatArray
     load: FloatArray
@@ -56,39 +36,15 @@ class TabulatedReference:
 
 
 def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
-    """Return a grid spec with the contents of the table that it names.
-
-    Parameters
-    ----------
-    data : dict
-        The contents of the spec, with reference = "finite-element" and table, a path relative to
-        the spec.
-    source : path
-        The file of the spec.
-
-    Returns
-    -------
-    dict
-        The spec with the axes and penetrations of the table, independent of the file.
-
-    Raises
-    ------
-    InputError
-        If the spec names no table or has axes, the table was edited by hand,
-        or it is of two materials.
-    """
+    """Return a grid spec with the contents of the table that it names."""
     from cylcontact.datasets.finite_element import read_table
     from cylcontact.datasets.finite_element.study import PIN_COLUMNS
 
     name = data.get("table")
     if not isinstance(name, str):
-        raise InputError(
-            str(source),
-            "table",
-            name,
-            f'is required with reference = "{FINITE_ELEMENT}"',
-            "name a table that cylcontact finite-element has written, from the spec's folder",
-        )
+        rule = f'is required with reference = "{FINITE_ELEMENT}"'
+        remedy = "name a table that cylcontact finite-element has written, from the spec's folder"
+        raise InputError(str(source), "table", name, rule, remedy)
     if "axes" in data or "penetrations" in data:
         key = "axes" if "axes" in data else "penetrations"
         raise InputError(
@@ -98,13 +54,9 @@ def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
     rows = rows[rows["variant"] == "base"]
     of_pin = dict(zip(PIN_COLUMNS, ("E_GPa", "nu"), strict=True))
     if any((rows.get(pin, rows[own]) != rows[own]).any() for pin, own in of_pin.items()):
-        raise InputError(
-            str(source),
-            "table",
-            name,
-            "is of a pin and a plate of different materials",
-            "name one of a single material, as grids are",
-        )
+        rule = "is of a pin and a plate of different materials"
+        remedy = "name one of a single material, as grids are"
+        raise InputError(str(source), "table", name, rule, remedy)
     axes = {axis: {"values": sorted(set(rows[column]))} for axis, column in _AXES.items()}
     nodes = rows.pivot_table("penetration_mm", "dR_mm", "load_N_per_mm").to_numpy()
     return {**data, "axes": axes, "penetrations": nodes.tolist()}

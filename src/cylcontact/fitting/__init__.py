@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cylcontact.fitting.calibration import calibrate
     from cylcontact.fitting.campaign import Campaign
-    from cylcontact.fitting.choice import Choice
+    from cylcontact.fitting.choice import Choice, choose
     from cylcontact.fitting.comparison import compare
-    from cylcontact.fitting.own_data import choose, fit
     from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
     from cylcontact.fitting.results import DataFit, FitResult, LawFit
     from cylcontact.fitting.table_campaign import TableCampaign, campaign_of_table, read_campaign
-    from cylcontact.fitting.table_fit import fit_table
+    from cylcontact.fitting.table_fit import fit, fit_table
 
 __all__ = [
     "Campaign",
@@ -44,9 +43,9 @@ _MODULES = {
     "TableCampaign": "table_campaign",
     "calibrate": "calibration",
     "campaign_of_table": "table_campaign",
-    "choose": "own_data",
+    "choose": "choice",
     "compare": "comparison",
-    "fit": "own_data",
+    "fit": "table_fit",
     "fit_power": "power_fit",
     "fit_power_to_law": "power_fit",
     "fit_table": "table_fit",

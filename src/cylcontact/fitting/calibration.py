@@ -14,23 +14,22 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.objectives import (
     ON_ROWS,
+    Problem,
     RmsLogPenetration,
+    Samples,
+    collect_samples,
     make_objective,
     max_abs_difference_percent,
 )
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.profiles import Profile, profiles
-from cylcontact.fitting.records import MaxDifference, ObjectiveValue, SampleCounts
+from cylcontact.fitting.profiles import profiles
+from cylcontact.fitting.records import MaxDifference, ObjectiveValue, Profile, SampleCounts
 from cylcontact.fitting.results import LawFit
 from cylcontact.fitting.runs import best_of, published_on, run_all, searches
-from cylcontact.fitting.samples import Samples, collect_samples
 from cylcontact.journal import Journal
 from cylcontact.parallel import Workers, call, collect
 from cylcontact.progress import Progress, silent
 
-# Every worker keeps all samples in memory, 24 bytes each.
-_MAX_ROWS = 20_000_000
 # Sets of coefficients evaluated at a time until the law is defined for one.
 _TRIED = 64
 
@@ -126,19 +125,12 @@ def calibrate(
 def problem_of(
     campaign: Campaign, jobs: Workers = 1, progress: Progress = silent
 ) -> tuple[Problem, Counts]:
-    """Return the problem of a campaign, and the number of its samples used and masked.
-
-    Raises
-    ------
-    InputError
-        If every sample is masked, or the bounds exclude the law's domain.
-    """
+    """Return the problem of a campaign, and the number of its samples used and masked."""
     grid, name = campaign.grid, campaign.objective
     samples: Moments | Samples
     if campaign.model.power_form is not None and name not in ON_ROWS:
         samples, counts = reduce_grid(grid, jobs, _by_clearance(progress, "sampling", grid))
     else:
-        _require_few(grid, campaign)
         samples, counts = collect_samples(grid)
     problem = Problem(campaign.model, campaign.parameters, make_objective(name, samples))
     _require_defined_somewhere(problem, campaign.source)
@@ -148,19 +140,6 @@ def problem_of(
 def _by_clearance(progress: Progress, stage: str, grid: AnyGrid) -> Callable[[int], None]:
     """Return a function that reports how many clearances are done."""
     return lambda done: progress(stage, done, grid.dR.size)
-
-
-def _require_few(grid: AnyGrid, campaign: Campaign) -> None:
-    """Refuse a grid whose samples do not fit into memory."""
-    if grid.size > _MAX_ROWS:
-        moments = ", or use rms-log-penetration, which needs only moments"
-        raise InputError(
-            campaign.source,
-            "objective",
-            campaign.objective,
-            f"keeps every sample in memory and the grid has {grid.size} (at most {_MAX_ROWS})",
-            f"thin the grid{moments if campaign.model.power_form else ''}",
-        )
 
 
 def _require_defined_somewhere(problem: Problem, source: str) -> None:

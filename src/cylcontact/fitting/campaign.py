@@ -32,23 +32,7 @@ _LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
 
 @dataclass(frozen=True, eq=False)
 class CampaignBase(ABC):
-    """A law and its parameters, ready to be fitted: to a law by a `Campaign`, or to a table.
-
-    Attributes
-    ----------
-    name : str
-        The file's name without suffix.
-    spec : CampaignSpec or MeasuredSpec
-        Its settings, with a table for every parameter of the law.
-    model : LawModel
-        The law and contact.
-    parameters : tuple of Parameter
-        In the order of the model's names.
-    objective : str
-        The name of the objective.
-    source : str
-        The path of its file or table, its name in errors.
-    """
+    """A law and its parameters, ready to be fitted: to a law by a `Campaign`, or to a table."""
 
     name: str
     spec: CampaignSpec | MeasuredSpec
@@ -193,12 +177,7 @@ class Campaign(CampaignBase):
 
     @classmethod
     def _of(
-        cls,
-        name: str,
-        spec: CampaignSpec,
-        grid_data: dict[str, Any],
-        source: str,
-        grid_source: str,
+        cls, name: str, spec: CampaignSpec, grid_data: dict[str, Any], source: str, grid_source: str
     ) -> Campaign:
         """Return the campaign of a spec and a grid, checked against the law."""
         grid = grid_from(grid_data, grid_source)
@@ -216,13 +195,8 @@ class Campaign(CampaignBase):
 def _require_range(grid: AnyGrid, model: LawModel, source: str) -> None:
     """Refuse clearances outside the range of the law, or a grid without lengths if it has units."""
     if isinstance(grid, DimensionlessGrid) and not model.dimensionless:
-        raise InputError(
-            source,
-            "law",
-            model.law,
-            "has coefficients with units, and its grid is of alpha, beta and phi",
-            "name a grid of E, nu, dR and load",
-        )
+        rule = "has coefficients with units, and its grid is of alpha, beta and phi"
+        raise InputError(source, "law", model.law, rule, "name a grid of E, nu, dR and load")
     low, high = float(grid.dR.min()), float(grid.dR.max())
     if low < model.dR_min or high > model.dR_max:
         raise InputError(

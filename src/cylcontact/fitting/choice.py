@@ -33,14 +33,14 @@ from threadpoolctl import threadpool_limits
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.errors import InputError
-from cylcontact.fitting.estimates import uncertainty_of
+from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.noise import FittedNoise
-from cylcontact.fitting.noise_words import COMPLIANCE, data_warnings, describes
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.results import DataFit
-from cylcontact.fitting.table_campaign import MeasuredTable, TableCampaign
+from cylcontact.fitting.table_campaign import MeasuredTable, TableCampaign, table_of
 from cylcontact.fitting.table_fit import fit_table
+from cylcontact.fitting.words import COMPLIANCE, data_warnings, describes
 from cylcontact.housing_spec import takes_housing
 from cylcontact.laws import LAW_TYPES
 from cylcontact.pair import Contact
@@ -52,6 +52,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from cylcontact.plots.figure import Drawing
+
+
+from pathlib import Path
+from typing import Any
+
+from cylcontact.datasets.measurements import Constants
+from cylcontact.pair import CylinderPair
 
 # Starts of each fit; the usual start is one of them.
 _STARTS = 3
@@ -68,21 +75,7 @@ _SAME_FOR_ONE = (*_IF_NAMED, "power-dimensionless")
 
 @dataclass(frozen=True, eq=False)
 class RankedLaw:
-    """A law fitted to the data.
-
-    Attributes
-    ----------
-    law : str
-        Its name.
-    optimum : Optimum
-        The fit.
-    aicc : float
-        Its information criterion.
-    errors : array of float, shape (m,)
-        The mean squared error of each part, predicted from the others.
-    sizes : array of float, shape (m,)
-        The readings of each part.
-    """
+    """A law fitted to the data."""
 
     law: str
     optimum: Optimum
@@ -292,13 +285,7 @@ class Choice:
 
 
 def listed_with_and(names: Sequence[str]) -> str:
-    """Return names as a sentence lists them, the first few.
-
-    Examples
-    --------
-    >>> listed_with_and(["a", "b", "c"]), listed_with_and("abcdefgh")
-    ('a, b and c', 'a, b, c, d, e and 3 more')
-    """
+    """Return names as a sentence lists them, the first few."""
     *first, last = names if len(names) <= _LISTED else (*names[:_LISTED], "")
     more = f"{len(names) - _LISTED} more" if len(names) > _LISTED else last
     return f"{', '.join(first)} and {more}"
@@ -314,13 +301,7 @@ def _unit(fit: Fit) -> str:
 
 
 def _with_error(factor: float, value: float, error: float) -> str:
-    """Return a number with its standard error; one that is held has none.
-
-    Examples
-    --------
-    >>> _with_error(100, 0.0182, 0.0011)
-    '1.82 ± 0.11'
-    """
+    """Return a number with its standard error; one that is held has none."""
     if np.isnan(error):
         return f"{factor * value:.3g}"
     return f"{factor * value:.3g} ± {factor * error:.2g}"
@@ -331,11 +312,6 @@ def laws_for(contact: Contact, pairs: int) -> list[str]:
 
     Power laws that are the same for a single pair are listed once, and none whose factor and
     exponent follow the clearance.
-
-    Examples
-    --------
-    >>> "persson" in laws_for("external", 1), "power-dimensionless" in laws_for("internal", 2)
-    (False, True)
     """
     names: list[str] = []
     for law in LAW_TYPES:
@@ -348,26 +324,7 @@ def laws_for(contact: Contact, pairs: int) -> list[str]:
 def choose_law(
     table: MeasuredTable, names: Iterable[str] = (), progress: Progress = silent
 ) -> Choice:
-    """Fit all laws that apply to measurements, and rank them.
-
-    Parameters
-    ----------
-    table : MeasuredTable
-        The measurements.
-    names : iterable of str, optional
-        The laws to compare; by default all for the contact.
-    progress : callable, optional
-        Called with the stage, how many of its parts are done, and their number.
-
-    Returns
-    -------
-    Choice
-
-    Raises
-    ------
-    InputError
-        If no law can be fitted.
-    """
+    """Fit all laws that apply to measurements, and rank them."""
     data, spec = table.measurements, table.spec
     # Without names the laws that know the housing are one curve: the reference stands for them.
     known = ["conformal"] if spec.housing is not None else []
@@ -504,3 +461,50 @@ def _of_series(rest: Fit, point: FloatArray, noise: FittedNoise) -> FloatArray:
     effects = np.zeros((int(covariance.series.max()) + 1, len(noise.effects)))
     effects[np.unique(rest.noise.covariance.series)] = estimated
     return as_floats((covariance.columns * effects[covariance.series]).sum(axis=1))
+
+
+def choose(
+    data: pd.DataFrame | Path | str,
+    pair: CylinderPair | None = None,
+    *,
+    contact: Contact | None = None,
+    constants: Constants | None = None,
+    laws: Sequence[str] = (),
+    fixed: Mapping[str, float] | None = None,
+    **settings: Any,
+) -> Choice:
+    """Fit all laws that apply to measurements, rank them, and say whether the data can tell.
+
+    Parameters
+    ----------
+    data, pair, contact, constants
+        As for `fit`.
+    laws : sequence of str, optional
+        The laws to compare; by default all for the contact.
+    fixed : mapping of str to float, optional
+        Values of offset or compliance, or of parameters that all these laws have, that are known.
+    **settings
+        As for `fit`.
+
+    Returns
+    -------
+    Choice
+
+    Raises
+    ------
+    InputError
+        If the data or a setting is invalid, or no law can be fitted.
+
+    Examples
+    --------
+    >>> import cylcontact as cc
+    >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+    >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+    >>> load, noise = np.geomspace(10.0, 3000.0, 30), 1 + 0.01 * np.cos(np.arange(30))
+    >>> depth = cc.laws.Explicit().penetration(load, pair) * noise
+    >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
+    >>> cc.choose(data, pair, laws=["johnson", "explicit", "power"]).undecided
+    ['explicit']
+    """
+    first = laws[0] if laws else "johnson"
+    return choose_law(table_of(data, first, pair, contact, constants, fixed, **settings), laws)

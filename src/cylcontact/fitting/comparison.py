@@ -1,20 +1,21 @@
-"""Fit results side by side, as text for a terminal and as cells for other renderings."""
+"""Results side by side, as text and as cells for other renderings; a result and its fit redone."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from cylcontact.fitting.results import (
-    OBJECTIVE_UNITS,
-    DataFit,
-    FitResult,
-    LawFit,
-    Rows,
-    item,
-    label_of,
-)
+from cylcontact.fitting.calibration import calibrate, problem_of
+from cylcontact.fitting.problem import ParameterSpace
+from cylcontact.fitting.results import DataFit, FitResult, LawFit
+from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
+from cylcontact.fitting.table_fit import fit_table
+from cylcontact.fitting.words import OBJECTIVE_UNITS, Rows, item, label_of
+from cylcontact.parallel import Workers
 from cylcontact.plain_text import brief
+from cylcontact.progress import Progress
 from cylcontact.text_tables import Table
 
 # The rows below the coefficients where results are compared, with their labels in text and their
@@ -67,42 +68,14 @@ def by_search(results: Iterable[FitResult]) -> list[list[FitResult]]:
 
 
 def labels(result: FitResult) -> dict[str, str]:
-    """Return the label of each coefficient in tables: its name, its tie, whether it was fixed.
-
-    Examples
-    --------
-    >>> from cylcontact.fitting import FitResult
-    >>> labels(FitResult.read("fitting/results/recovered-external.json"))
-    {'a': 'a', 'b': 'b', 'n': 'n (fixed)'}
-    """
+    """Return the label of each coefficient in tables: its name, its tie, whether it was fixed."""
     of_ties = {name: f"{name} = {expression}" for name, expression in result.ties.items()}
     of_fixed = {name: f"{name} (fixed)" for name in result.fixed}
     return {name: (of_ties | of_fixed).get(name, name) for name in result.coefficients}
 
 
 def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
-    """Return results of one law and contact side by side, for the renderings of such a table.
-
-    Parameters
-    ----------
-    results : sequence of FitResult
-        In the order of the columns.
-
-    Returns
-    -------
-    dict
-        The labels of the coefficients, then the rows of `NUMBERS`: row → the published value (""
-        below the coefficients) and each fit's; None for a number that does not exist. With a
-        single result the published coefficients' numbers are in their own column, and a third one
-        holds the difference of the fit from them in percent.
-
-    Examples
-    --------
-    >>> from cylcontact.fitting import FitResult
-    >>> table = side_by_side([FitResult.read("fitting/results/external.json")])
-    >>> table["n"], table["objective"]
-    (['1.094', '1.0847', '-0.8'], ['0.065965', '0.051954', '-21.2'])
-    """
+    """Return results of one law and contact side by side, for the renderings of such a table."""
     # Some results of a group may be of data for which nothing was published.
     published = next((r.published.coefficients for r in results if r.published), None)
     rows: dict[str, list[str | None]] = {
@@ -189,13 +162,7 @@ def _samples_text(result: FitResult) -> str:
 
 
 def _axis_text(symbol: str, unit: str, axis: Mapping[str, Any]) -> str:
-    """Return an axis of a grid in a few words.
-
-    Examples
-    --------
-    >>> _axis_text("ΔR", " mm", {"min": 0.05, "max": 10.0, "points": 20, "spacing": "log"})
-    'ΔR 0.05…10 mm (20 log)'
-    """
+    """Return an axis of a grid in a few words."""
     values = axis.get("values")
     if values is None:
         low, high, count = axis["min"], axis["max"], f" ({axis['points']} {axis['spacing']})"
@@ -203,3 +170,80 @@ def _axis_text(symbol: str, unit: str, axis: Mapping[str, Any]) -> str:
         low, high, count = values[0], values[-1], f" ({len(values)})" if len(values) > 1 else ""
     span = f"{low:g}" if low == high else f"{low:g}…{high:g}"
     return f"{symbol} {span}{unit}{count}"
+
+
+# On another processor a fit may end in a neighbouring kink of Y, less than 0.1 % away.
+_OBJECTIVE_TOLERANCE = 1e-3
+# Without a search the numbers are the same to round-off.
+_EXACT_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Check:
+    """A number of a committed result and its fresh value.
+
+    Below `exact` both are round-off.
+    """
+
+    what: str
+    committed: float
+    fresh: float
+    tolerance: float
+    exact: float = 0.0
+
+    @property
+    def deviation(self) -> float:
+        """Relative deviation of the fresh value."""
+        difference = abs(self.fresh - self.committed)
+        return difference / abs(self.committed) if self.committed else difference
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is within the tolerance, or both numbers are round-off."""
+        is_round_off = max(abs(self.committed), abs(self.fresh)) < self.exact
+        return is_round_off or self.deviation <= self.tolerance
+
+    def __str__(self) -> str:
+        verdict = "holds" if self.holds else "DOES NOT HOLD"
+        return (
+            f"{self.what}: committed {self.committed:.10g}, fresh {self.fresh:.10g}, "
+            f"deviation {self.deviation:.1e}, allowed {self.tolerance:.0e}: {verdict}"
+        )
+
+
+def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
+    """Redo a fit with the settings in a result file and compare."""
+    committed = FitResult.read(path)
+    campaign = campaign_of(committed.name, committed.settings, str(path))
+    problem: ParameterSpace
+    fresh: FitResult
+    if isinstance(campaign, TableCampaign):
+        problem, fresh = campaign.fit(), fit_table(campaign, jobs, progress)
+    else:
+        problem, _ = problem_of(campaign, jobs, progress)
+        fresh = calibrate(campaign, jobs, progress)
+    of_coefficients = Check(
+        "objective of the coefficients",
+        committed.objective.value,
+        problem.value_of(committed.coefficients),
+        _EXACT_TOLERANCE,
+        committed.round_off,
+    )
+    return [of_coefficients, *compare_results(committed, fresh)]
+
+
+def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
+    """Compare a committed result with a fresh one."""
+    objective, exact = (committed.objective.value, fresh.objective.value), committed.round_off
+    checks = [
+        Check("objective", *objective, _OBJECTIVE_TOLERANCE, exact),
+        Check("samples", committed.counts.samples, fresh.counts.samples, 0.0),
+    ]
+    if isinstance(committed, LawFit) and isinstance(fresh, LawFit) and committed.bound is not None:
+        checks.append(
+            Check("lower bound", committed.bound, fresh.bound or 0.0, _EXACT_TOLERANCE, exact)
+        )
+    if committed.published and fresh.published:
+        published = committed.published.objective, fresh.published.objective
+        checks.append(Check("published objective", *published, _EXACT_TOLERANCE, exact))
+    return checks

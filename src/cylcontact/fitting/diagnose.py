@@ -7,16 +7,28 @@ units in which they should be alike, whitened by the noise model if there is one
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
-from pydantic import Field
 from scipy import special
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
-from cylcontact.fitting.measured import MEDIAN_TO_SIGMA
-from cylcontact.fitting.noise import positions
-from cylcontact.fitting.optimum import Optimum
-from cylcontact.spec import Spec
+from cylcontact.fitting.measured import MEDIAN_TO_SIGMA, Fit
+from cylcontact.fitting.noise import FittedNoise, positions
+from cylcontact.fitting.optimum import BETTER, Optimum, half_width
+from cylcontact.fitting.records import (
+    FAIRLY,
+    WELL,
+    Estimate,
+    Finding,
+    FittedDeviations,
+    Interval,
+    Outlier,
+    SeriesEffect,
+    Uncertainty,
+)
+from cylcontact.parallel import Workers, call, collect
 
 # A test fails below this probability.
 SURPRISING = 0.01
@@ -28,20 +40,6 @@ _FEWEST, _FEWEST_IN_SERIES = 12, 4
 _FEW_OF_A_SIGN = 8
 # Readings whose scatter from one to the next can be told.
 _FEWEST_NEIGHBOURS = 8
-
-
-class Finding(Spec):
-    """A test of the noise that fails."""
-
-    test: str = Field(description="series, pairs, drift, sequence, spread, branches or repeats")
-    p: float = Field(description="the probability of such residuals if the noise were as assumed")
-    says: str = Field(description="what the residuals show")
-    remedy: str = Field(description="what to do about it")
-
-    @property
-    def sentence(self) -> str:
-        """What the residuals show, how unlikely that is, and what to do."""
-        return f"{self.says} (p = {self.p:.2g}): {self.remedy}"
 
 
 def findings_of(optimum: Optimum) -> list[Finding]:
@@ -256,13 +254,6 @@ def _ranks(values: FloatArray) -> FloatArray:
 # --- how well the law describes the readings --------------------------------------------------
 
 
-class Outlier(Spec):
-    """A row far from the fitted law."""
-
-    line: int = Field(description="its line in the table")
-    deviations: float = Field(description="measured less fitted, in robust standard deviations")
-
-
 def outliers(optimum: Optimum) -> list[Outlier]:
     """Return the rows far from the law, in robust standard deviations."""
     r, data = optimum.r, optimum.fit.data
@@ -328,3 +319,158 @@ def runs_test(optimum: Optimum) -> float | None:
     mean = 1 + 2 * n * m / (n + m)
     variance = (mean - 1) * (mean - 2) / (n + m - 1)
     return float(special.ndtr((runs - mean) / np.sqrt(variance)))
+
+
+# --- standard errors, intervals and verdicts ----------------------------------------------------
+
+LEVEL = 0.95
+# The half-width, relative to the value, up to which a parameter is poorly determined. The zero of a
+# shift is arbitrary: its half-width counts by the relative change of the predictions.
+_POORLY = 1.0
+STRONG_CORRELATION = 0.95
+
+
+def uncertainty_of(optimum: Optimum, level: float = LEVEL, jobs: Workers = 1) -> Uncertainty:
+    """Return the uncertainty of a fit to readings; profiles are computed by `jobs`."""
+    fit, data = optimum.fit, optimum.fit.data
+    estimates = _estimates(optimum, level, jobs)
+    far = outliers(optimum)
+    share_missed, over_scatter = missed(optimum)
+    return Uncertainty(
+        level=level,
+        rows=len(data),
+        degrees_of_freedom=optimum.degrees,
+        residual_sigma=optimum.sigma,
+        residual_unit=_unit(fit),
+        sigma_known=optimum.known,
+        chi_square_p=optimum.chi_square_p,
+        runs_test_p=runs_test(optimum),
+        loss_scale=fit.loss.scale if optimum.robust else None,
+        estimates=estimates,
+        correlation=_correlation(optimum),
+        only_together=optimum.blind,
+        duplicates=data.duplicates(),
+        outliers=far,
+        notes=[*optimum.notes, *_better_optima(estimates), *data.data.notes],
+        noise=None if fit.noise is None else _deviations(optimum, fit.noise),
+        log_likelihood=optimum.log_likelihood,
+        estimated=optimum.estimated,
+        r_squared=r_squared(optimum),
+        missed=share_missed,
+        missed_over_scatter=None if optimum.is_rounding else over_scatter,
+        findings=[] if optimum.is_rounding else findings_of(optimum),
+        without_outliers=_without(optimum, far),
+    )
+
+
+def _deviations(optimum: Optimum, noise: FittedNoise) -> FittedDeviations:
+    """Return the deviations of the noise model and the effects of the series."""
+    covariance, series, effects = noise.covariance, [], optimum.series
+    if effects is not None:
+        over, data = covariance.model.over, optimum.fit.data
+        labels = data.groups(over)[0] if over else ["all rows"]
+        series = [
+            SeriesEffect(
+                name=label,
+                rows=int(size),
+                effects=dict(zip(noise.effects, own.tolist(), strict=True)),
+            )
+            for label, size, own in zip(
+                labels, np.bincount(covariance.series), effects, strict=True
+            )
+        ]
+    deviations = dict(noise.deviations)
+    return FittedDeviations(deviations=deviations, random=covariance.is_random, series=series)
+
+
+def _without(optimum: Optimum, far: Sequence[Outlier]) -> dict[str, float]:
+    """Return the coefficients of a fit without the outliers; none if there are none."""
+    data, lines = optimum.fit.data, {outlier.line for outlier in far}
+    rows = np.array([k for k in range(len(data)) if data.line(k) not in lines])
+    if not lines or rows.size <= optimum.point.size:
+        return {}
+    rest = optimum.fit.take(rows)
+    return rest.coefficients(rest.minimise(optimum.point).point)
+
+
+def _better_optima(estimates: dict[str, Estimate]) -> list[str]:
+    """Return a warning for each profile that met a better optimum."""
+    return [
+        f"the profile of {name} found a better fit, (S − S_best)/τ = {e.profile.lowest:.3g}: the "
+        "intervals are not those of the best fit; fit again with more starts"
+        for name, e in estimates.items()
+        if e.profile is not None and e.profile.lowest < BETTER
+    ]
+
+
+def _unit(fit: Fit) -> str:
+    """Return the unit of the residuals."""
+    if fit.has_sigma:
+        return "given standard deviations"
+    if fit.noise is not None:
+        return "estimated standard deviations"
+    if fit.is_log:
+        return f"share of the {'load' if fit.of_load else 'penetration'}"
+    return "N/mm" if fit.of_load else "mm"
+
+
+def _estimates(optimum: Optimum, level: float, jobs: Workers) -> dict[str, Estimate]:
+    """Return each free parameter with its intervals."""
+    names = optimum.fit.names
+    profiles: Sequence[Interval | None] = [None] * len(names)
+    if optimum.covariance is not None and not optimum.is_rounding:
+        profiles = collect([call(optimum.interval, name, level) for name in names], jobs)
+    return {
+        name: _estimate(optimum, k, profile, level)
+        for k, (name, profile) in enumerate(zip(names, profiles, strict=True))
+    }
+
+
+def _estimate(optimum: Optimum, k: int, profile: Interval | None, level: float) -> Estimate:
+    """Return one parameter with its intervals."""
+    parameter, value = optimum.fit.free[k], float(optimum.point[k])
+    nominal = parameter.nominal if parameter.stiffness else None
+    if optimum.covariance is None:
+        nothing = dict.fromkeys(("standard_error", "low", "high", "profile"))
+        return Estimate(value=value, verdict="not", nominal=nominal, **nothing)
+    error, degrees = float(optimum.errors[k]), float(optimum.degrees_of_each()[k])
+    reach = float(half_width(level, degrees)) * error
+    return Estimate(
+        value=value,
+        standard_error=error,
+        low=value - reach,
+        high=value + reach,
+        profile=profile,
+        verdict=_verdict(value, reach, profile, float(optimum.per_unit[k])),
+        degrees_of_freedom=degrees if np.isfinite(degrees) else None,
+        nominal=nominal,
+    )
+
+
+def _verdict(value: float, reach: float, profile: Interval | None, per_unit: float) -> str:
+    """Return "well", "fairly", "poorly", "not" or "at a bound" for a parameter."""
+    half_width = reach
+    if profile is not None:
+        half_width = (profile.high - profile.low) / 2
+        if profile.is_at_bound(value):
+            return "at a bound"
+        if profile.low_is_bound and profile.high_is_bound:
+            return "not"
+        if profile.low_is_bound or profile.high_is_bound:
+            return "poorly"
+    share = half_width * per_unit
+    if share > _POORLY:
+        return "not"
+    if share > FAIRLY:
+        return "poorly"
+    return "well" if share <= WELL else "fairly"
+
+
+def _correlation(optimum: Optimum) -> dict[str, dict[str, float]]:
+    """Return the correlations of the free parameters; none without a covariance."""
+    if optimum.covariance is None:
+        return {}
+    names, scale = optimum.fit.names, np.outer(optimum.errors, optimum.errors)
+    matrix = np.divide(optimum.covariance, scale, out=np.eye(len(names)), where=scale > 0)
+    rows = zip(names, matrix.tolist(), strict=True)
+    return {name: dict(zip(names, row, strict=True)) for name, row in rows}

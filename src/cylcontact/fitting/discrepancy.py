@@ -14,7 +14,6 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from pydantic import Field
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.grid import AnyGrid
@@ -22,11 +21,12 @@ from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.objectives import form_of, samples_of
 from cylcontact.fitting.polish import polish
-from cylcontact.fitting.profiles import DiscrepancyPair, Profile, discrepancy_pair
-from cylcontact.fitting.records import LeftOut
-from cylcontact.fitting.results import LawFit, Rows, item, left_out_table
-from cylcontact.fitting.samples import form_of, samples_of
+from cylcontact.fitting.profiles import discrepancy_pair
+from cylcontact.fitting.records import DiscrepancyPair, LeftOut, Profile
+from cylcontact.fitting.results import LawFit
+from cylcontact.fitting.words import Rows, item, left_out_table
 from cylcontact.parallel import Workers, call, collect
 from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
@@ -43,15 +43,14 @@ _QUANTILES = (0.025, 0.5, 0.975)
 class DiscrepancyStudy(Spec):
     """The discrepancy of a fit to a reference law."""
 
-    name: str = Field(description="the fit's name")
-    profiles: dict[str, Profile] = Field(description="the objective over each coefficient")
-    pairs: list[DiscrepancyPair] = Field(description="the objective over pairs of them")
-    left_out: list[LeftOut] = Field(description="fits without one value of an axis")
-    spread_percent: dict[str, float] = Field(
-        description="quantiles of Eq 9 over the samples of the grid, in percent"
-    )
-    coefficients: dict[str, float] = Field(description="the fitted coefficients")
-    reference: str = Field(description="the law they were fitted to")
+    name: str
+    profiles: dict[str, Profile]
+    pairs: list[DiscrepancyPair]
+    left_out: list[LeftOut]
+    # Quantiles of Eq 9 over the samples of the grid.
+    spread_percent: dict[str, float]
+    coefficients: dict[str, float]
+    reference: str
 
     def __str__(self) -> str:
         rows: Rows = [
@@ -83,31 +82,7 @@ def study_discrepancy(
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> DiscrepancyStudy:
-    """Return the discrepancy of a fit to a reference law.
-
-    Parameters
-    ----------
-    result : LawFit
-        The fit.
-    leave_out : str, optional
-        The axis of the grid whose values are left out one after the other: dR, E (or material),
-        nu or load.
-    with_pairs : bool
-        Whether to map the objective over each pair of coefficients.
-    jobs : int or Cluster
-        Worker processes, or a Dask cluster; the result does not depend on it.
-    progress : callable, optional
-        Called with the stage, how many of its parts are done, and their number.
-
-    Returns
-    -------
-    DiscrepancyStudy
-
-    Raises
-    ------
-    InputError
-        If the axis is unknown or has one value only.
-    """
+    """Return the discrepancy of a fit to a reference law."""
     source = f"fit result {result.name!r}"
     campaign = Campaign.of_settings(result.name, result.settings, source)
     best = result.coefficients
@@ -141,13 +116,9 @@ def _leave_one_out(
     """Fit without each value of an axis, and evaluate the fit on that value."""
     axes = campaign.grid.axes
     if axis not in axes:
-        raise InputError(
-            campaign.source,
-            "leave-out",
-            axis,
-            "is not an axis of a grid",
-            f"choose {', '.join(axes)}{' or material' if 'E' in axes else ''}",
-        )
+        rule = "is not an axis of a grid"
+        remedy = f"choose {', '.join(axes)}{' or material' if 'E' in axes else ''}"
+        raise InputError(campaign.source, "leave-out", axis, rule, remedy)
     size = getattr(campaign.grid, axis).size
     if size < 2:
         raise InputError(
@@ -189,13 +160,8 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
         for block in blocks(campaign.grid, float(dR)):
             ratio = form.log_penetration_ratio(0, samples_of(campaign.grid, block))
             if not np.isfinite(ratio).all():
-                raise InputError(
-                    campaign.source,
-                    "coefficients",
-                    dict(best),
-                    "leave the law undefined for some of its samples",
-                    "redo the fit",
-                )
+                rule = "leave the law undefined for some of its samples"
+                raise InputError(campaign.source, "coefficients", dict(best), rule, "redo the fit")
             counts += np.histogram(np.clip(ratio, -_LARGEST, _LARGEST), edges)[0]
     reached = np.cumsum(counts) / counts.sum()
     middles = (edges[1:] + edges[:-1]) / 2

@@ -48,13 +48,7 @@ RIG_NAMES = tuple(parameter.name for parameter in _RIG)
 
 
 def with_rig(model: LawModel, named: Collection[str]) -> LawModel:
-    """Return a model with those parameters of the rig that are named.
-
-    Examples
-    --------
-    >>> with_rig(model_of("power", "internal", "example"), ["n", "offset"]).names
-    ('K_star', 'n', 'offset')
-    """
+    """Return a model with those parameters of the rig that are named."""
     added = tuple(p for p in _RIG if p.name in named and p.name not in model.names)
     if not added:
         return model
@@ -70,28 +64,7 @@ def with_rig(model: LawModel, named: Collection[str]) -> LawModel:
 
 
 def for_measurements(model: LawModel, free: Collection[str], named: Collection[str]) -> LawModel:
-    """Return a model as it is fitted to measurements if a campaign does not say otherwise.
-
-    Parameters
-    ----------
-    model : LawModel
-        Of a law of the package.
-    free : collection of str
-        Parameters to free with their default bounds.
-    named : collection of str
-        Parameters that the campaign bounds, fixes or ties.
-
-    Returns
-    -------
-    LawModel
-        With a value for each constant that is held.
-
-    Examples
-    --------
-    >>> model = model_of("explicit", "internal", "example")
-    >>> [p.name for p in for_measurements(model, [], []).parameters if p.is_free]
-    ['stiffness_factor', 'offset']
-    """
+    """Return a model as it is fitted to measurements if a campaign does not say otherwise."""
     if any(p.nominal is None for p in model.parameters):
         return with_rig(model, {*free, *named})
     held = tuple(
@@ -105,18 +78,7 @@ def for_measurements(model: LawModel, free: Collection[str], named: Collection[s
 
 
 def model_of(law: str, contact: Contact, source: str) -> LawModel:
-    """Return the model of a law of the package.
-
-    Raises
-    ------
-    InputError
-        If the law is unknown, or not for this contact.
-
-    Examples
-    --------
-    >>> model_of("johnson", "internal", "example").names
-    ('kappa', 'c', 'Lambda_factor')
-    """
+    """Return the model of a law of the package."""
     model = MODELS.get((law, contact)) or _without_parameters(law, contact)
     if model is not None:
         return model
@@ -126,13 +88,9 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
             source, "law", law, f"is for {others[0]} contact only", "choose another law or contact"
         )
     known = ", ".join(dict.fromkeys(name for name, _ in MODELS))
-    raise InputError(
-        source,
-        "law",
-        law,
-        "is not a law that can be fitted",
-        f"choose {known}, or module:function for one of your own",
-    )
+    rule = "is not a law that can be fitted"
+    remedy = f"choose {known}, or module:function for one of your own"
+    raise InputError(source, "law", law, rule, remedy)
 
 
 def _without_parameters(law: str, contact: Contact) -> LawModel | None:
@@ -150,13 +108,7 @@ def units_of(law: str, contact: Contact) -> dict[str, str]:
 
 
 def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
-    """Return the model of a law that can be fitted on a grid.
-
-    Raises
-    ------
-    InputError
-        If the law cannot be fitted on a grid.
-    """
+    """Return the model of a law that can be fitted on a grid."""
     model = MODELS.get((law, contact))
     if model is None or not model.on_grid:
         known = " or ".join(sorted({model.law for model in MODELS.values() if model.on_grid}))
@@ -221,13 +173,7 @@ def fitted_law(
     housing: Mapping[str, Any] | None,
     source: str,
 ) -> ContactLaw:
-    """Return the law of the contact with fitted coefficients, less the rig's offset and compliance.
-
-    Raises
-    ------
-    InputError
-        If the law is a Python function of the user's own.
-    """
+    """Return the fitted law of the contact, without the rig's offset and compliance."""
     if is_user_law(law):
         rule = "is a Python function of your own, and this needs a law of the package"
         remedy = "fit a law of the package, e.g. explicit"

@@ -413,17 +413,6 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
 
     "constant", "offset" and "drift" are in mm, "proportional" and "gain" relative; 0 where the
     readings show none.
-
-    Examples
-    --------
-    Twice the scatter in the residuals gives twice the deviation, √(Σr²/(N − k)):
-
-    >>> one, none = np.ones(4), np.zeros(4)
-    >>> model = NoiseModel("constant")
-    >>> covariance = Covariance(model, one, none, one, one, np.zeros(4, dtype=int), none)
-    >>> r = np.array([1.0, -1.0, 1.0, -1.0])
-    >>> round(estimate(Likelihood(covariance, r, one[:, None]))["constant"], 5)
-    1.1547
     """
     names = likelihood.covariance.names
     if not names:

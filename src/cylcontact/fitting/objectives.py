@@ -5,6 +5,9 @@ penetration, which for a power law is −n·r.
 
 The lower bound is the objective with the best K* and n at *each* clearance. No law of the form
 f = K*(ΔR)·E*/ΔR·δ^n(ΔR) can be better, whatever its K*(ΔR) and n(ΔR).
+
+Candidates that are a power law at each clearance are a `PowerForm`, evaluated at once; a `LawForm`
+holds candidates of any law.
 """
 
 from __future__ import annotations
@@ -14,18 +17,170 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 from scipy.optimize import least_squares, linprog
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.datasets.grid import AnyGrid
+from cylcontact.arrays import FloatArray, IndexArray, as_floats
+from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid
 from cylcontact.datasets.moments import Moments
-from cylcontact.datasets.sampling import blocks
-from cylcontact.fitting.samples import Form, PowerForm, Samples, form_of, samples_of
-from cylcontact.laws.law import LawModel
+from cylcontact.datasets.sampling import Block, Counts, blocks, reduce_grid
+from cylcontact.errors import InputError
+from cylcontact.fitting.problem import ParameterSpace
+from cylcontact.laws.law import ContactLaw, LawModel
+from cylcontact.materials import material_in_MPa
+from cylcontact.pair import Contact, CylinderPair
 from cylcontact.parallel import Workers, call, run_calls
+
+# With E = 2 MPa and ν = 0 the composite modulus is 1 MPa.
+_UNIT = material_in_MPa("of unit composite modulus", 2.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Samples sorted by clearance and, within one, by s."""
+
+    contact: Contact
+    # The m clearances in mm.
+    dR: FloatArray
+    # Of each of N samples its clearance, ln(f/E*) and ln δ, and on a dimensionless grid α and β.
+    index: IndexArray
+    s: FloatArray
+    j: FloatArray
+    dundurs: tuple[FloatArray, FloatArray] | None = None
+
+    @cached_property
+    def pair(self) -> CylinderPair:
+        """The pair of each sample with E* = 1, so that its load is f/E*, in mm."""
+        if self.dundurs is not None:
+            return CylinderPair.from_dundurs(*self.dundurs)
+        return CylinderPair.from_dR(self.contact, self.dR[self.index], _UNIT)
+
+    @cached_property
+    def load(self) -> FloatArray:
+        """Loads over the composite modulus, in mm."""
+        return np.asarray(np.exp(self.s))
+
+    @cached_property
+    def penetration(self) -> FloatArray:
+        """Penetrations in mm."""
+        return np.asarray(np.exp(self.j))
+
+    @cached_property
+    def starts(self) -> IndexArray:
+        """Index of the first sample of each clearance, shape (m,)."""
+        return np.searchsorted(self.index, np.arange(self.dR.size))
+
+    def clearances(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Return s and j of each clearance."""
+        edges = self.starts[1:]
+        return list(zip(np.split(self.s, edges), np.split(self.j, edges), strict=True))
+
+
+def samples_of(grid: AnyGrid, block: Block) -> Samples:
+    """Return one block of samples as rows."""
+    index = np.zeros(block.load.size, dtype=np.intp)
+    dundurs = block.row_values if isinstance(grid, DimensionlessGrid) else None
+    return Samples(grid.contact, np.array([block.dR]), index, block.s, block.j, dundurs)
+
+
+def collect_samples(grid: AnyGrid) -> tuple[Samples, Counts]:
+    """Sample a grid into memory, without clearances that are masked completely."""
+    clearances: list[tuple[float, FloatArray, FloatArray]] = []
+    masked, dundurs = 0, None
+    for dR in grid.dR:
+        sampled = list(blocks(grid, float(dR)))
+        masked += sum(block.masked for block in sampled)
+        s = np.concatenate([block.s for block in sampled])
+        j = np.concatenate([block.j for block in sampled])
+        order = np.argsort(s, kind="stable")
+        if s.size:
+            clearances.append((float(dR), s[order], j[order]))
+        if isinstance(grid, DimensionlessGrid):  # of one clearance
+            alpha, beta = (np.concatenate([b.row_values[k] for b in sampled]) for k in (0, 1))
+            dundurs = alpha[order], beta[order]
+    if not clearances:
+        reduce_grid(grid)  # raises the error that names the reason
+    rows = Samples(
+        contact=grid.contact,
+        dR=np.array([dR for dR, _, _ in clearances]),
+        index=np.repeat(np.arange(len(clearances)), [s.size for _, s, _ in clearances]),
+        s=np.concatenate([s for _, s, _ in clearances]),
+        j=np.concatenate([j for _, _, j in clearances]),
+        dundurs=dundurs,
+    )
+    return rows, Counts(rows.s.size, masked)
+
+
+@dataclass(frozen=True)
+class PowerForm:
+    """P power laws at m clearances: c = ln ΔR − ln K* and n, NaN where K* or n is not positive."""
+
+    c: FloatArray
+    n: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.n)
+
+    def log_penetration_ratio(self, candidate: int, rows: Samples) -> FloatArray:
+        """Return r = (s + c)/n − j of each sample."""
+        c, n = self.c[candidate][rows.index], self.n[candidate][rows.index]
+        return as_floats((rows.s + c) / n - rows.j)
+
+    def log_load_ratio(self, candidate: int, rows: Samples) -> FloatArray:
+        """Return n·j − c − s = −n·r of each sample."""
+        c, n = self.c[candidate][rows.index], self.n[candidate][rows.index]
+        return as_floats(n * rows.j - c - rows.s)
+
+
+@dataclass(frozen=True)
+class LawForm:
+    """P laws of any kind; None for parameters that define none."""
+
+    laws: tuple[ContactLaw | None, ...]
+
+    def __len__(self) -> int:
+        return len(self.laws)
+
+    def log_penetration_ratio(self, candidate: int, rows: Samples) -> FloatArray:
+        """Return ln(δ_law/δ_reference) of each sample at equal load."""
+        law = self.laws[candidate]
+        if law is None:
+            return np.full_like(rows.s, np.nan)
+        return as_floats(np.log(law.penetration(rows.load, rows.pair)) - rows.j)
+
+    def log_load_ratio(self, candidate: int, rows: Samples) -> FloatArray:
+        """Return ln(f_law/f_reference) of each sample at equal penetration."""
+        law = self.laws[candidate]
+        if law is None:
+            return np.full_like(rows.s, np.nan)
+        return as_floats(np.log(law.load(rows.penetration, rows.pair)) - rows.s)
+
+
+def form_of(model: LawModel, candidates: FloatArray, dR: FloatArray) -> Form:
+    """Return candidates of a model, shape (P, k), at clearances ΔR in mm, shape (m,)."""
+    if model.power_form is None:
+        return law_form_of(model, candidates)
+    K_star, n = model.power_form(candidates, dR)
+    K_star = np.where(K_star > 0, K_star, np.nan)
+    return PowerForm(
+        c=as_floats(np.log(dR) - np.log(K_star)), n=as_floats(np.where(n > 0, n, np.nan))
+    )
+
+
+def law_form_of(model: LawModel, candidates: FloatArray) -> LawForm:
+    """Return the laws of candidates, shape (P, k); None for one that defines none."""
+    return LawForm(tuple(_law_or_none(model, row) for row in candidates))
+
+
+def _law_or_none(model: LawModel, row: FloatArray) -> ContactLaw | None:
+    """Return the law of one candidate, or None."""
+    try:
+        return model.build(dict(zip(model.names, map(float, row), strict=True)))
+    except InputError:
+        return None
+
 
 # The polish of a largest magnitude sees the extremes of at least this many groups of samples.
 _GROUPS = 400
@@ -33,30 +188,7 @@ _GROUPS = 400
 _STEP = 1e-6
 
 
-class Objective(Protocol):
-    """A number to minimise, evaluated for many candidates at once."""
-
-    @property
-    def dR(self) -> FloatArray:
-        """The clearances in mm, shape (m,)."""
-        ...
-
-    def form(self, model: LawModel, candidates: FloatArray) -> Form:
-        """Return P candidates of a law, shape (P, k), as the objective evaluates them."""
-        ...
-
-    def values(self, form: Form) -> FloatArray:
-        """Return the objective of P candidates, shape (P,); inf if undefined."""
-        ...
-
-    def residuals(self, form: Form) -> FloatArray:
-        """Return the residuals for the polish, shape (P, q)."""
-        ...
-
-    @property
-    def bound(self) -> float:
-        """The per-clearance lower bound."""
-        ...
+Form = PowerForm | LawForm
 
 
 @dataclass(frozen=True)
@@ -145,12 +277,14 @@ class _RowObjective(ABC):
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""
         with np.errstate(over="ignore"):
-            return _or_inf(np.array([self._value(self._log_ratio(form, k)) for k in _all(form)]))
+            return _or_inf(
+                np.array([self._value(self._log_ratio(form, k)) for k in range(len(form))])
+            )
 
     def residuals(self, form: Form) -> FloatArray:
         """Return the residuals for the polish, shape (P, q)."""
         with np.errstate(over="ignore"):
-            return np.array([self._residuals(self._log_ratio(form, k)) for k in _all(form)])
+            return np.array([self._residuals(self._log_ratio(form, k)) for k in range(len(form))])
 
     @property
     @abstractmethod
@@ -206,7 +340,7 @@ class RootMeanSquare(_RowObjective):
             level, tilt, at = d_log_K, dn, rows.j
         else:
             level, tilt, at = form.c[:, None] * du - d_log_K * u[:, None], du, rows.s
-        log_ratio = np.array([self._log_ratio(form, k) for k in _all(form)])
+        log_ratio = np.array([self._log_ratio(form, k) for k in range(len(form))])
         ahead, behind = (self.deviation(log_ratio + step) for step in (_STEP, -_STEP))
         weight = (ahead - behind) / (2 * _STEP * np.sqrt(at.size))
         return as_floats(weight[:, None] * (level[..., rows.index] + tilt[..., rows.index] * at))
@@ -300,11 +434,6 @@ class MaxRelativeForce(Largest):
     of_load: ClassVar[bool] = True
 
 
-def _all(form: Form) -> range:
-    """Return the indices of the candidates."""
-    return range(len(form))
-
-
 def _or_inf(values: FloatArray) -> FloatArray:
     """Replace what is not finite by inf."""
     return np.where(np.isfinite(values), values, np.inf)
@@ -329,6 +458,8 @@ def _strip_width(s: FloatArray, j: FloatArray) -> float:
         raise ArithmeticError(f"the narrowest strip was not found: {solution.message}")
     return float(solution.x[2])
 
+
+Objective = RmsLogPenetration | _RowObjective
 
 ON_ROWS: dict[str, Callable[[Samples], Objective]] = {
     "rms-difference-percent": RmsDifference,
@@ -383,3 +514,36 @@ def _at_clearance(grid: AnyGrid, model: LawModel, points: FloatArray, dR: float)
             low[k] = np.fmin.reduce(ratio, initial=low[k])
             high[k] = np.fmax.reduce(ratio, initial=high[k])
     return as_floats(np.maximum(np.expm1(high), -np.expm1(low)))
+
+
+# Numbers in an array of candidates by data; of more candidates some at a time are evaluated.
+_AT_ONCE = 1 << 22
+
+
+@dataclass(frozen=True, eq=False)
+class Problem(ParameterSpace):
+    """Fit a law to a law: minimise an objective on a grid over the free parameters."""
+
+    objective: Objective
+
+    def values(self, points: FloatArray) -> FloatArray:
+        """Return the objective of P points of the free parameters, shape (P, k) to (P,)."""
+        at_once = max(1, _AT_ONCE // self.objective.dR.size)
+        if len(points) <= at_once:
+            return self.objective.values(self.form(points))
+        parts = [points[first : first + at_once] for first in range(0, len(points), at_once)]
+        return np.concatenate([self.values(part) for part in parts])
+
+    def residuals(self, points: FloatArray) -> FloatArray:
+        """Return the objective's residuals of P points, shape (P, k) to (P, q)."""
+        return self.objective.residuals(self.form(points))
+
+    def form(self, points: FloatArray) -> Form:
+        """Return the laws at P points of the free parameters, shape (P, k)."""
+        with np.errstate(all="ignore"):  # what is not finite lies outside the law
+            return self.objective.form(self.model, self.complete(points))
+
+    def value_of(self, coefficients: Mapping[str, float]) -> float:
+        """Return the objective of coefficients by name, which may be outside the bounds."""
+        form = self.objective.form(self.model, self.model.candidates(coefficients))
+        return float(self.objective.values(form)[0])

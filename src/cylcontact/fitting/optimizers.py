@@ -45,19 +45,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Optimizer:
-    """An optimiser to choose in a campaign.
-
-    Attributes
-    ----------
-    search : callable
-        Returns the `Search` of a problem, given population, generations, crossover and seed.
-    has_crossover : bool
-        Whether the runs of a campaign take turns with its crossovers.
-    spends_budget : bool
-        Whether it searches; if not, the polish does all the work.
-    library, extra : str
-        The optional library that it needs, if any, and the package's extra that has it.
-    """
+    """An optimiser to choose in a campaign."""
 
     search: Callable[[ParameterSpace, int, int, str | None, int], Search]
     has_crossover: bool = False
@@ -76,13 +64,7 @@ class Optimizer:
 
 
 def budget_of(population: int, generations: int) -> int:
-    """Return the number of evaluations of a genetic run, the budget of every optimiser.
-
-    Examples
-    --------
-    >>> budget_of(60, 300)
-    17460
-    """
+    """Return the number of evaluations of a genetic run, the budget of every optimiser."""
     return population + generations * (population - min(ELITE, population - 1))
 
 

@@ -30,7 +30,6 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field
 from scipy import special
 from scipy.optimize import brentq
 
@@ -38,10 +37,9 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.fitting.measured import MEDIAN_TO_SIGMA, Fit
 from cylcontact.fitting.noise import Degrees, Likelihood
-from cylcontact.fitting.records import Interval
+from cylcontact.fitting.records import Band, Interval, PairMap
 from cylcontact.laws.law import Coefficients, ContactLaw
 from cylcontact.pair import CylinderPair
-from cylcontact.spec import Spec
 
 # Smaller residuals are round-off: the data have no noise.
 ROUNDING = 1e-11
@@ -68,32 +66,6 @@ _REACH, _POINTS = 1.6, 21
 _NO_DEPTH = 1e-12
 # Points of each band of the data, and the largest number of pairs with bands.
 _BAND_POINTS, _PAIRS = 25, 8
-
-
-class PairMap(Spec):
-    """The likelihood ratio over two parameters, all others refitted."""
-
-    names: tuple[str, str] = Field(description="the two parameters", strict=False)
-    x: list[float] = Field(description="values of the first, increasing")
-    y: list[float] = Field(description="values of the second, increasing")
-    ratio: list[list[float | None]] = Field(
-        description="(S(θ) − S)/τ, a row for each y; null where the law is undefined, "
-        "below 0 where a better optimum was found"
-    )
-    thresholds: dict[str, float] = Field(description="the contour of each level, in percent")
-
-
-class Band(Spec):
-    """A predicted curve with its bands."""
-
-    name: str = Field(description="the pair it is for")
-    quantity: str = Field(description='"penetration_mm" or "load_N_per_mm"')
-    at: list[float] = Field(description="loads in N/mm, or penetrations in mm")
-    value: list[float] = Field(description="the prediction")
-    low: list[float] = Field(description="lower end for the curve")
-    high: list[float] = Field(description="upper end for the curve")
-    new_low: list[float] = Field(description="lower end for a new measurement")
-    new_high: list[float] = Field(description="upper end for a new measurement")
 
 
 @dataclass(frozen=True, eq=False)
@@ -491,11 +463,6 @@ class Optimum:
         """Return m numbers of the fitted law, their variances, and half-widths in standard errors.
 
         By the delta method; NaN where the law has no such number.
-
-        Raises
-        ------
-        InputError
-            If the parameters have no covariance.
         """
         if self.covariance is None:
             rule = "are not identifiable one by one, so that there is no band"
@@ -515,13 +482,7 @@ class Optimum:
         penetration: ArrayLike | None = None,
         name: str = "",
     ) -> Band:
-        """Return the prediction for a pair at loads in N/mm or penetrations in mm, with bands.
-
-        Raises
-        ------
-        InputError
-            If the parameters have no covariance, or the law is undefined at one of the points.
-        """
+        """Return the prediction for a pair at loads in N/mm or penetrations in mm, with bands."""
         of_load = penetration is not None
         at = np.atleast_1d(as_floats(penetration if of_load else load))
         is_log = of_load or self.fit.is_log

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -11,14 +12,17 @@ from matplotlib.figure import Figure
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measurements import Indices, Measurements
-from cylcontact.fitting.diagnose import Outlier
 from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.records import Interval, ObjectiveValue
+from cylcontact.fitting.records import Interval
+from cylcontact.fitting.words import axis_label
 from cylcontact.plain_text import as_label, brief
 from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.measured import Curve, draw_curves, draw_readings, draw_residuals
 from cylcontact.plots.style import ACCENT, QUIET
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.results import DataFit, LawFit
 
 # Points of a curve, and the most pairs and laws with curves of their own.
 _POINTS, _PAIRS, _LAWS = 121, 5, 4
@@ -28,13 +32,14 @@ _LEGEND, _TALLER = 4, 0.04
 _APART = 0.005
 
 
-def plot(optimum: Optimum, law: str, level: float, ax: Axes | None = None) -> Axes:
+def plot(result: DataFit, ax: Axes | None = None) -> Axes:
     """Draw the data, the fitted law and the band of a new reading."""
+    optimum = result.optimum
     data, noise = optimum.fit.data, optimum.fit.noise
     # The curve and its band lack the fixed effects of series.
     fixed = None if noise is None or noise.covariance.is_random else optimum.series_in_mm
     with axes_for(ax, "plot", "column", 68.0) as axes:
-        draw_curves(axes, _curves(optimum, law, level))
+        draw_curves(axes, _curves(optimum, result.law, result.level))
         reading = data.penetration if fixed is None else data.penetration - fixed
         draw_readings(axes, data.load, reading, _series(data))
         if fixed is not None and fixed.any():
@@ -43,82 +48,65 @@ def plot(optimum: Optimum, law: str, level: float, ax: Axes | None = None) -> Ax
     return axes
 
 
-def plot_residuals(
-    optimum: Optimum, table: pd.DataFrame, outliers: Sequence[Outlier], ax: Axes | None = None
-) -> Axes:
-    """Draw the residuals of a table over the load."""
+def plot_residuals(result: DataFit, ax: Axes | None = None) -> Axes:
+    """Draw the residuals over the load."""
+    table = result.residuals
     load, standardised = table["load_N_per_mm"].to_numpy(), table["standardised"].to_numpy()
-    lines = {outlier.line for outlier in outliers}
+    lines = {outlier.line for outlier in result.uncertainty.outliers}
     words = {k: f"line {line}" for k, line in enumerate(table["line"]) if line in lines}
-    series = _series(optimum.fit.data)
+    series = _series(result.optimum.fit.data)
     with axes_for(ax, "plot_residuals", "column", 45.0) as axes:
         draw_residuals(axes, load, standardised, "residual (std. dev.)", series, words)
     return axes
 
 
-def plot_profile_of_law(
-    values: Sequence[float],
-    rise: Sequence[float],
-    best: float,
-    optimum: ObjectiveValue,
-    label: str,
-    ax: Axes | None = None,
-) -> Axes:
+def plot_profile_of_law(result: LawFit, name: str, ax: Axes | None = None) -> Axes:
     """Draw the best objective over a coefficient of a fit to a law."""
+    curve, optimum = result.profiles[name], result.objective
     with axes_for(ax, "plot_profile", "column", 60.0) as axes:
-        axes.plot(values, rise, marker="", linestyle="-")
+        axes.plot(curve.values, curve.objective, marker="", linestyle="-")
         axes.axhline(1.01 * optimum.value, color=QUIET, linestyle=":", marker="")
-        axes.axvline(best, color=ACCENT, linestyle="--", marker="")
+        axes.axvline(result.coefficients[name], color=ACCENT, linestyle="--", marker="")
+        label = axis_label(name, result.units)
         axes.set(xlabel=label, ylabel=f"best {as_label(optimum.name)}")
     return axes
 
 
 def plot_profile_of_data(
-    optimum: Optimum,
-    name: str,
-    ends: Interval,
-    level: float,
-    label: str,
-    ax: Axes | None = None,
+    result: DataFit, name: str, ends: Interval, ax: Axes | None = None
 ) -> Axes:
     """Draw the likelihood ratio over a coefficient of a fit to readings."""
-    values, root, threshold = optimum.profile(name, ends, level)
+    values, root, threshold = result.optimum.profile(name, ends, result.level)
     with axes_for(ax, "plot_profile", "column", 60.0) as axes:
         axes.plot(values, root, marker="", linestyle="-")
         axes.axhline(threshold, color=QUIET, linestyle=":", marker="")
         for end in (ends.low, ends.high):
             axes.axvline(end, color=QUIET, linestyle="--", marker="", linewidth=0.8)
-        axes.axvline(optimum.best[name], color=ACCENT, linestyle="--", marker="")
+        axes.axvline(result.coefficients[name], color=ACCENT, linestyle="--", marker="")
+        label = axis_label(name, result.units)
         axes.set(xlabel=label, ylabel="rise of the objective (std. dev.)")
     return axes
 
 
-def fit_drawing(
-    optimum: Optimum,
-    name: str,
-    law: str,
-    level: float,
-    residuals: pd.DataFrame,
-    outliers: Sequence[Outlier],
-) -> Drawing:
+def fit_drawing(result: DataFit) -> Drawing:
     """Draw a fit to readings: the data with the law and its band, the residuals beneath.
 
     The drawing's table is that of the residuals, its headline the free coefficients.
     """
     figure = new_figure("column", 96.0)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.4, 1])
-    plot(optimum, law, level, upper)
-    plot_residuals(optimum, residuals, outliers, lower)
+    plot(result, upper)
+    plot_residuals(result, lower)
     upper.set_xlabel("")
     _move_long_legend(figure, upper)
-    free = dict(zip(optimum.fit.names, optimum.point.tolist(), strict=True))
-    values = ", ".join(f"{name} = {value:.4g}" for name, value in free.items())
+    values = ", ".join(f"{name} = {value:.4g}" for name, value in result.free.items())
+    residuals = result.residuals
     caption = (
-        f"{brief(name)}: {len(residuals)} measurements, the {brief(law)} law fitted to them "
-        f"({values}), and the band of {100 * level:g} % of new readings; beneath, measured less "
-        "fitted in standard deviations."
+        f"{brief(result.name)}: {len(residuals)} measurements, the {brief(result.law)} law fitted "
+        f"to them ({values}), and the band of {100 * result.level:g} % of new readings; beneath, "
+        "measured less fitted in standard deviations."
     )
-    return Drawing(figure, residuals, free, caption)
+    return Drawing(figure, residuals, result.free, caption)
 
 
 def _move_long_legend(figure: Figure, axes: Axes) -> None:

@@ -17,9 +17,8 @@ import numpy as np
 from scipy.optimize import linprog
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
-from cylcontact.fitting.objectives import Largest, RmsLogPenetration, RootMeanSquare
+from cylcontact.fitting.objectives import Largest, PowerForm, RmsLogPenetration, RootMeanSquare
 from cylcontact.fitting.problem import ParameterSpace
-from cylcontact.fitting.samples import PowerForm
 
 # A restart that gains less than this, relatively, ends the polish.
 _MIN_GAIN = 1e-10

@@ -11,8 +11,6 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.laws import ContactLaw
 from cylcontact.pair import CylinderPair
 
-__all__ = ["PowerFit", "fit_power", "fit_power_to_law"]
-
 
 @dataclass(frozen=True)
 class PowerFit:

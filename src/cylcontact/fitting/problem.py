@@ -1,38 +1,31 @@
-"""Calibration problems: the free parameters of a law, and the objective to minimise."""
+"""The parameters of a law that is fitted: free between bounds, fixed, or tied to others.
+
+A tie is an expression such as "a/10" in a campaign's [ties], of numbers, names of parameters,
+parentheses and + - * / **. It is parsed, not executed, and anything else is refused.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import ast
+import math
+import operator
+import warnings
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray
-from cylcontact.fitting.objectives import Objective
-from cylcontact.fitting.samples import Form
-from cylcontact.fitting.ties import evaluate
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.errors import InputError
 from cylcontact.laws.law import LawModel, Parameter
-
-# Numbers in an array of candidates by data; of more candidates some at a time are evaluated.
-_AT_ONCE = 1 << 22
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterSpace:
-    """The parameters of a law, some of them free between bounds, the others fixed or tied.
-
-    Attributes
-    ----------
-    model : LawModel
-        The law and contact.
-    parameters : tuple of Parameter
-        One for each of the model's names, in their order.
-    objective : object
-        What is minimised: for a grid an `Objective`, for readings its name.
-    """
+    """The parameters of a law, some of them free between bounds, the others fixed or tied."""
 
     model: LawModel
     # One for each of the model's names, in their order.
@@ -112,36 +105,105 @@ class ParameterSpace:
         return np.nan_to_num(self.residuals(points), nan=1e3, posinf=1e3, neginf=-1e3)
 
 
-@dataclass(frozen=True, eq=False)
-class Problem(ParameterSpace):
-    """Fit a law to a law: minimise an objective on a grid over the free parameters.
+_BINARY: dict[type[ast.operator], Callable[[FloatArray, FloatArray], FloatArray]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+_UNARY: dict[type[ast.unaryop], Callable[[FloatArray], FloatArray]] = {
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+}
+_ALLOWED = (ast.Constant, ast.Name, ast.Load, ast.UnaryOp, ast.BinOp, *_UNARY, *_BINARY)
+# Python's parser recurses, so a longer expression could exhaust its stack.
+_LONGEST = 200
+_ARITHMETIC = "numbers, names of parameters, parentheses and + - * / **"
 
-    Attributes
-    ----------
-    objective : Objective
-        The objective with its data.
+
+def evaluate(expression: str, values: Mapping[str, ArrayLike]) -> FloatArray:
+    """Return the value of a valid expression; inf or NaN where the arithmetic has none.
+
+    >>> float(evaluate("1 + Y_log_scale/10", {"Y_log_scale": 1.51}))
+    1.151
     """
+    with np.errstate(all="ignore"):
+        return _value(_parsed(expression), values)
 
-    objective: Objective
 
-    def values(self, points: FloatArray) -> FloatArray:
-        """Return the objective of P points of the free parameters, shape (P, k) to (P,)."""
-        at_once = max(1, _AT_ONCE // self.objective.dR.size)
-        if len(points) <= at_once:
-            return self.objective.values(self.form(points))
-        parts = [points[first : first + at_once] for first in range(0, len(points), at_once)]
-        return np.concatenate([self.values(part) for part in parts])
+def names_in(expression: str) -> frozenset[str]:
+    """Return the names of parameters in a valid expression."""
+    return frozenset(
+        node.id for node in ast.walk(_parsed(expression)) if isinstance(node, ast.Name)
+    )
 
-    def residuals(self, points: FloatArray) -> FloatArray:
-        """Return the objective's residuals of P points, shape (P, k) to (P, q)."""
-        return self.objective.residuals(self.form(points))
 
-    def form(self, points: FloatArray) -> Form:
-        """Return the laws at P points of the free parameters, shape (P, k)."""
-        with np.errstate(all="ignore"):  # what is not finite lies outside the law
-            return self.objective.form(self.model, self.complete(points))
+def require_valid(
+    ties: Mapping[str, str], own_tables: Collection[str], names: Collection[str], source: str
+) -> None:
+    """Refuse ties that cannot be computed from parameters of the law that are not tied themselves.
 
-    def value_of(self, coefficients: Mapping[str, float]) -> float:
-        """Return the objective of coefficients by name, which may be outside the bounds."""
-        form = self.objective.form(self.model, self.model.candidates(coefficients))
-        return float(self.objective.values(form)[0])
+    `own_tables` are the parameters that have a table of their own in the campaign.
+    """
+    for name, expression in ties.items():
+        key = f"ties.{name}"
+        if name not in names:
+            known = f"its parameters: {', '.join(names)}"
+            raise InputError(source, key, expression, "is not a parameter of the law", known)
+        if name in own_tables:
+            rule = f"conflicts with [parameters.{name}]"
+            remedy = "keep one: a tied parameter has no bounds of its own"
+            raise InputError(source, key, expression, rule, remedy)
+        if not _is_arithmetic(expression):
+            remedy = 'e.g. b = "a/10"'
+            raise InputError(source, key, expression, f"may hold only {_ARITHMETIC}", remedy)
+        others = [other for other in names if other not in ties]
+        for other in sorted(names_in(expression) - set(others)):
+            raise InputError(
+                source,
+                key,
+                expression,
+                f"names {other}, which is " + ("tied itself" if other in ties else "no parameter"),
+                f"use {', '.join(others)}",
+            )
+
+
+def _is_arithmetic(expression: str) -> bool:
+    """Return whether an expression can be parsed and holds nothing but arithmetic."""
+    if len(expression) > _LONGEST:
+        return False
+    try:
+        with warnings.catch_warnings(action="error"):  # the parser warns of "1or"
+            nodes = list(ast.walk(_parsed(expression)))
+    except (SyntaxError, ValueError):
+        return False
+    for node in nodes:
+        if isinstance(node, ast.Constant):
+            number = node.value
+            if not isinstance(number, int | float) or isinstance(number, bool):
+                return False
+            if not math.isfinite(number):
+                return False
+    return all(isinstance(node, _ALLOWED) for node in nodes)
+
+
+@lru_cache(maxsize=256)
+def _parsed(expression: str) -> ast.expr:
+    """Return the tree of an expression."""
+    return ast.parse(expression.strip(), mode="eval").body
+
+
+def _value(node: ast.expr, values: Mapping[str, ArrayLike]) -> FloatArray:
+    """Return the value of a tree of arithmetic."""
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return as_floats(number)
+        case ast.Name(id=name):
+            return as_floats(values[name])
+        case ast.UnaryOp(op=sign, operand=operand):
+            return as_floats(_UNARY[type(sign)](_value(operand, values)))
+        case ast.BinOp(left=left, op=sign, right=right):
+            return as_floats(_BINARY[type(sign)](_value(left, values), _value(right, values)))
+        case _:
+            raise TypeError(f"{ast.dump(node)} is not arithmetic")

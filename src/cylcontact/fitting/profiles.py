@@ -12,18 +12,14 @@ from dataclasses import dataclass
 from itertools import islice, product
 
 import numpy as np
-from pydantic import Field
 from scipy.optimize import elementwise
 
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
+from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.polish import affordable_starts, climb_down, descend
-from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.records import FAIRLY, WELL, Ends
+from cylcontact.fitting.records import TOLERANCE, DiscrepancyPair, Ends, Profile
 from cylcontact.laws.law import Coefficients
-from cylcontact.spec import Spec
 
-# The rise of the objective at the ends of the interval of a coefficient.
-TOLERANCE = 0.01
 # Values of a coefficient in a profile.
 _CURVE_POINTS = 41
 # And of each coefficient in a map of a pair.
@@ -37,42 +33,6 @@ _EDGE_PRECISION = 1e-4
 # Random starts for each refit, the steps to the neighbours that are refitted from it, the relative
 # gain for which they are, and those of the descents and of the last one.
 _LADDERS, _NEIGHBOURS, _GAIN, _FINER, _PRECISE = 3, (1, 4), 1e-6, 1e-6, 1e-10
-
-
-class Profile(Ends):
-    """The best attainable objective as a function of one coefficient; its ends are at 1 %."""
-
-    values: list[float] = Field(description="values of the coefficient, increasing")
-    objective: list[float] = Field(description="the objective with all others re-optimised")
-    objective_at_published: float | None = Field(
-        description="the objective with the coefficient at its published value"
-    )
-
-    @property
-    def interval(self) -> str:
-        """The 1 % interval, and whether a bound cuts it off."""
-        cut = ", bound" if self.low_is_bound or self.high_is_bound else ""
-        return f"{self.low:.4g} … {self.high:.4g}{cut}"
-
-    def verdict(self, value: float) -> str:
-        """Return "well", "fairly", "poorly" or "at a bound" for a coefficient at `value`."""
-        half_width = (self.high - self.low) / 2
-        if self.is_at_bound(value):
-            return "at a bound"
-        if self.low_is_bound or self.high_is_bound or half_width > FAIRLY * abs(value):
-            return "poorly"
-        return "well" if half_width <= WELL * abs(value) else "fairly"
-
-
-class DiscrepancyPair(Spec):
-    """The rise of the objective over two coefficients, all others re-optimised."""
-
-    names: tuple[str, str] = Field(description="the two coefficients", strict=False)
-    x: list[float] = Field(description="values of the first, increasing")
-    y: list[float] = Field(description="values of the second, increasing")
-    rise: list[list[float | None]] = Field(
-        description="best objective over the optimum, less 1; null where the law is undefined"
-    )
 
 
 class _Minima:
@@ -249,10 +209,7 @@ def _around(problem: Problem, best: Coefficients, name: str, ends: Ends) -> list
 
 
 def discrepancy_pair(
-    problem: Problem,
-    names: tuple[str, str],
-    best: Coefficients,
-    profiles: Mapping[str, Profile],
+    problem: Problem, names: tuple[str, str], best: Coefficients, profiles: Mapping[str, Profile]
 ) -> DiscrepancyPair:
     """Map the objective over two coefficients, as far as their profiles reach."""
     x, y = (_around(problem, best, name, profiles[name]) for name in names)

@@ -1,4 +1,4 @@
-"""Parts of a fit result: its runs, its objective, its intervals, and how many samples it has."""
+"""What a result holds: runs, objectives, intervals, estimates, and what the residuals show."""
 
 from __future__ import annotations
 
@@ -10,64 +10,62 @@ from cylcontact.spec import Spec
 # Half-widths of an interval, relative to the value, up to which a parameter is well or fairly
 # determined.
 WELL, FAIRLY = 0.02, 0.10
+# The rise of the objective at the ends of the profile of a coefficient.
+TOLERANCE = 0.01
 
 
 class ObjectiveValue(Spec):
     """An objective's name and value."""
 
-    name: str = Field(description="the objective's name")
-    value: float = Field(description="its value")
+    name: str
+    value: float
 
 
 class Published(Spec):
     """The published coefficients on the same data."""
 
-    coefficients: dict[str, float] = Field(description="the coefficients of the law's source")
-    objective: float = Field(description="their objective")
+    coefficients: dict[str, float]
+    objective: float
 
 
 class MaxDifference(Spec):
-    """Largest |Eq 9| over the data, in percent."""
+    """Largest |Eq 9| over the data in percent; None where the law is undefined."""
 
-    fitted: float | None = Field(
-        description="of the fitted coefficients; none if undefined at all of the data"
-    )
-    published: float | None = Field(description="of the published ones, where there are any")
+    fitted: float | None
+    published: float | None
 
 
 class SampleCounts(Spec):
     """Samples used, and samples that the reference's domain masked."""
 
-    samples: int = Field(description="samples used")
-    masked: int = Field(description="samples masked")
+    samples: int
+    masked: int
 
 
 class RunRecord(Spec):
-    """The result of a run; only the seconds differ between repeats."""
+    """A run: its search, and the polish after it; only the seconds differ between repeats."""
 
-    index: int = Field(description="the run's place in the campaign")
-    seed: int = Field(description="the seed of the search")
-    population: int | None = Field(
-        description="the population, which sets the budget of every search; null for a descent"
-    )
-    crossover: str | None = Field(description="the crossover of a genetic search")
-    objective_before_polish: float = Field(description="the best of the search")
-    coefficients_before_polish: dict[str, float] | None = Field(
-        description="those of the search alone; null in old results, which do not have them"
-    )
-    objective: float = Field(description="the objective after the polish")
-    coefficients: dict[str, float] = Field(description="the coefficients after the polish")
-    evaluations: int = Field(description="candidates that the search evaluated")
-    seconds: float = Field(description="wall-clock time")
+    index: int
+    seed: int
+    # The budget of every search; None for a descent.
+    population: int | None
+    crossover: str | None
+    objective_before_polish: float
+    # None in old results.
+    coefficients_before_polish: dict[str, float] | None
+    objective: float
+    coefficients: dict[str, float]
+    evaluations: int
+    seconds: float
 
 
 class Ends(Spec):
-    """The ends of an interval of a parameter."""
+    """The ends of an interval of a parameter, and whether a bound of the search cuts them off."""
 
-    low: float = Field(description="the lower end")
-    high: float = Field(description="the upper end")
-    low_is_bound: bool = Field(description="whether a bound of the search cuts it off below")
-    high_is_bound: bool = Field(description="whether a bound of the search cuts it off above")
+    low: float
+    high: float
+    low_is_bound: bool
+    high_is_bound: bool
 
     def is_at_bound(self, value: float) -> bool:
         """Return whether a value is at an end that is a bound of the search."""
@@ -76,27 +74,197 @@ class Ends(Spec):
             self.high_is_bound and self.high - value <= margin
         )
 
+    @property
+    def cut(self) -> str:
+        """What an interval in words ends with if a bound cuts it off."""
+        return ", bound" if self.low_is_bound or self.high_is_bound else ""
+
 
 class Interval(Ends):
     """An interval of a parameter of a fit to readings."""
 
-    lowest: float = Field(
-        0.0, description="the lowest (S(θ) − S)/τ; below 0 there is a better optimum"
-    )
+    # The lowest (S(θ) − S)/τ on the way; below 0 there is a better optimum.
+    lowest: float = 0.0
+
+
+class Profile(Ends):
+    """The best attainable objective as a function of one coefficient; its ends are at 1 %."""
+
+    values: list[float]
+    objective: list[float]
+    objective_at_published: float | None
+
+    @property
+    def interval(self) -> str:
+        """The 1 % interval, and whether a bound cuts it off."""
+        return f"{self.low:.4g} … {self.high:.4g}{self.cut}"
+
+    def verdict(self, value: float) -> str:
+        """Return "well", "fairly", "poorly" or "at a bound" for a coefficient at `value`."""
+        half_width = (self.high - self.low) / 2
+        if self.is_at_bound(value):
+            return "at a bound"
+        if self.low_is_bound or self.high_is_bound or half_width > FAIRLY * abs(value):
+            return "poorly"
+        return "well" if half_width <= WELL * abs(value) else "fairly"
+
+
+class DiscrepancyPair(Spec):
+    """The relative rise of the objective over two coefficients, a row for each y."""
+
+    names: tuple[str, str] = Field(strict=False)
+    x: list[float]
+    y: list[float]
+    # None where the law is undefined.
+    rise: list[list[float | None]]
+
+
+class PairMap(Spec):
+    """The likelihood ratio (S(θ) − S)/τ over two parameters, a row for each y."""
+
+    names: tuple[str, str] = Field(strict=False)
+    x: list[float]
+    y: list[float]
+    # None where the law is undefined; below 0 there is a better optimum.
+    ratio: list[list[float | None]]
+    # The contour of each level in percent.
+    thresholds: dict[str, float]
+
+
+class Band(Spec):
+    """A predicted curve of a pair, with the bands of the curve and of a new reading."""
+
+    name: str
+    # "penetration_mm" at loads in N/mm, or "load_N_per_mm" at penetrations in mm.
+    quantity: str
+    at: list[float]
+    value: list[float]
+    low: list[float]
+    high: list[float]
+    new_low: list[float]
+    new_high: list[float]
+
+
+class Estimate(Spec):
+    """A free parameter with its standard error, and intervals by covariance and by profile."""
+
+    value: float
+    # None where the data do not determine it.
+    standard_error: float | None
+    low: float | None
+    high: float | None
+    profile: Interval | None
+    verdict: str
+    # Of the standard error; None if the size of the noise is known.
+    degrees_of_freedom: float | None = None
+    # Of a parameter of stiffness: its value for the pair as given.
+    nominal: float | None = None
+
+
+class SeriesEffect(Spec):
+    """What the readings of a series share: offset and drift in mm, gain relative."""
+
+    name: str
+    rows: int
+    effects: dict[str, float]
+
+
+class FittedDeviations(Spec):
+    """The deviations of a noise model: constant, offset and drift in mm, the others relative."""
+
+    deviations: dict[str, float]
+    random: bool
+    series: list[SeriesEffect]
+
+
+class Outlier(Spec):
+    """A row far from the fitted law: measured less fitted, in robust standard deviations."""
+
+    line: int
+    deviations: float
+
+
+class Finding(Spec):
+    """A test of the noise that fails: series, pairs, drift, sequence, spread, branches, repeats."""
+
+    test: str
+    # The probability of such residuals if the noise were as assumed.
+    p: float
+    says: str
+    remedy: str
+
+    @property
+    def sentence(self) -> str:
+        """What the residuals show, how unlikely that is, and what to do."""
+        return f"{self.says} (p = {self.p:.2g}): {self.remedy}"
+
+
+class Uncertainty(Spec):
+    """The uncertainty of the coefficients from the noise of measurements."""
+
+    level: float
+    rows: int
+    degrees_of_freedom: int
+    residual_sigma: float
+    residual_unit: str
+    sigma_known: bool
+    # The probability of residuals this large where their size is known, and of so few changes of
+    # their sign along the load.
+    chi_square_p: float | None
+    runs_test_p: float | None
+    loss_scale: float | None
+    estimates: dict[str, Estimate]
+    correlation: dict[str, dict[str, float]]
+    # Parameters of which only a combination is identifiable.
+    only_together: list[str]
+    duplicates: list[list[int]]
+    outliers: list[Outlier]
+    notes: list[str]
+    noise: FittedDeviations | None = None
+    log_likelihood: float | None = None
+    # The number of free parameters, deviations of the noise and fixed effects.
+    estimated: int | None = None
+    # Of the variance of the readings; with series, of that within them.
+    r_squared: float | None = None
+    # The residuals over the readings, and over the scatter from one reading to the next.
+    missed: float | None = None
+    missed_over_scatter: float | None = None
+    findings: list[Finding] = Field([])
+    without_outliers: dict[str, float] = Field({})
+
+
+class Bootstrap(Spec):
+    """Refits to resampled rows or groups: standard errors, and if they are many, intervals."""
+
+    over: str
+    groups: int
+    replicates: int
+    # Refits that did not count: the law was undefined at the start.
+    undefined: int = 0
+    seed: int
+    intervals: dict[str, Interval]
+    standard_errors: dict[str, float]
 
 
 class LeftOut(Spec):
-    """A fit without one group."""
+    """A fit without one group, and its objective on the rows of that; None if undefined."""
 
-    group: str = Field(description="the group left out")
-    rows: int = Field(description="its rows")
-    coefficients: dict[str, float] = Field(description="fitted to the others")
-    own_rms: float | None = Field(
-        description="the objective of its rows with those coefficients; null if undefined"
-    )
+    group: str
+    rows: int
+    coefficients: dict[str, float]
+    own_rms: float | None
 
     @classmethod
     def of(cls, group: str, rows: int, coefficients: dict[str, float], rms: float) -> LeftOut:
         """Return the record; an objective that is not finite is none."""
         own_rms = rms if np.isfinite(rms) else None
         return cls(group=group, rows=rows, coefficients=coefficients, own_rms=own_rms)
+
+
+# Runs whose objectives are this close, relatively, ended in the same basin.
+SAME_BASIN = 1e-3
+
+
+def same_basin(record: RunRecord, objective: float, exact: float = 1e-12) -> bool:
+    """Return whether a run reached an objective, to 0.1 % and round-off."""
+    return record.objective <= objective * (1 + SAME_BASIN) + exact

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from html import escape
@@ -15,36 +15,46 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from pydantic import Field
 
 from cylcontact.arrays import as_floats
 from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
 from cylcontact.fitting.campaign import CampaignBase
 from cylcontact.fitting.design import Design, design
-from cylcontact.fitting.estimates import Uncertainty
 from cylcontact.fitting.law_models import fitted_law, units_of, user_model, with_rig
-from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.measured import Fit
-from cylcontact.fitting.noise_words import noise_verdicts, noise_warnings
+from cylcontact.fitting.measured import Fit, Loss
 from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.profiles import TOLERANCE, Profile
 from cylcontact.fitting.records import (
     FAIRLY,
+    SAME_BASIN,
+    TOLERANCE,
     WELL,
-    LeftOut,
     MaxDifference,
     ObjectiveValue,
+    Profile,
     Published,
     RunRecord,
     SampleCounts,
+    Uncertainty,
+    same_basin,
 )
 from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of, require_increasing
+from cylcontact.fitting.words import (
+    OBJECTIVE_UNITS,
+    WIDTH,
+    Rows,
+    item,
+    label_of,
+    noise_verdicts,
+    noise_warnings,
+    or_dash,
+    without_profile,
+)
 from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.plain_text import as_label, brief
+from cylcontact.plain_text import brief
 from cylcontact.reading import marked, read_text, unmarked
 from cylcontact.spec import Spec, parse_spec, require_other_kind
 from cylcontact.text_tables import Table
@@ -55,22 +65,10 @@ if TYPE_CHECKING:
 
     from cylcontact.plots.figure import Drawing
 
-# Runs whose objectives are this close, relatively, ended in the same basin.
-SAME_BASIN = 1e-3
 # A coefficient this close to a bound, relative to the search interval, is at the bound.
 _AT_BOUND = 1e-6
-_WIDTH = 100
-# The units of objectives that have one, if no deviations are given with the data.
-OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-load": "N/mm", "rms-standardised": "std. dev."}
 # What only files of before have, where fits to laws and to readings were one record.
 _FORMER = ("kind", "bound", "profiles")
-
-Rows = list[tuple[str, ...]]
-
-
-def same_basin(record: RunRecord, objective: float, exact: float = 1e-12) -> bool:
-    """Return whether a run reached an objective, to 0.1 % and round-off."""
-    return record.objective <= objective * (1 + SAME_BASIN) + exact
 
 
 class FitResult(Spec):
@@ -79,18 +77,20 @@ class FitResult(Spec):
     `print(result)` gives the report, and a notebook shows it. `to_law` returns the fitted law.
     """
 
-    name: str = Field(description="the campaign's name")
-    law: str = Field(description="the law fitted")
-    contact: Contact = Field(description="the contact it is for")
-    reference: str = Field(description="the law it was fitted to, or measurements")
-    coefficients: dict[str, float] = Field(description="the fitted coefficients")
-    objective: ObjectiveValue = Field(description="the objective reached")
-    published: Published | None = Field(description="the published coefficients' objective")
-    max_abs_diff_percent: MaxDifference = Field(description="largest |Eq 9| over the data")
-    runs: list[RunRecord] = Field(description="every run")
-    counts: SampleCounts = Field(description="samples used and masked")
-    settings: dict[str, Any] = Field(description="the campaign and the grid, or the data, as run")
-    provenance: dict[str, Any] = Field(description="versions and hashes")
+    name: str
+    law: str
+    contact: Contact
+    # A law, or "measurements".
+    reference: str
+    coefficients: dict[str, float]
+    objective: ObjectiveValue
+    published: Published | None
+    max_abs_diff_percent: MaxDifference
+    runs: list[RunRecord]
+    counts: SampleCounts
+    # The campaign and the grid, or the data, as run; then versions and hashes.
+    settings: dict[str, Any]
+    provenance: dict[str, Any]
 
     # The objective below which the law follows the samples exactly.
     round_off: ClassVar[float]
@@ -143,7 +143,7 @@ class FitResult(Spec):
 
     def require_consistent(self, source: str) -> None:
         """Raise `InputError` if the parts of a result contradict each other."""
-        campaign = self._campaign(source)
+        campaign = campaign_of(self.name, self.settings, source)
         names, spec = campaign.model.names, campaign.spec
         model = campaign.model
         expected = {"law": model.law, "contact": model.contact, "reference": campaign.reference}
@@ -172,10 +172,6 @@ class FitResult(Spec):
             rule = f"must be the value that its campaign fixes, {table.value}"
         if not table.allows(value) or (table.fixed and value != table.value):
             raise InputError(source, f"coefficients.{name}", value, rule, "redo the fit")
-
-    def _campaign(self, source: str) -> CampaignBase:
-        """Return the campaign from the settings."""
-        return campaign_of(self.name, self.settings, source)
 
     def to_law(self, source: str = "") -> ContactLaw:
         """Return the fitted law of the contact, without the offset and compliance of the rig.
@@ -288,7 +284,7 @@ class FitResult(Spec):
         unwarned = [sentence for sentence in self.verdicts if sentence not in self.warnings]
         return "\n".join(
             [
-                fill(self.headline, _WIDTH),
+                fill(self.headline, WIDTH),
                 *([self.status] if self.status else []),
                 *(item(sentence, "! ") for sentence in self.warnings),
                 "",
@@ -340,10 +336,9 @@ class FitResult(Spec):
 class LawFit(FitResult):
     """A law fitted to a law; `calibrate` has an example."""
 
-    bound: float | None = Field(
-        description="the per-clearance lower bound of the objective, for power laws"
-    )
-    profiles: dict[str, Profile] = Field(description="a profile for each free coefficient")
+    # The per-clearance lower bound of the objective, for power laws.
+    bound: float | None
+    profiles: dict[str, Profile]
 
     round_off: ClassVar[float] = 1e-6  # moments have half of the digits
 
@@ -367,12 +362,9 @@ class LawFit(FitResult):
         """
         from cylcontact.fitting import pictures
 
-        curve = self.profiles.get(name)
-        if curve is None:
+        if name not in self.profiles:
             raise without_profile(self.name, name, self.profiles)
-        best, optimum = self.coefficients[name], self.objective
-        label = axis_label(name, self.units)
-        return pictures.plot_profile_of_law(curve.values, curve.objective, best, optimum, label, ax)
+        return pictures.plot_profile_of_law(self, name, ax)
 
     def identification(self, name: str) -> str:
         """Return "well", "fairly", "poorly", "at a bound", "fixed", a tie, or "-"."""
@@ -508,7 +500,7 @@ class DataFit(FitResult):
     `print(result)` gives the report, and a notebook shows it with its picture.
     """
 
-    uncertainty: Uncertainty = Field(description="the uncertainty of the coefficients")
+    uncertainty: Uncertainty
 
     round_off: ClassVar[float] = 1e-12
 
@@ -820,13 +812,13 @@ class DataFit(FitResult):
         """
         from cylcontact.fitting import pictures
 
-        return pictures.plot(self.optimum, self.law, self.level, ax)
+        return pictures.plot(self, ax)
 
     def plot_residuals(self, ax: Axes | None = None) -> Axes:
         """Draw the residuals over the load; `ax` as for `plot`."""
         from cylcontact.fitting import pictures
 
-        return pictures.plot_residuals(self.optimum, self.residuals, self.uncertainty.outliers, ax)
+        return pictures.plot_residuals(self, ax)
 
     def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
         """Draw how much worse the fit gets when a coefficient moves and all others follow.
@@ -844,19 +836,13 @@ class DataFit(FitResult):
         estimate = estimates.get(name)
         if estimate is None or estimate.profile is None:
             raise without_profile(self.name, name, estimates)
-        label = axis_label(name, self.units)
-        return pictures.plot_profile_of_data(
-            self.optimum, name, estimate.profile, self.level, label, ax
-        )
+        return pictures.plot_profile_of_data(self, name, estimate.profile, ax)
 
     def drawing(self) -> Drawing:
         """Return a figure of the data with the law and its band, the residuals beneath."""
         from cylcontact.fitting import pictures
 
-        outliers = self.uncertainty.outliers
-        return pictures.fit_drawing(
-            self.optimum, self.name, self.law, self.level, self.residuals, outliers
-        )
+        return pictures.fit_drawing(self)
 
     def _repr_html_(self) -> str:
         from cylcontact.plots.style import figure_style
@@ -1002,65 +988,8 @@ class DataFit(FitResult):
 # --- pieces -----------------------------------------------------------------------------------
 
 
-def label_of(name: str, units: Mapping[str, str]) -> str:
-    """Return a name with its unit, if it has one."""
-    return ", ".join(filter(None, (name, units.get(name))))
-
-
-def axis_label(name: str, units: Mapping[str, str]) -> str:
-    """Return the label of an axis over a coefficient."""
-    return f"{as_label(name)} ({units[name]})" if units.get(name) else as_label(name)
-
-
-def item(sentence: str, mark: str = "- ") -> str:
-    """Return a sentence as an item of a list, wrapped."""
-    return fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent="  ")
-
-
-def left_out_table(fits: Sequence[LeftOut], names: Sequence[str]) -> list[str]:
-    """Return the table of fits without one group; nothing if there are none."""
-    if not fits:
-        return []
-    rows = [
-        (
-            fit.group,
-            f"{fit.rows:,}",
-            *(f"{fit.coefficients[name]:.5g}" for name in names),
-            "-" if fit.own_rms is None else f"{fit.own_rms:.4g}",
-        )
-        for fit in fits
-    ]
-    table = Table(("without", "samples", *names, "RMS on that group"), rows)
-    return [f"Fits without one group, and how well they predict it:\n{table}"]
-
-
-def or_dash(value: float | None, style: str = ".5g") -> str:
-    """Return a number, or a dash for None."""
-    return "-" if value is None else format(value, style)
-
-
-def without_profile(result: str, name: str, known: Mapping[str, object]) -> InputError:
-    """Return the error of a coefficient without a profile."""
-    rule = "has no profile: it was not searched, or the data do not determine it"
-    remedy = f"choose {', '.join(known)}" if known else "free it"
-    return InputError(f"fit result {result!r}", "name", name, rule, remedy)
-
-
 def require_same_inputs(path: Path, campaign: CampaignBase) -> None:
-    """Refuse to replace a result of other inputs than those of a campaign.
-
-    Parameters
-    ----------
-    path : Path
-        Where the result will be written.
-    campaign : Campaign
-        The campaign.
-
-    Raises
-    ------
-    InputError
-        If the file exists and is another campaign's result, or not a result.
-    """
+    """Refuse to replace a result of other inputs than those of a campaign."""
     remedy = "write elsewhere with -o, or add --force to replace it"
     if not path.exists():
         return
@@ -1079,13 +1008,7 @@ def require_same_inputs(path: Path, campaign: CampaignBase) -> None:
 
 
 def _differences(before: Any, now: Any, key: str = "") -> list[str]:
-    """Return the differences between two settings, one text for each key.
-
-    Examples
-    --------
-    >>> _differences({"law": "power", "seed": 1}, {"law": "hertz", "seed": 1})
-    ["law: 'power' there, 'hertz' now"]
-    """
+    """Return the differences between two settings, one text for each key."""
     if before == now:
         return []
     if isinstance(before, dict) and isinstance(now, dict):

@@ -95,14 +95,6 @@ def plan_runs(
     """Return the runs of a campaign, with populations, crossovers and seeds.
 
     All combinations of populations and crossovers take turns. Seeds are spawned from `seed`.
-
-    Examples
-    --------
-    >>> for plan in plan_runs(3, (60, 120), ("uniform", "blend"), 300, seed=1):
-    ...     print(plan.population, plan.crossover)
-    60 uniform
-    120 uniform
-    60 blend
     """
     seeds = [int(child.generate_state(1)[0]) for child in np.random.SeedSequence(seed).spawn(runs)]
     return [
@@ -121,26 +113,7 @@ def plan_runs(
 
 
 def execute(problem: ParameterSpace, plan: RunPlan, source: str = "campaign") -> RunRecord:
-    """Search and polish on one thread, so that the result depends on the plan alone.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem.
-    plan : RunPlan
-        The settings of the run.
-    source : str
-        The campaign's name in errors.
-
-    Returns
-    -------
-    RunRecord
-
-    Raises
-    ------
-    InputError
-        If the search found no coefficients for which the law is defined.
-    """
+    """Search and polish on one thread, so that the result depends on the plan alone."""
     started = time.perf_counter()
     with threadpool_limits(limits=1):
         best = OPTIMIZERS[plan.optimizer].search(
@@ -148,13 +121,9 @@ def execute(problem: ParameterSpace, plan: RunPlan, source: str = "campaign") ->
         )
         point, value = minimise(problem, best.point, plan.seed)
     if not np.isfinite(value):
-        raise InputError(
-            source,
-            "genetic.populations",
-            plan.population,
-            f"run {plan.index} found no coefficients for which the law is defined",
-            "narrow the parameters' bounds, or raise populations and generations",
-        )
+        rule = f"run {plan.index} found no coefficients for which the law is defined"
+        remedy = "narrow the parameters' bounds, or raise populations and generations"
+        raise InputError(source, "genetic.populations", plan.population, rule, remedy)
     return RunRecord(
         index=plan.index,
         seed=plan.seed,

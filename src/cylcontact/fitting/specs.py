@@ -12,25 +12,15 @@ from pydantic import Field, model_validator
 from cylcontact.choices import Branch
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
-from cylcontact.fitting.loss import LOSSES
+from cylcontact.fitting.measured import LOSSES
 from cylcontact.fitting.noise import NOISES
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.fitting.ties import require_valid
+from cylcontact.fitting.problem import require_valid
 from cylcontact.housing_spec import HousingSpec
 from cylcontact.laws.law import LawModel, Parameter
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, broken
-
-__all__ = [
-    "CampaignSpec",
-    "GeneticSpec",
-    "MeasuredSpec",
-    "ParameterSpec",
-    "completed",
-    "parameters_of",
-    "require_complete",
-]
 
 _SpecType = TypeVar("_SpecType", bound=Spec)
 
@@ -51,12 +41,8 @@ class ParameterSpec(Spec):
     @model_validator(mode="after")
     def _check(self) -> ParameterSpec:
         if self.low is not None and self.high is not None and self.low >= self.high:
-            raise broken(
-                "low",
-                self.low,
-                f"must be below high = {self.high}",
-                "exchange them, or give value with fixed = true",
-            )
+            rule = f"must be below high = {self.high}"
+            raise broken("low", self.low, rule, "exchange them, or give value with fixed = true")
         if self.fixed:
             if self.value is None:
                 raise broken("value", None, "is required when fixed = true", _PARAMETER_REMEDY)
@@ -110,20 +96,13 @@ class GeneticSpec(Spec):
     @model_validator(mode="after")
     def _check(self) -> GeneticSpec:
         if not self.populations or not 4 <= min(self.populations) <= max(self.populations) <= _MOST:
-            raise broken(
-                "populations",
-                list(self.populations),
-                f"must be a list of sizes from 4 to {_MOST}",
-                "e.g. [60, 120]",
-            )
+            rule = f"must be a list of sizes from 4 to {_MOST}"
+            raise broken("populations", list(self.populations), rule, "e.g. [60, 120]")
         unknown = [name for name in self.crossovers if name not in CROSSOVERS]
         if unknown or not self.crossovers:
-            raise broken(
-                "crossovers",
-                list(self.crossovers),
-                "must be a list of known crossovers",
-                f"choose from {', '.join(CROSSOVERS)}",
-            )
+            rule = "must be a list of known crossovers"
+            remedy = f"choose from {', '.join(CROSSOVERS)}"
+            raise broken("crossovers", list(self.crossovers), rule, remedy)
         return self
 
 
@@ -135,8 +114,7 @@ class CampaignSpec(Spec):
     objective: str = Field(OBJECTIVES[0], description=f"one of {', '.join(OBJECTIVES)}")
     seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
     parameters: dict[str, ParameterSpec] = Field(
-        {},
-        description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",
+        {}, description="tables [parameters.NAME] for parameters with other bounds, or fixed ones"
     )
     ties: dict[str, str] | None = Field(None, description=_TIES)
     optimizer: str = Field("genetic", description=f"one of {', '.join(OPTIMIZERS)}")
@@ -190,8 +168,7 @@ class MeasuredSpec(Spec):
     )
     branch: Branch | None = Field(None, description='"loading" or "unloading"')
     parameters: dict[str, ParameterSpec] = Field(
-        {},
-        description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",
+        {}, description="tables [parameters.NAME] for parameters with other bounds, or fixed ones"
     )
     free: tuple[str, ...] | None = Field(
         None, strict=False, description="a list of parameters to free with their default bounds"
@@ -214,12 +191,9 @@ class MeasuredSpec(Spec):
                 "optimizer", self.optimizer, "optimiser", OPTIMIZERS, ", or leave it out"
             )
         if self.loss == "linear" and self.loss_scale is not None:
-            raise broken(
-                "loss_scale",
-                self.loss_scale,
-                "is used only with a robust loss",
-                "leave it out, or choose loss = soft_l1, huber or cauchy",
-            )
+            rule = "is used only with a robust loss"
+            remedy = "leave it out, or choose loss = soft_l1, huber or cauchy"
+            raise broken("loss_scale", self.loss_scale, rule, remedy)
         return self
 
     @property
@@ -250,31 +224,7 @@ def parameters_of(
     source: str,
     others: str = "",
 ) -> tuple[Parameter, ...]:
-    """Return the parameters of a campaign, in the order of the law.
-
-    Parameters
-    ----------
-    model : LawModel
-        The law, with default bounds for what the campaign leaves out.
-    tables : mapping
-        The campaign's tables [parameters.NAME].
-    ties : mapping or None
-        Its table [ties].
-    source : str
-        The campaign's name in errors.
-    others : str, optional
-        Further parameters that may be named, for an error message.
-
-    Returns
-    -------
-    tuple of Parameter
-
-    Raises
-    ------
-    InputError
-        If a table is not of a parameter of the law, a tie is invalid, a parameter has no default
-        bounds and no table, or nothing is searched.
-    """
+    """Return the parameters of a campaign, in the order of the law."""
     for name in tables:
         if name not in model.names:
             rule = f"is not a parameter of {model.law} for {model.contact} contact"
@@ -288,7 +238,9 @@ def parameters_of(
         else _parameter(default, tables.get(default.name), source)
         for default in model.parameters
     )
-    _require_free(parameters, source)
+    if not any(p.is_free for p in parameters):
+        rule, remedy = "all are fixed or tied", "free at least one: give it low and high"
+        raise InputError(source, "parameters", None, rule, remedy)
     return parameters
 
 
@@ -297,13 +249,9 @@ def _parameter(default: Parameter, table: ParameterSpec | None, source: str) -> 
     if table is not None:
         return table.applied_to(default)
     if not default.fixed and not math.isfinite(default.high - default.low):
-        raise InputError(
-            source,
-            f"parameters.{default.name}",
-            None,
-            "is required: a law of your own has no default bounds",
-            "give low and high, or value with fixed = true",
-        )
+        rule = "is required: a law of your own has no default bounds"
+        remedy = "give low and high, or value with fixed = true"
+        raise InputError(source, f"parameters.{default.name}", None, rule, remedy)
     return default
 
 
@@ -315,15 +263,3 @@ def require_complete(
         if parameter.name not in tables and parameter.tie is None:
             known = f"the law has {', '.join(p.name for p in parameters)}"
             raise InputError(source, f"parameters.{parameter.name}", None, "is required", known)
-
-
-def _require_free(parameters: tuple[Parameter, ...], source: str) -> None:
-    """Refuse parameters of which none is searched."""
-    if not any(p.is_free for p in parameters):
-        raise InputError(
-            source,
-            "parameters",
-            None,
-            "all are fixed or tied",
-            "free at least one: give it low and high",
-        )

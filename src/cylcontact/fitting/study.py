@@ -1,26 +1,26 @@
-"""Study the uncertainty of a fit to readings: intervals, maps of pairs, the bootstrap, bands."""
+"""Study the uncertainty of a fit to readings: intervals, maps of pairs, the bootstrap, bands.
+
+Rows of one specimen share its errors. Resampling whole groups (materials, clearances, pairs)
+preserves this. Leaving one out shows its influence on the coefficients, and how well the others
+predict it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import closing
 
-from pydantic import Field
+import numpy as np
 
-from cylcontact.fitting.estimates import LEVEL, Uncertainty, uncertainty_of
-from cylcontact.fitting.noise_words import noise_verdicts, noise_warnings
-from cylcontact.fitting.optimum import Band, PairMap
-from cylcontact.fitting.records import LeftOut
-from cylcontact.fitting.resampling import (
-    FEW_GROUPS,
-    FEW_REFITS,
-    FEWEST_REFITS,
-    Bootstrap,
-    bootstrap,
-    leave_one_out,
-)
-from cylcontact.fitting.results import DataFit, Rows, item, left_out_table
-from cylcontact.parallel import Workers, call, collect
+from cylcontact.arrays import FloatArray
+from cylcontact.datasets.measurements import Indices
+from cylcontact.errors import InputError
+from cylcontact.fitting.diagnose import LEVEL, uncertainty_of
+from cylcontact.fitting.optimum import Optimum
+from cylcontact.fitting.records import Band, Bootstrap, Interval, LeftOut, PairMap, Uncertainty
+from cylcontact.fitting.results import DataFit
+from cylcontact.fitting.words import Rows, item, left_out_table, noise_verdicts, noise_warnings
+from cylcontact.parallel import Workers, call, collect, run_calls
 from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
@@ -30,24 +30,15 @@ from cylcontact.text_tables import Table
 _CONTOURS = (0.68, 0.95)
 
 
-@dataclass(frozen=True)
-class Resampling:
-    """The options of the bootstrap: refits, what is resampled, and the seed if not the fit's."""
-
-    replicates: int
-    over: str = "rows"
-    seed: int | None = None
-
-
 class NoiseStudy(Spec):
     """The uncertainty of the coefficients of a fit to measurements; `print` gives the report."""
 
-    name: str = Field(description="the fit's name")
-    uncertainty: Uncertainty = Field(description="covariance, profiles and verdicts")
-    pairs: list[PairMap] = Field(description="the likelihood over each pair of parameters")
-    bootstrap: Bootstrap | None = Field(description="refits to resampled data")
-    left_out: list[LeftOut] = Field(description="fits without one group")
-    bands: list[Band] = Field(description="predictions with their bands")
+    name: str
+    uncertainty: Uncertainty
+    pairs: list[PairMap]
+    bootstrap: Bootstrap | None
+    left_out: list[LeftOut]
+    bands: list[Band]
 
     def __str__(self) -> str:
         uncertainty, bootstrap = self.uncertainty, self.bootstrap
@@ -82,7 +73,9 @@ def study_noise(
     result: DataFit,
     *,
     level: float = LEVEL,
-    resampling: Resampling | None = None,
+    replicates: int | None = None,
+    over: str = "rows",
+    seed: int | None = None,
     leave_out: str | None = None,
     with_pairs: bool = False,
     law: str | None = None,
@@ -91,33 +84,8 @@ def study_noise(
 ) -> NoiseStudy:
     """Return the uncertainty of the coefficients of a fit to measurements.
 
-    Parameters
-    ----------
-    result : DataFit
-        The fit.
-    level : float
-        Of all intervals.
-    resampling : Resampling, optional
-        Of the bootstrap; none by default.
-    leave_out : str, optional
-        The kind of group to leave out one after the other.
-    with_pairs : bool
-        Whether to map the likelihood over each pair of free parameters.
-    law : str, optional
-        The user's function, which is run only if it is named again.
-    jobs : int or Cluster
-        Worker processes, or a Dask cluster; the result does not depend on it.
-    progress : callable, optional
-        Called with the stage, how many of its parts are done, and their number.
-
-    Returns
-    -------
-    NoiseStudy
-
-    Raises
-    ------
-    InputError
-        If the result is not of measurements, or a grouping has one group only.
+    With `replicates` it is refitted so often to resampled rows, or to other groups. A function of
+    the user's own is run only if it is named again as the law.
     """
     optimum = (result if law is None else result.with_law(law)).optimum
     uncertainty = uncertainty_of(optimum, level, jobs)
@@ -128,11 +96,8 @@ def study_noise(
         calls = [call(optimum.map_of_pair, pair, ends, _CONTOURS) for pair in names]
         pairs = collect(calls, jobs, progress, "mapping")
     resampled = None
-    if resampling is not None:
-        seed = resampling.seed
-        if seed is None:
-            seed = int(result.settings["campaign"]["seed"])
-        replicates, over = resampling.replicates, resampling.over
+    if replicates is not None:
+        seed = int(result.settings["campaign"]["seed"]) if seed is None else seed
         resampled = bootstrap(optimum, over, replicates, seed, level, jobs, progress)
     return NoiseStudy(
         name=result.name,
@@ -193,3 +158,121 @@ def _half_widths(band: Band, k: int) -> tuple[str, str, str]:
     widths = (band.high[k] - band.low[k], band.new_high[k] - band.new_low[k])
     curve, new = (f"{50 * width / value:.2g}" if value > 0 else "-" for width in widths)
     return f"{band.at[k]:.4g}", curve, new
+
+
+# Replicates per call of a worker.
+_BATCH = 25
+# With fewer groups than this intervals are too narrow.
+FEW_GROUPS = 8
+# Fewer refits than this give standard errors, but no percentile intervals.
+FEWEST_REFITS = 40
+# With this many refits the ends of a 95 % interval vary with the seed by about a tenth of a
+# standard error. The report warns of fewer.
+FEW_REFITS = 1000
+
+
+def bootstrap(
+    optimum: Optimum,
+    over: str,
+    replicates: int,
+    seed: int,
+    level: float,
+    jobs: Workers = 1,
+    progress: Progress = silent,
+) -> Bootstrap:
+    """Refit to resampled rows or groups, from the optimum; the same seed gives the same intervals.
+
+    `over` is a criterion of `Measurements.groups`, e.g. "rows".
+    """
+    names, _ = _groups(optimum, over)
+    noise, source = optimum.fit.noise, optimum.fit.data.data.source
+    if noise is not None and noise.covariance.model.over not in (None, over):
+        rule = "would tear apart the series of the noise model"
+        raise InputError(source, "over", over, rule, "resample whole series with --over group")
+    seeds = np.random.SeedSequence(seed).spawn(replicates)
+    batches = [seeds[k : k + _BATCH] for k in range(0, replicates, _BATCH)]
+    refits: list[FloatArray | None] = []
+    with closing(
+        run_calls([call(_replicates, optimum, over, b) for b in batches], jobs)
+    ) as results:
+        for batch in results:
+            refits.extend(batch)
+            progress("resampling", len(refits), replicates)
+    points = np.array([point for point in refits if point is not None])
+    if len(points) < 2:
+        rule = f"refits left the law defined in {len(points)}, and a spread needs two"
+        remedy = "request more, or fit again so that the law is defined for all rows"
+        raise InputError(source, "bootstrap", replicates, rule, remedy)
+    intervals = {}
+    if len(points) >= FEWEST_REFITS:
+        ends = np.percentile(points, [50 * (1 - level), 50 * (1 + level)], axis=0).T
+        intervals = {
+            p.name: Interval(
+                low=float(low),
+                high=float(high),
+                low_is_bound=bool(low <= p.low),
+                high_is_bound=bool(high >= p.high),
+            )
+            for p, (low, high) in zip(optimum.fit.free, ends, strict=True)
+        }
+    errors = zip(optimum.fit.names, points.std(axis=0, ddof=1).tolist(), strict=True)
+    return Bootstrap(
+        over=over,
+        groups=len(names),
+        replicates=replicates,
+        undefined=replicates - len(points),
+        seed=seed,
+        intervals=intervals,
+        standard_errors=dict(errors),
+    )
+
+
+def leave_one_out(
+    optimum: Optimum, over: str, jobs: Workers = 1, progress: Progress = silent
+) -> list[LeftOut]:
+    """Fit without each group in turn, and evaluate that fit on the group."""
+    names, group = _groups(optimum, over)
+    for number, name in enumerate(names):
+        left = int((group != number).sum())
+        if left <= optimum.point.size:
+            rule = f"without {name} only {left} rows remain for {optimum.point.size} parameters"
+            remedy = "choose another grouping, or fix parameters"
+            raise InputError(optimum.fit.data.data.source, "over", over, rule, remedy)
+    calls = [call(_without, optimum, over, number) for number in range(len(names))]
+    return collect(calls, jobs, progress, "leaving out")
+
+
+def _groups(optimum: Optimum, over: str) -> tuple[list[str], Indices]:
+    """Return the names of the groups, at least two, and the group of each row."""
+    data = optimum.fit.data
+    names, group = data.groups(over)
+    if len(names) < 2:
+        rule = f"all rows are of one group, {names[0]}"
+        raise InputError(data.data.source, "over", over, rule, "choose rows, or measure another")
+    return names, group
+
+
+def _replicates(
+    optimum: Optimum, over: str, seeds: list[np.random.SeedSequence]
+) -> list[FloatArray | None]:
+    """Refit once per seed; None if the law is undefined for a row at the start."""
+    names, group = optimum.fit.data.groups(over)
+    members = [np.flatnonzero(group == number) for number in range(len(names))]
+    points: list[FloatArray | None] = []
+    for seed in seeds:
+        drawn = np.random.default_rng(seed).integers(len(names), size=len(names))
+        rows = np.concatenate([members[k] for k in drawn])
+        copies = np.repeat(np.arange(drawn.size), [members[k].size for k in drawn])
+        point, value, _ = optimum.fit.take(rows, copies).minimise(optimum.point)
+        points.append(point if np.isfinite(value) else None)
+    return points
+
+
+def _without(optimum: Optimum, over: str, number: int) -> LeftOut:
+    """Fit without one group, and evaluate the fit on it."""
+    names, group = optimum.fit.data.groups(over)
+    own = np.flatnonzero(group == number)
+    rest = optimum.fit.take(np.flatnonzero(group != number))
+    coefficients = rest.coefficients(rest.minimise(optimum.point).point)
+    rms = optimum.fit.take(own).value_of(coefficients)
+    return LeftOut.of(names[number], own.size, coefficients, rms)

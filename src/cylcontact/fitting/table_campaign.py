@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,7 +19,6 @@ from cylcontact.datasets.measurements import (
     Measurements,
     measurements_of,
     pair_notes,
-    read_frame,
     read_measured,
     require_positive_penetration,
 )
@@ -43,7 +42,7 @@ from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.law import Coefficients, LawModel, Parameter
 from cylcontact.laws.user import UserFunction, UserLaw
 from cylcontact.materials import own_table
-from cylcontact.pair import Contact
+from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reading import beside_or_above
 from cylcontact.spec import parse_spec, read_toml
 
@@ -152,13 +151,7 @@ class TableCampaign(CampaignBase):
 
 
 def require_increasing(fit: Fit, coefficients: Coefficients) -> None:
-    """Refuse a function of the user's own that is no contact law at some coefficients.
-
-    Raises
-    ------
-    InputError
-        With the penetration where the load decreases, or is negative.
-    """
+    """Refuse a function of the user's own that is no contact law at some coefficients."""
     law, data = fit.model.build(coefficients), fit.data
     if isinstance(law, RigCompliance):
         law = law.base
@@ -186,21 +179,7 @@ def require_increasing(fit: Fit, coefficients: Coefficients) -> None:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredTable:
-    """A table of measurements, and how laws are fitted to it.
-
-    Attributes
-    ----------
-    name : str
-        Of the campaigns.
-    spec : MeasuredSpec
-        Their settings as given.
-    measurements : Measurements
-        The data.
-    folder : path
-        Where a module with a law of one's own is looked for.
-    source : str
-        Its name in errors.
-    """
+    """A table of measurements, and how laws are fitted to it."""
 
     name: str
     spec: MeasuredSpec
@@ -209,13 +188,7 @@ class MeasuredTable:
     source: str
 
     def campaign(self, law: str, free: Sequence[str] = ()) -> TableCampaign:
-        """Return the campaign that fits a law, with further parameters free.
-
-        Raises
-        ------
-        InputError
-            If the law is unknown, or the settings are not for it.
-        """
+        """Return the campaign that fits a law, with further parameters free."""
         model = _law_model(law, self.spec, self.folder, self.source)
         wanted = tuple(dict.fromkeys((*(self.spec.free or ()), *free))) or None
         spec = self.spec.model_copy(update={"law": law, "free": wanted})
@@ -274,10 +247,7 @@ def read_table(
 
 
 def read_campaign(
-    path: Path | str,
-    runs: int | None = None,
-    seed: int | None = None,
-    optimizer: str | None = None,
+    path: Path | str, runs: int | None = None, seed: int | None = None, optimizer: str | None = None
 ) -> Campaign | TableCampaign:
     """Read a campaign file, and the grid or the table that it names.
 
@@ -317,13 +287,7 @@ def read_campaign(
 
 
 def campaign_of(name: str, settings: dict[str, Any], source: str) -> Campaign | TableCampaign:
-    """Return the campaign from the settings in a result, without importing a user's law.
-
-    Raises
-    ------
-    InputError
-        If they lack a part, or are invalid.
-    """
+    """Return the campaign from the settings in a result, without importing a user's law."""
     key = "measurements" if isinstance(settings.get("measurements"), dict) else "dataset"
     if not all(isinstance(settings.get(part), dict) for part in ("campaign", key)):
         rule = "lacks the campaign or the dataset"
@@ -351,8 +315,7 @@ def _read_table(
 ) -> MeasuredTable:
     """Read the data of a campaign."""
     materials = own_table(spec.materials, folder, source)
-    read: Callable[..., MeasuredData] = read_measured if isinstance(table, Path) else read_frame
-    data = read(
+    data = read_measured(
         *(table, spec.contact, spec.constants, materials),
         *(spec.ignore, spec.columns, spec.group, spec.branch),
     )
@@ -399,13 +362,9 @@ def _on_table(
     parameters = parameters_of(model, spec.parameters, spec.ties, source, rig)
     free = sum(p.is_free for p in parameters)
     if len(measured) <= free:
-        raise InputError(
-            source,
-            "data",
-            f"{len(measured)} rows",
-            f"are not more than the {free} free parameters",
-            "measure more points, or fix parameters with fixed = true",
-        )
+        rule = f"are not more than the {free} free parameters"
+        remedy = "measure more points, or fix parameters with fixed = true"
+        raise InputError(source, "data", f"{len(measured)} rows", rule, remedy)
     noise = _noise_of(spec, measured, parameters, source)
     objective = STANDARDISED if noise is not None else _objective_of(spec, measured, source)
     if "log" in objective or not any(p.is_free for p in parameters if p.name == "offset"):
@@ -429,13 +388,7 @@ def _stored_model(spec: MeasuredSpec, source: str) -> LawModel:
 def _noise_of(
     spec: MeasuredSpec, data: Measurements, parameters: tuple[Parameter, ...], source: str
 ) -> NoiseModel | None:
-    """Return the noise model that a campaign chooses; None for one of the plain objectives.
-
-    Raises
-    ------
-    InputError
-        If its keys contradict each other or the data.
-    """
+    """Return the noise model that a campaign chooses; None for one of the plain objectives."""
     given = [name for name in ("load", "penetration") if f"{name}_std" in data.columns]
     keys = {"group": spec.group, "drift": spec.drift or None, "load_error": spec.load_error}
     chosen = [key for key, value in keys.items() if value is not None]
@@ -465,13 +418,7 @@ def _noise_of(
 
 
 def _objective_of(spec: MeasuredSpec, data: Measurements, source: str) -> str:
-    """Return the objective of a campaign without a noise model, or the default for its data.
-
-    Raises
-    ------
-    InputError
-        If it is unknown, or not that of the standard deviations in the data.
-    """
+    """Return the objective of a campaign without a noise model, or the default for its data."""
 
     def refused(key: str, value: object, rule: str, remedy: str = "keep one of them") -> InputError:
         return InputError(source, key, value, rule, remedy)
@@ -498,3 +445,50 @@ def _objective_of(spec: MeasuredSpec, data: Measurements, source: str) -> str:
         remedy = f"choose rms-{sigmas[0]}, or list the column under ignore"
         raise refused("objective", given, f"leaves the column {sigmas[0]}_std unused", remedy)
     return given
+
+
+def table_of(
+    data: pd.DataFrame | Path | str,
+    law: str,
+    pair: CylinderPair | None,
+    contact: Contact | None,
+    constants: Constants | None,
+    fixed: Mapping[str, float] | None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    **settings: Any,
+) -> MeasuredTable:
+    """Return the measurements of a pair, as `cylcontact.fit` and `choose` take them."""
+    if pair is not None and contact not in (None, pair.contact):
+        rule = f"contradicts the pair, which is for {pair.contact} contact"
+        raise InputError("fit", "contact", contact, rule, "leave it out")
+    kind = pair.contact if pair is not None else contact
+    if kind is None:
+        raise InputError("fit", "contact", None, "is required without a pair", "give a pair")
+    tables = {name: {"value": value, "fixed": True} for name, value in (fixed or {}).items()}
+    tables |= {name: {"low": low, "high": high} for name, (low, high) in (bounds or {}).items()}
+    if tables:
+        settings["parameters"] = tables
+    return read_table(
+        data if isinstance(data, pd.DataFrame) else Path(data),
+        law,
+        kind,
+        {**(constants_of(pair) if pair is not None else {}), **(constants or {})},
+        **settings,
+    )
+
+
+def constants_of(pair: CylinderPair) -> dict[str, float]:
+    """Return a pair as constants of a table of measurements."""
+    pair.require_plane_strain("A fit to measurements")
+    i, j = pair.material_i, pair.material_j
+    values = {"E_i_MPa": i.E, "nu_i": i.nu, "E_j_MPa": j.E, "nu_j": j.nu, "length_mm": pair.length}
+    if pair.R_i is None or pair.R_j is None:
+        values |= {"dR_mm": pair.dR, "R_i_mm": pair.R_i, "R_j_mm": pair.R_j}
+    else:
+        values |= {"R_i_mm": pair.R_i, "R_j_mm": pair.R_j}
+    given = {name: value for name, value in values.items() if value is not None}
+    for name, value in given.items():
+        if np.ndim(value):
+            rule, remedy = "is an array", "give it as a column of the data"
+            raise InputError("fit", name, "of the pair", rule, remedy)
+    return {name: float(value) for name, value in given.items()}

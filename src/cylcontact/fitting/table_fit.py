@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from cylcontact.arrays import FloatArray
-from cylcontact.fitting.estimates import uncertainty_of
+from cylcontact.datasets.measurements import Constants
+from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.records import MaxDifference, ObjectiveValue, RunRecord, SampleCounts
 from cylcontact.fitting.results import DataFit
 from cylcontact.fitting.runs import best_of, published_on, run_all, searches
-from cylcontact.fitting.table_campaign import TableCampaign, require_increasing
+from cylcontact.fitting.table_campaign import TableCampaign, require_increasing, table_of
 from cylcontact.journal import Journal
 from cylcontact.laws.law import ContactLaw
+from cylcontact.pair import Contact, CylinderPair
 from cylcontact.parallel import Workers, call
 from cylcontact.progress import Progress, silent
 
@@ -123,3 +128,70 @@ def _largest_percent(campaign: TableCampaign, law: ContactLaw) -> float | None:
         ratio = np.abs(law.penetration(data.load, data.pair) / data.penetration - 1)
     finite = ratio[np.isfinite(ratio)]  # a reading may be 0
     return float(100 * finite.max()) if finite.size else None
+
+
+def fit(
+    data: pd.DataFrame | Path | str,
+    law: str,
+    pair: CylinderPair | None = None,
+    *,
+    contact: Contact | None = None,
+    constants: Constants | None = None,
+    free: Sequence[str] = (),
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    jobs: Workers = 1,
+    **settings: Any,
+) -> DataFit:
+    """Fit a law to measurements.
+
+    Parameters
+    ----------
+    data : DataFrame or path
+        Columns of loads and penetrations with their units, such as load_N and penetration_um, and
+        of whatever differs from row to row: dR_um, E_GPa, material, ….
+    law : str
+        Its name, or module:function for one of your own.
+    pair : CylinderPair, optional
+        The two cylinders, if they are the same in all rows.
+    contact : {"internal", "external"}, optional
+        Without a pair, a pin in a hole or two rollers.
+    constants : mapping, optional
+        Values for all rows by column name, in place of a pair or beside it.
+    free : sequence of str, optional
+        Parameters to search beside the usual ones, with their default bounds: the constants of a
+        law's shape, or the compliance of the rig.
+    fixed : mapping of str to float, optional
+        Parameters to hold at a value.
+    bounds : mapping of str to (low, high), optional
+        Parameters to search between two values.
+    jobs : int or Cluster, optional
+        Worker processes; the result does not depend on them.
+    **settings
+        Other keys of a campaign file: noise, group, drift, load_error, loss, columns, branch,
+        objective, ignore, materials, ties, starts, seed, name.
+
+    Returns
+    -------
+    DataFit
+
+    Raises
+    ------
+    InputError
+        If the data or a setting is invalid, or the law is undefined for some of the data.
+
+    Examples
+    --------
+    >>> import cylcontact as cc
+    >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+    >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+    >>> load, noise = np.geomspace(10.0, 1000.0, 9), 1 + 0.01 * np.cos(np.arange(9))
+    >>> depth = cc.laws.Explicit().penetration(load, pair) * noise
+    >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
+    >>> result = cc.fit(data, "explicit", pair)
+    >>> print(result.to_frame().loc["stiffness_factor", ["value", "standard_error"]].to_dict())
+    {'value': 1.0008..., 'standard_error': 0.0043...}
+    """
+    settings["free"] = tuple(free) or None
+    table = table_of(data, law, pair, contact, constants, fixed, bounds, **settings)
+    return fit_table(table.campaign(law), jobs)

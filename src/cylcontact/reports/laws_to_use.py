@@ -20,8 +20,8 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import grid_model_of
+from cylcontact.fitting.objectives import Form, LawForm, Samples, collect_samples, form_of
 from cylcontact.fitting.results import FitResult
-from cylcontact.fitting.samples import Form, LawForm, Samples, collect_samples, form_of
 from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED

@@ -1,11 +1,16 @@
-"""What the uncertainty of a fit to readings means, in sentences."""
+"""What the uncertainty of a fit to readings means, in sentences; labels and tables of reports."""
 
 from __future__ import annotations
 
-from cylcontact.fitting.diagnose import OUTLYING, SURPRISING
-from cylcontact.fitting.estimates import STRONG_CORRELATION, FittedDeviations, Uncertainty
+from collections.abc import Mapping, Sequence
+from textwrap import fill
+
+from cylcontact.errors import InputError
+from cylcontact.fitting.diagnose import OUTLYING, STRONG_CORRELATION, SURPRISING
 from cylcontact.fitting.optimum import ROUNDING
-from cylcontact.fitting.records import FAIRLY, WELL
+from cylcontact.fitting.records import FAIRLY, WELL, FittedDeviations, LeftOut, Uncertainty
+from cylcontact.plain_text import as_label
+from cylcontact.text_tables import Table
 
 # A law that describes less than this share of the variance of readings is not theirs; nor is one
 # that misses them by more than a share of them, and by several times their scatter.
@@ -289,3 +294,57 @@ def _on_rows(uncertainty: Uncertainty) -> list[str]:
             "asymptotic; check them with the bootstrap"
         )
     return sentences
+
+
+WIDTH = 100
+
+
+# The units of objectives that have one, if no deviations are given with the data.
+OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-load": "N/mm", "rms-standardised": "std. dev."}
+
+
+Rows = list[tuple[str, ...]]
+
+
+def label_of(name: str, units: Mapping[str, str]) -> str:
+    """Return a name with its unit, if it has one."""
+    return ", ".join(filter(None, (name, units.get(name))))
+
+
+def axis_label(name: str, units: Mapping[str, str]) -> str:
+    """Return the label of an axis over a coefficient."""
+    return f"{as_label(name)} ({units[name]})" if units.get(name) else as_label(name)
+
+
+def item(sentence: str, mark: str = "- ") -> str:
+    """Return a sentence as an item of a list, wrapped."""
+    return fill(sentence, WIDTH, initial_indent=mark, subsequent_indent="  ")
+
+
+def left_out_table(fits: Sequence[LeftOut], names: Sequence[str]) -> list[str]:
+    """Return the table of fits without one group; nothing if there are none."""
+    if not fits:
+        return []
+    rows = [
+        (
+            fit.group,
+            f"{fit.rows:,}",
+            *(f"{fit.coefficients[name]:.5g}" for name in names),
+            "-" if fit.own_rms is None else f"{fit.own_rms:.4g}",
+        )
+        for fit in fits
+    ]
+    table = Table(("without", "samples", *names, "RMS on that group"), rows)
+    return [f"Fits without one group, and how well they predict it:\n{table}"]
+
+
+def or_dash(value: float | None, style: str = ".5g") -> str:
+    """Return a number, or a dash for None."""
+    return "-" if value is None else format(value, style)
+
+
+def without_profile(result: str, name: str, known: Mapping[str, object]) -> InputError:
+    """Return the error of a coefficient without a profile."""
+    rule = "has no profile: it was not searched, or the data do not determine it"
+    remedy = f"choose {', '.join(known)}" if known else "free it"
+    return InputError(f"fit result {result!r}", "name", name, rule, remedy)
