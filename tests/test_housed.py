@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, choose, fit, laws
+from cylcontact.fitting import DataFit
 from cylcontact.laws.housed import needs_series
 from cylcontact.laws.housing import Housing, Sector
 from cylcontact.laws.kernels import TABLE, kernel
@@ -126,9 +127,44 @@ def test_the_table_of_laws_takes_a_housing(run):
     assert "parametric is the series" in said
 
 
+LUG = Material.named("low-carbon steel")
+
+
+def test_a_bush_in_a_lug_is_that_of_the_python_interface(tmp_path, run):
+    """The kernel of two rings is checked against finite elements in `test_housing`."""
+    options = (*OPTIONS.split(), "--load", 1000, "--R-o", 20)
+    bush = Housing(20.0, layers=[(LUG, 12.0)])
+    micrometres = f"{1e3 * laws.Parametric(bush).penetration(1000.0, PAIR):.4g} µm"
+    code, said, _ = run("laws", *options, "--layer", "low-carbon steel:12")
+    assert code == 0
+    assert f": {micrometres}, " in said
+    # A layer of the hole's own material is no layer.
+    own = tmp_path / "own.csv"
+    own.write_text("name,E_GPa,nu\nours,110,0.34\n")
+    same = ("--layer", "ours:12", "--layer", "ours:15", "--materials", own)
+    assert ": 10.17 µm, 0.83 times" in run("laws", *options, *same)[1]
+    code, _, errors = run("export", "explicit", *options[:-4], *options[-2:], "--to", "python",
+                          "--layer", "low-carbon steel:12", "-o", tmp_path / "law.py")  # fmt: skip
+    assert code == 0, errors
+    text = (tmp_path / "law.py").read_text()
+    assert "E = 200000 MPa and nu = 0.3 bonded around it" in " ".join(
+        text.replace("#", " ").split()
+    )
+    scope = {}
+    exec(text, scope)
+    arguments = 0.01, float(PAIR.E_star), float(PAIR.dR)
+    expected = float(laws.Conformal(bush).load(0.01, PAIR))
+    assert scope["load"](*arguments) == pytest.approx(expected, rel=0.01)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
+        ("--R-o 20 --layer bronze", "--layer = 'bronze': is no material with an inner radius"),
+        ("--R-o 20 --layer x:12", "--layer = 'x': is not in the tables of materials; choose"),
+        ("--R-o 20 --layer bronze:25", "--layer = [25.0, 20.0]: must have inner radii that incr"),
+        ("--R-o 20 --layer bronze:9", "layers"),
+        ("--layer bronze:12", "--R-o: is missing beside --layer"),
         ("--R-o 9", "R_o = 9.0: must be larger than the hole"),
         ("--R-o 20 --clamp far:5", "--clamp = 5.0: must be at least 10"),
         ("--R-o 20 --clamp half", "--clamp = 'half': is no clamp; write rim, near:60"),
@@ -171,6 +207,19 @@ def test_a_fit_in_a_known_housing_finds_the_stiffness_of_the_materials(tmp_path,
     )
     assert code == 0, said
     assert (tmp_path / "out" / "result.json").is_file()
+
+
+def test_a_fit_keeps_the_numbers_of_a_layer_that_is_named(tmp_path, run):
+    path = readings(tmp_path)
+    housing = ("--R-o", 20, "--clamp", "far:60", "--layer", "low-carbon steel:12")
+    code, said, _ = run("fit", path, "--law", "parametric", *OPTIONS.split(), *housing,
+                        "--fix", "offset=0", "-o", tmp_path / "out")  # fmt: skip
+    assert code == 0, said
+    result = DataFit.read(tmp_path / "out" / "result.json")
+    bush = Housing(20.0, Sector(60, "far"), layers=[(LUG, 12.0)])
+    factor = result.coefficients["stiffness_factor"]
+    expected = laws.Parametric(bush).load(0.02, PAIR) * factor
+    assert result.to_law().load(0.02, PAIR) == pytest.approx(float(expected), rel=1e-9)
 
 
 def test_choose_holds_the_compliance_of_laws_that_know_the_housing(tmp_path):
@@ -218,9 +267,23 @@ def test_a_joint_takes_a_whole_rim_and_is_exported_with_it(tmp_path, run):
     assert force == pytest.approx(10.0 * float(expected), rel=1e-9)
 
 
+def test_a_joint_takes_layers(tmp_path):
+    path = tmp_path / "bush.toml"
+    layers = (
+        'layers = [{R_i = 12.0, material = "low-carbon steel"}, {R_i = 15, E = 70.0, nu = 0.3}]'
+    )
+    path.write_text(JOINT.format(law="parametric", housing=f"R_o = 20.0, {layers}"))
+    joint = read_joint(path)
+    housing = Housing(20.0, layers=[(LUG, 12.0), (Material("ours", 70e3, 0.3), 15.0)])
+    expected = float(laws.Parametric(housing).load(5e-3, joint.pair))
+    assert joint.kernel.load(5e-3) == pytest.approx(expected, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("law", "housing", "words"),
     [
+        ("explicit", "R_o = 20.0, layers = [{R_i = 12.0, E = 70.0}]", "layers.0.nu: is required"),
+        ("explicit", 'R_o = 20, layers = [{R_i = 12.0, material = "x"}]', "housing.layers = 'x'"),
         ("explicit", 'R_o = 20.0, clamp = "sector", angle = 60.0, side = "far"', "has a direction"),
         ("johnson", "R_o = 20.0", "knows no housing"),
         ("explicit", "R_o = 9.0", "must be larger than the hole"),

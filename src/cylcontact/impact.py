@@ -184,64 +184,32 @@ def exact_factor(restitution: ArrayLike) -> FloatArray:
     return as_floats(2 * p / (1 + e))
 
 
-def hunt_crossley(restitution: ArrayLike) -> FloatArray:
-    """Return 3(1 − e)/2 (Hunt and Crossley, J. Appl. Mech. 42 (1975) 440–445)."""
-    return 3 * (1 - _restitution(restitution)) / 2
-
-
-def herbert_mcwhannell(restitution: ArrayLike) -> FloatArray:
-    """Return 6(1 − e)/((2e − 1)² + 3) (Herbert and McWhannell, J. Eng. Ind. 99 (1977) 513–518)."""
-    e = _restitution(restitution)
-    return as_floats(6 * (1 - e) / ((2 * e - 1) ** 2 + 3))
-
-
-def lee_wang(restitution: ArrayLike) -> FloatArray:
-    """Return 3(1 − e)/4 (Lee and Wang, J. Mech. Transm. Autom. Des. 105 (1983) 534–540)."""
-    return 3 * (1 - _restitution(restitution)) / 4
-
-
-def lankarani_nikravesh(restitution: ArrayLike) -> FloatArray:
-    """Return 3(1 − e²)/4, the paper's (Lankarani and Nikravesh, J. Mech. Des. 112 (1990) 369)."""
-    e = _restitution(restitution)
-    return 3 * (1 - e) * (1 + e) / 4
-
-
-def gonthier(restitution: ArrayLike) -> FloatArray:
-    """Return (1 − e²)/e (Gonthier et al., Multibody Syst. Dyn. 11 (2004) 209–233)."""
-    e = _restitution(restitution)
-    return (1 - e) * (1 + e) / e
-
-
-def zhiying_qishao(restitution: ArrayLike) -> FloatArray:
-    """Return ¾(1 − e²)exp(2(1 − e)) (Zhiying and Qishao, J. Dyn. Control 4 (2006) 294–298)."""
-    e = _restitution(restitution)
-    return as_floats(3 * (1 - e) * (1 + e) / 4 * np.exp(2 * (1 - e)))
-
-
-def flores(restitution: ArrayLike) -> FloatArray:
-    """Return 8(1 − e)/(5e) (Flores et al., Multibody Syst. Dyn. 25 (2011) 357–375)."""
-    e = _restitution(restitution)
-    return 8 * (1 - e) / (5 * e)
-
-
-def hu_guo(restitution: ArrayLike) -> FloatArray:
-    """Return 3(1 − e)/(2e) (Hu and Guo, Multibody Syst. Dyn. 35 (2015) 131–151)."""
-    e = _restitution(restitution)
-    return 3 * (1 - e) / (2 * e)
+def _published(factor: Callable[[FloatArray], FloatArray]) -> HysteresisFactor:
+    """Return a factor of the literature, for restitutions that are checked."""
+    return lambda restitution: as_floats(factor(_restitution(restitution)))
 
 
 # Keyed by the names that specs and reports use, in order of publication, the exact one last.
 FACTORS: dict[str, HysteresisFactor] = {
-    "hunt-crossley": hunt_crossley,
-    "herbert-mcwhannell": herbert_mcwhannell,
-    "lee-wang": lee_wang,
-    "lankarani-nikravesh": lankarani_nikravesh,
-    "gonthier": gonthier,
-    "zhiying-qishao": zhiying_qishao,
-    "flores": flores,
-    "hu-guo": hu_guo,
+    # J. Appl. Mech. 42 (1975) 440–445
+    "hunt-crossley": _published(lambda e: 3 * (1 - e) / 2),
+    # J. Eng. Ind. 99 (1977) 513–518
+    "herbert-mcwhannell": _published(lambda e: 6 * (1 - e) / ((2 * e - 1) ** 2 + 3)),
+    # J. Mech. Transm. Autom. Des. 105 (1983) 534–540
+    "lee-wang": _published(lambda e: 3 * (1 - e) / 4),
+    # J. Mech. Des. 112 (1990) 369; the paper's
+    "lankarani-nikravesh": _published(lambda e: 3 * (1 - e) * (1 + e) / 4),
+    # Multibody Syst. Dyn. 11 (2004) 209–233
+    "gonthier": _published(lambda e: (1 - e) * (1 + e) / e),
+    # J. Dyn. Control 4 (2006) 294–298
+    "zhiying-qishao": _published(lambda e: 3 * (1 - e) * (1 + e) / 4 * np.exp(2 * (1 - e))),
+    # Multibody Syst. Dyn. 25 (2011) 357–375
+    "flores": _published(lambda e: 8 * (1 - e) / (5 * e)),
+    # Multibody Syst. Dyn. 35 (2015) 131–151
+    "hu-guo": _published(lambda e: 3 * (1 - e) / (2 * e)),
     "exact": exact_factor,
 }
+lankarani_nikravesh = FACTORS["lankarani-nikravesh"]
 
 
 def hysteresis_factor(name: str) -> HysteresisFactor:

@@ -95,6 +95,14 @@ class PairOptions:
         str | None,
         _option("--clamp", "What is clamped of the rim: rim (all of it), near:60 or far:60."),
     ] = None
+    layer: Annotated[
+        list[str] | None,
+        _option(
+            "--layer",
+            "A ring bonded around the hole's own, its material and inner radius in mm, bronze:12; "
+            "may be repeated, from within.",
+        ),
+    ] = None
 
 
 # What stands for a constant under another name, and the factor from one to the other.
@@ -109,7 +117,13 @@ OF_PIN_AND_HOLE = {*_OTHERS, "E_i_MPa", "E_j_MPa", "nu_i", "nu_j"}
 _APART = [f"{name}_{body}" for name in ("material", "nu") for body in "ij"]
 _APART += [f"E_{body}_MPa" for body in "ij"]
 # The options that `constants_of` takes.
-IN_CONSTANTS = {*PairOptions.__dataclass_fields__} - {"contact", "materials", "R_o", "clamp"}
+IN_CONSTANTS = {*PairOptions.__dataclass_fields__} - {
+    "contact",
+    "materials",
+    "R_o",
+    "clamp",
+    "layer",
+}
 
 
 def constants_of(
@@ -138,16 +152,22 @@ def constants_of(
 
 def housing_of(given: dict[str, Any], source: str, contact: str) -> "HousingSpec | None":
     """Return the housing that the options give, and take them away."""
-    R_o, clamp = given.pop("R_o", None), given.pop("clamp", None)
-    if R_o is None and clamp is None:
+    R_o, *others = (given.pop(name, None) for name in ("R_o", "clamp", "layer"))
+    clamp, layers = others
+    if R_o is None and not any(others):
         return None
-    from cylcontact.housing_spec import HousingSpec, clamp_of
+    from cylcontact.housing_spec import HousingSpec, clamp_of, layers_of
     from cylcontact.spec import parse_spec
 
     require_internal(source, contact, "leave out --R-o and --clamp, or give --contact internal")
-    require(R_o is not None, source, "--R-o", None, "is missing beside --clamp", "give the radius")
+    beside = "--clamp" if clamp else "--layer"
+    require(
+        R_o is not None, source, "--R-o", None, f"is missing beside {beside}", "give the radius"
+    )
     data = {"R_o": R_o, **clamp_of(clamp or "rim", source)}
-    with blaming_options({"R_o": "--R-o", "angle": "--clamp"}):
+    if layers:
+        data["layers"] = layers_of(layers, source)
+    with blaming_options({"R_o": "--R-o", "angle": "--clamp", "layers": "--layer"}):
         return parse_spec(HousingSpec, data, source)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -38,6 +38,9 @@ from cylcontact.limits import yield_warning
 from cylcontact.materials import known_materials, own_table
 from cylcontact.pair import CylinderPair, unusual_lengths
 from cylcontact.plain_text import brief
+
+if TYPE_CHECKING:
+    from cylcontact.laws import Housing
 
 # Characters of a warning, which may list many words of a text.
 LONGEST_NOTE = 500
@@ -225,15 +228,23 @@ def laws(
     from cylcontact.reports.laws_table import to_text
 
     given = {name: value for name, value in vars(pair).items() if value is not None}
-    housing = housing_of(given, "laws", given.get("contact", "internal"))
+    around = _housing_of(given, pair, "laws")
     cylinders = _pair_of(given, pair, "laws")
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
     listed_too = None if own is None else user_law(own, Path.cwd())
-    around = None if housing is None else housing.housing
     say(f"{advice}\n\n{to_text(cylinders, load, listed_too, around)}")
     for warning in (yield_warning(load, cylinders, around), *unusual_lengths(cylinders)):
         if warning is not None:
             say(f"warning: {warning}", err=True)
+
+
+def _housing_of(given: dict[str, Any], pair: PairOptions, source: str) -> Housing | None:
+    """Return the housing that options give, and take them away."""
+    housing = housing_of(given, source, given.get("contact", "internal"))
+    if housing is None:
+        return None
+    own = own_table(pair.materials, Path(), source, "--materials")
+    return housing.with_numbers(own, source, "--layer").housing
 
 
 def _pair_of(given: Mapping[str, Any], pair: PairOptions, source: str) -> CylinderPair:
@@ -308,9 +319,9 @@ def export(
         raise InputError("export", "RESULT|LAW", None, "is missing", remedy)
     if out is not None:
         require_writable(out)
-    housing = housing_of(given, "export", given.get("contact", "internal"))
+    housing = _housing_of(given, pair, "export")
     if housing is not None:
-        law = in_housing(what, housing.housing, "export", "RESULT|LAW")
+        law = in_housing(what, housing, "export", "RESULT|LAW")
         law, words = law_in_housing(law, _pair_of(given, pair, "export"))
         say(f"{what} in this housing: {words}", err=True)
         source = exported(law, None, target, words)

@@ -381,7 +381,8 @@ def _yield_notes(measured: Measurements, own: Path | None, housing: Housing | No
     labels = measured.data.labels
     of_both = labels.get("material")
     holes, pins = labels.get("material_i", of_both), labels.get("material_j", of_both)
-    if holes is None or pins is None or "R_i" not in measured.columns:
+    layers = [] if housing is None else [material.yield_stress for material, _ in housing.layers]
+    if holes is None or pins is None or "R_i" not in measured.columns or None in layers:
         return []
     size = len(measured)
     names = np.stack([np.broadcast_to(words, size) for words in (holes, pins)], axis=1)

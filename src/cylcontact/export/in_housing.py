@@ -152,10 +152,13 @@ def _remark(housing: Housing, pair: CylinderPair) -> str:
             f"{angle:g} degrees of its rim clamped, {side} from the load, which acts along the "
             "middle of this sector: the law is for no other direction"
         ).replace("near from", "near")
-    ratio = housing.R_o / float(np.asarray(pair.R_i))
+    R_i = float(np.asarray(pair.R_i))
+    for material, radius in housing.layers:
+        clamp += f", a ring of E = {material.E:g} MPa and nu = {material.nu:g} bonded around it "
+        clamp += f"from {radius / R_i:g} R_i on"
     return (
         f"For a pin of E = {float(pin.E):g} MPa and nu = {float(pin.nu):g} in a hole of "
         f"E = {float(hole.E):g} MPa and nu = {float(hole.nu):g}, plane {pair.plane}, in a housing "
-        f"of R_o/R_i = {ratio:g}, {clamp}. The penetration is that of the pin's centre against the "
-        "clamped rim, less the clearance"
+        f"of R_o/R_i = {housing.R_o / R_i:g}, {clamp}. The penetration is that of the pin's centre "
+        "against the clamped rim, less the clearance"
     )

@@ -160,7 +160,7 @@ class MeasuredSpec(Spec):
     )
     materials: str | None = Field(None, description="the path of a table of materials")
     housing: HousingSpec | None = Field(
-        None, description="a table [housing] of the rim's radius R_o and its clamp"
+        None, description="a table [housing] of the rim's radius R_o, its clamp and layers"
     )
     ignore: tuple[str, ...] = Field((), strict=False, description="a list of columns to leave out")
     columns: dict[str, str] | None = Field(

@@ -320,7 +320,10 @@ def _read_table(
         *(spec.ignore, spec.columns, spec.group, spec.branch),
     )
     measured = measurements_of(data, str(table) if isinstance(table, Path) else source)
-    housing = None if spec.housing is None else spec.housing.housing
+    housing = None
+    if spec.housing is not None:
+        numbers = spec.housing.with_numbers(materials, source)
+        spec, housing = spec.model_copy(update={"housing": numbers}), numbers.housing
     data.notes.extend(pair_notes(measured, materials, housing))
     return MeasuredTable(name, spec, measured, folder, source)
 

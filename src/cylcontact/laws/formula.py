@@ -46,15 +46,26 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], ...]] = {
     "where": (np.where,),
     "branch_distance": (branch_distance,),
 }
-# Derivatives of functions y of x, with s that of x.
+# Derivatives of y, a function of a and b, with da and db those of a and b.
 _SLOPES = {
-    "log": "s / x",
-    "log1p": "s / (1 + x)",
-    "exp": "y * s",
-    "sqrt": "s / (2 * y)",
-    "sin": "cos(x) * s",
-    "cos": "-(sin(x) * s)",
-    "atan": "s / (1 + x * x)",
+    "Add": "da + db",
+    "Sub": "da - db",
+    "Mult": "b * da + a * db",
+    "Div": "(da - y * db) / b",
+    "Pow": "b * a ** (b - 1) * da",
+    "Pow of a variable": "a ** b * (b / a * da + log(a) * db)",
+    "USub": "-da",
+    "IfExp": "da if test else db",
+    "max": "da if a >= b else db",
+    "log": "da / a",
+    "log of Div": "da / a - db / b",
+    "log1p": "da / (1 + a)",
+    "exp": "y * da",
+    "sqrt": "da / (2 * y)",
+    "sin": "cos(a) * da",
+    "cos": "-(sin(a) * da)",
+    "atan": "da / (1 + a * a)",
+    "branch_distance": "-(1 + y) / (a * y) * da",
 }
 # What a formula may ask of a pair, in the order in which exported functions take it.
 OF_PAIR = ("E_star", "dR", "R_i", "R_j", "length", "alpha", "beta")
@@ -119,34 +130,21 @@ def assigned_in(steps: Iterable[Step]) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Formula:
-    """A function that states the load of a law, read when it is first used.
+    """A function that states the load of a law, read when it is first used."""
 
-    Parameters
-    ----------
-    function : callable
-        From penetration, pair and constants to the load, or to load and stiffness.
-    at_pair : callable, optional
-        From pair and constants to the numbers that `function` takes in place of the constants.
-    end : callable, optional
-        From the pair and what `function` takes to the largest penetration in mm: inf where there is
-        none, NaN for pairs for which the law is undefined.
-    energy : callable, optional
-        From what `function` takes to ∫ f dδ; by quadrature without it.
-    equation : str
-        The law on one line, in ASCII, for exported files.
-    remark : str
-        What its users should know, for exported files.
-    in_arrays : callable, optional
-        The load as NumPy computes it, from penetration and numbers by name, where that is faster
-        written by hand.
-    """
-
+    # From penetration, pair and constants to the load, or to load and stiffness.
     function: Callable[..., Any]
+    # From pair and constants to the numbers that `function` takes in place of the constants.
     at_pair_function: Callable[..., Any] | None = None
+    # From the pair and what `function` takes to the largest penetration in mm: inf where there is
+    # none, NaN for pairs for which the law is undefined.
     end: Callable[..., Any] | None = None
+    # From what `function` takes to ∫ f dδ; by quadrature without it.
     energy: Callable[..., Any] | None = None
+    # For exported files, in ASCII: the law on one line, and what its users should know.
     equation: str = ""
     remark: str = ""
+    # From penetration and numbers by name to the load in NumPy, where that is faster by hand.
     in_arrays: Callable[..., Any] | None = None
 
     @cached_property
@@ -182,16 +180,15 @@ class Formula:
         return tuple(name for name in OF_PAIR if name in used)
 
     @cached_property
-    def at_pair(self) -> tuple[Step, ...]:
-        """The steps that do not depend on the penetration."""
-        depends = _dependent(self.steps)
-        return tuple(s for s in self.steps if not (depends & {*assigned_in([s])}))
-
-    @cached_property
     def at_depth(self) -> tuple[Step, ...]:
         """The steps that depend on the penetration."""
         depends = _dependent(self.steps)
         return tuple(s for s in self.steps if depends & {*assigned_in([s])})
+
+    @cached_property
+    def at_pair(self) -> tuple[Step, ...]:
+        """The steps that do not depend on the penetration."""
+        return tuple(s for s in self.steps if s not in self.at_depth)
 
     @cached_property
     def scalar_steps(self) -> tuple[Step, ...]:
@@ -218,19 +215,19 @@ class Formula:
     def of_pair(self) -> Callable[..., tuple[Any, ...]]:
         """The NumPy function from arguments and constants by name to `numbers`."""
         steps = needed(self.at_pair, *self.numbers)
-        return _compiled(("*", *self.arguments, *self.constants), steps, self.numbers)
+        return _compiled((*self.arguments, *self.constants), steps, self.numbers)
 
     @cached_property
     def load(self) -> Callable[..., Any]:
         """The NumPy function from penetration and numbers by name to the load."""
-        return self.in_arrays or self._at_depth("f")
+        return self.in_arrays or self._compiled("f")
 
     @cached_property
     def stiffness(self) -> Callable[..., Any]:
         """The NumPy function from penetration and numbers by name to the stiffness."""
-        return self._at_depth("k")
+        return self._compiled("k")
 
-    def _at_depth(self, result: str) -> Callable[..., Any]:
+    def _compiled(self, result: str) -> Callable[..., Any]:
         steps = needed(self.at_depth, result)
         others = (name for name in self.numbers if name not in {*assigned_in(steps)})
         return _compiled((_DEPTH, *others, "**_"), steps, result)
@@ -299,8 +296,6 @@ def _compiled(
         return ast.unparse(ast.fix_missing_locations(_ForArrays().visit(copy)))
 
     given = results if isinstance(results, str) else f"({', '.join(results)},)"
-    if arguments[:1] == ("*",) and len(arguments) == 1:
-        arguments = ()
     body = [*lines_of(steps, text), f"return {given}"]
     source = "\n    ".join([f"def function({', '.join(arguments)}):", *body])
     names = {name: functions[0] for name, functions in FUNCTIONS.items()}
@@ -316,27 +311,24 @@ def _compiled(
 def _constants(function: Callable[..., Any], first: int) -> dict[str, float | None]:
     """Return the arguments after penetration and pair, the `first`, with their defaults."""
     writing = "write it as def load(penetration, pair, K, n): ..."
-    plain = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
     try:
         arguments = list(inspect.signature(function).parameters.values())
     except (TypeError, ValueError):
         raise _refusal(function, "has no signature to read", writing) from None
+    plain = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    rule, constants = "", {}
     if len(arguments) < first or any(each.kind not in plain for each in arguments):
         given = ", ".join(map(str, arguments))
         rule = f"must take a penetration, a pair and named constants, and takes ({given})"
-        raise _refusal(function, rule, writing)
-    constants: dict[str, float | None] = {}
     for argument in arguments[first:]:
-        value: Any = argument.default
-        if value is inspect.Parameter.empty:
-            value = None
-        elif not isinstance(value, int | float):
-            rule = f"has a default for {argument.name} that is not a number"
-            raise _refusal(function, rule, writing)
+        is_left_out = argument.default is inspect.Parameter.empty
+        constants[argument.name] = value = None if is_left_out else argument.default
+        if not isinstance(value, int | float | None):
+            rule = rule or f"has a default for {argument.name} that is not a number"
         if argument.name in _RESULTS:
-            rule = f"has a constant {argument.name}, which names a result of a formula"
-            raise _refusal(function, rule, writing)
-        constants[argument.name] = value
+            rule = rule or f"has a constant {argument.name}, which names a result of a formula"
+    if rule:
+        raise _refusal(function, rule, writing)
     return constants
 
 
@@ -435,7 +427,6 @@ class _Frame:
         return self.values(last.value)
 
     def refusal(self, rule: str, remedy: str, node: ast.AST | None = None) -> InputError:
-        """Return the error of what cannot be written in another language."""
         return _refusal(self.function, rule, remedy, node)
 
     def statement(self, node: ast.stmt) -> None:
@@ -648,95 +639,69 @@ def _with_slopes(steps: Sequence[Step], fresh: Callable[[str], str]) -> Iterator
             continue
         slope = _slope(step.value, slopes, step.name)
         if step.name == "f":
-            yield Step("k", slope or ast.Constant(0))
-        elif isinstance(slope, ast.Name | ast.Constant):
+            yield Step("k", slope)
+        elif isinstance(slope, ast.Name) or _is_number(slope, 1):
             slopes[step.name] = slope
-        elif slope is not None:
+        elif not _is_number(slope, 0):
             name = fresh(f"{step.name}_slope")
             slopes[step.name] = ast.Name(name)
             yield Step(name, slope)
 
 
-def _slope(node: ast.expr, slopes: Mapping[str, ast.expr], name: str) -> ast.expr | None:
-    """Return the derivative of an expression, the value of `name`; None for zero."""
+def _slope(node: ast.expr, slopes: Mapping[str, ast.expr], name: str = "") -> ast.expr:
+    """Return the derivative of an expression, the value of `name`, in a placed step."""
+    zero = ast.Constant(0)
+    test: ast.expr = zero
     match node:
         case ast.Name(id=used):
-            return slopes.get(used)
-        case ast.UnaryOp(operand=operand):
-            inner = _slope(operand, slopes, "")
-            return None if inner is None else ast.UnaryOp(ast.USub(), inner)
-        case ast.IfExp(test=test, body=yes, orelse=no):
-            first, second = _slope(yes, slopes, ""), _slope(no, slopes, "")
-            if first is None and second is None:
-                return None
-            return ast.IfExp(test, first or ast.Constant(0), second or ast.Constant(0))
-        case ast.BinOp(left=u, op=op, right=v):
-            du, dv = _slope(u, slopes, ""), _slope(v, slopes, "")
-            return _slope_of_operation(ast.Name(name) if name else node, u, op, v, du, dv)
-        case ast.Call(func=ast.Name(id="log"), args=[ast.BinOp(left=u, op=ast.Div(), right=v)]):
-            return _slope(_filled("log(u) - log(v)", u=u, v=v), slopes, "")
-        case ast.Call(func=ast.Name(id="max"), args=[u, v]):
-            return _slope(_filled("u if u >= v else v", u=u, v=v), slopes, "")
-        case ast.Call(func=ast.Name(id="branch_distance"), args=[u]):
-            inner, w = _slope(u, slopes, ""), ast.Name(name)
-            outer = _filled("-(1 + w) / (x * w)", x=u, w=w)
-            return None if inner is None else _times(outer, inner)
-        case ast.Call(func=ast.Name(id=function), args=[u]):
-            inner = _slope(u, slopes, "")
-            y = ast.Name(name) if name else node
-            return None if inner is None else _filled(_SLOPES[function], x=u, y=y, s=inner)
-    return None
+            return slopes.get(used, zero)
+        case ast.UnaryOp(operand=a):
+            kind, parts = "USub", [a]
+        case ast.IfExp(test=test, body=a, orelse=b):
+            kind, parts = "IfExp", [a, b]
+        case ast.BinOp(left=a, op=op, right=b):
+            kind, parts = type(op).__name__, [a, b]
+        case ast.Call(func=ast.Name(id="log"), args=[ast.BinOp(left=a, op=ast.Div(), right=b)]):
+            kind, parts = "log of Div", [a, b]
+        case ast.Call(func=ast.Name(id=kind), args=parts):
+            pass
+        case _:
+            return zero
+    da, db, *_ = *(_slope(part, slopes) for part in parts), zero
+    if _is_number(da, 0) and _is_number(db, 0):
+        return zero
+    if kind == "Pow" and not _is_number(db, 0):
+        kind = "Pow of a variable"
+    y = ast.Name(name) if name else node
+    return _filled(_SLOPES[kind], a=parts[0], b=parts[-1], da=da, db=db, y=y, test=test)
 
 
-def _slope_of_operation(
-    whole: ast.expr,
-    u: ast.expr,
-    op: ast.operator,
-    v: ast.expr,
-    du: ast.expr | None,
-    dv: ast.expr | None,
-) -> ast.expr | None:
-    """Return the derivative of u op v, the `whole`."""
-    if du is None and dv is None:
-        return None
-    match op:
-        case ast.Add() | ast.Sub():
-            if dv is None:
-                return du
-            if du is None:
-                return dv if isinstance(op, ast.Add) else ast.UnaryOp(ast.USub(), dv)
-            return ast.BinOp(du, op, dv)
-        case ast.Mult():
-            if du is None or dv is None:
-                return _times(u, dv) if dv is not None else _times(v, du or u)
-            return ast.BinOp(_times(v, du), ast.Add(), _times(u, dv))
-        case ast.Div():
-            if dv is None:
-                return ast.BinOp(du or u, ast.Div(), v)
-            part = _times(whole, dv)
-            rest = ast.UnaryOp(ast.USub(), part) if du is None else ast.BinOp(du, ast.Sub(), part)
-            return ast.BinOp(rest, ast.Div(), v)
-    if dv is None:
-        return _times(_filled("v * u ** (v - 1)", u=u, v=v), du or u)
-    inner = _times(_filled("log(u)", u=u), dv)
-    if du is not None:
-        inner = ast.BinOp(_times(_filled("v / u", u=u, v=v), du), ast.Add(), inner)
-    return ast.BinOp(ast.BinOp(u, ast.Pow(), v), ast.Mult(), inner)
-
-
-def _times(u: ast.expr, v: ast.expr) -> ast.expr:
-    """Return u·v."""
-    if isinstance(v, ast.Constant) and v.value == 1:
-        return u
-    return ast.BinOp(u, ast.Mult(), v)
+def _is_number(node: ast.expr, number: int) -> bool:
+    return isinstance(node, ast.Constant) and node.value == number
 
 
 def _filled(text: str, **parts: ast.expr) -> ast.expr:
-    """Return an expression with parts in place of names."""
+    """Return an expression with parts in place of names, without sums and products of 0 and 1."""
 
     class Filler(ast.NodeTransformer):
         def visit_Name(self, node: ast.Name) -> ast.expr:
             return parts.get(node.id, node)
+
+        def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+            left: ast.expr = self.visit(node.left)
+            right: ast.expr = self.visit(node.right)
+            match node.op:
+                case ast.Add() | ast.Sub() if _is_number(right, 0):
+                    return left
+                case ast.Add() if _is_number(left, 0):
+                    return right
+                case ast.Sub() if _is_number(left, 0):
+                    return ast.UnaryOp(ast.USub(), right)
+                case ast.Mult() if _is_number(left, 0) or _is_number(right, 0):
+                    return ast.Constant(0)
+                case ast.Mult() if _is_number(right, 1):
+                    return left
+            return ast.BinOp(left, node.op, right)
 
     filled: ast.expr = Filler().visit(ast.parse(text, mode="eval").body)
     return filled

@@ -151,50 +151,29 @@ class Parameter:
 
 @dataclass(frozen=True)
 class LawModel:
-    """A law with named parameters, as it is fitted.
+    """A law with named parameters, as it is fitted."""
 
-    Attributes
-    ----------
-    law : str
-        Its name in campaigns.
-    contact : {"internal", "external"}
-        The contact it is for.
-    parameters : tuple of Parameter
-        Its parameters, each with default bounds, or fixed.
-    build : callable
-        From values by name to the law. Raises InputError if they define none.
-    power_form : callable, optional
-        For power laws at each clearance: from candidates, shape (P, k), and clearances ΔR in mm,
-        shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
-        from moments and has a lower bound.
-    smooth_form : callable, optional
-        From candidates, clearances and ε to K*, n and their derivatives by the parameters, shape
-        (P, k, m), with every maximum in the law smoothed over ε. At ε = 0 it is `power_form`.
-    on_grid : bool
-        Whether the law can be fitted on a grid, where a sample has ΔR and f/E* only.
-    dimensionless : bool
-        Whether the coefficients have no units, so that it can be fitted on a grid of α, β and φ.
-    nominal_is_published : bool
-        Whether the nominal values are those of the law's source, not of this project.
-    dR_min, dR_max : float
-        The range of ΔR in mm, both ends included: calibration may use the open end of [0.005, 10[,
-        which the law itself excludes.
-    digest : str
-        The hash of the file of a user's own law; empty for others.
-    """
-
-    law: str
+    law: str  # its name in campaigns
     contact: Contact
-    parameters: tuple[Parameter, ...]
-    build: Callable[[Coefficients], ContactLaw]
+    parameters: tuple[Parameter, ...]  # each with default bounds, or fixed
+    build: Callable[[Coefficients], ContactLaw]  # raises InputError for values that define none
+    # For power laws at each clearance: from candidates, shape (P, k), and clearances ΔR in mm,
+    # shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
+    # from moments and has a lower bound.
     power_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    # From candidates, clearances and ε to K*, n and their derivatives by the parameters, shape
+    # (P, k, m), with every maximum in the law smoothed over ε. At ε = 0 it is `power_form`.
     smooth_form: Callable[[FloatArray, FloatArray, float], tuple[FloatArray, ...]] | None = None
+    # Whether it can be fitted on a grid, where a sample has ΔR and f/E* only; on one of α, β and φ;
+    # and whether its nominal values are those of the law's source, not of this project.
     on_grid: bool = False
     dimensionless: bool = False
     nominal_is_published: bool = True
+    # The range of ΔR in mm, both ends included: calibration may use the open end of [0.005, 10[,
+    # which the law itself excludes.
     dR_min: float = 0.0
     dR_max: float = math.inf
-    digest: str = ""
+    digest: str = ""  # the hash of the file of a user's own law
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -259,34 +238,16 @@ class Law(OverLength):
     """A law that one formula states; see `cylcontact.laws.formula`.
 
     A subclass is a frozen dataclass whose fields are its constants, or one field `coefficients`.
-
-    Attributes
-    ----------
-    name : str
-        Its name in campaigns and commands.
-    formula : Formula
-        The load, and where the law ends.
-    contacts : tuple of {"internal", "external"}
-        The contacts that it is for.
-    needs : tuple of str
-        What it needs to know of a pair besides ΔR: R_i, R_j, length.
-    any_plane : bool
-        Whether it also holds in plane stress, with the E* of that.
-    parameters : tuple of Parameter
-        Its constants as they are fitted, if it has no coefficients.
-    defaults : mapping
-        The coefficients by contact, `Constants`, of a law that is made from `coefficients`.
-    published, on_grid, dimensionless : bool
-        As `LawModel` has them.
     """
 
     name: ClassVar[str]
     formula: ClassVar[Formula]
-    contacts: ClassVar[tuple[Contact, ...]] = CONTACTS
-    needs: ClassVar[tuple[str, ...]] = ()
-    any_plane: ClassVar[bool] = True
-    parameters: ClassVar[tuple[Parameter, ...]] = ()
-    defaults: ClassVar[Mapping[Contact, Any]] = {}
+    contacts: ClassVar[tuple[Contact, ...]] = CONTACTS  # that it is for
+    needs: ClassVar[tuple[str, ...]] = ()  # of a pair besides ΔR: R_i, R_j, length
+    any_plane: ClassVar[bool] = True  # whether it also holds in plane stress, with the E* of that
+    parameters: ClassVar[tuple[Parameter, ...]] = ()  # its constants, if it has no coefficients
+    defaults: ClassVar[Mapping[Contact, Any]] = {}  # coefficients, `Constants`, by contact
+    # As `LawModel` has them.
     published: ClassVar[bool] = True
     on_grid: ClassVar[bool] = False
     dimensionless: ClassVar[bool] = False
@@ -343,15 +304,11 @@ class Law(OverLength):
         self.require_pair(pair)
         formula = self.formula_for(pair.contact)
         law = f"the {self.name} law"
-        ask: dict[str, Callable[[], Any]] = {
-            "R_i": lambda: pair.radii(law)[0],
-            "R_j": lambda: pair.radii(law)[1],
-            "length": lambda: pair.contact_length(law),
-        }
-        asked = {
-            name: as_floats(ask[name]() if name in ask else getattr(pair, name))
-            for name in formula.arguments
-        }
+        if {"R_i", "R_j"} & {*formula.arguments}:
+            pair.radii(law)
+        if "length" in formula.arguments:
+            pair.contact_length(law)
+        asked = {name: as_floats(getattr(pair, name)) for name in formula.arguments}
         rule = "is a plane, and the law needs a finite ΔR"
         remedy = "use laws.Johnson(datum=depth in mm) for a cylinder on a plane"
         finite = np.isfinite(asked.get("dR", 0.0))
@@ -380,9 +337,7 @@ class Law(OverLength):
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm² at `penetration` in mm."""
         at = self.at_pair(pair)
-        return _in_blocks(
-            lambda delta: _inside(at.stiffness(delta), delta, at.end), penetration, at
-        )
+        return _in_blocks(lambda d: _inside(at.stiffness(d), d, at.end), penetration, at)
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest penetration in mm; inf where there is none."""

@@ -9,17 +9,6 @@ beyond it the penetration would decrease with the load. In q = f/f_max and p = �
 δ_max = A·f_max, all of them are the single curve p = q(1 − ln q), with the inverse q = p/(1 + w)
 and w from Lambert's function.
 
-| law | κ | Λ | c |
-|---|---|---|---|
-| Johnson (1985) | 1 | 4π·ΔR | −1 |
-| Roark and Young | 1 | 4π·ΔR | 2/3 − 2·ln 2 |
-| Radzimovsky (1953), half-width | 1 | 4π·ΔR | 2/3 |
-| Radzimovsky, 1.60 with radii | 1 | 4π·ΔR | 2/3 + ln(6.25/4π) |
-| ESDU 78035 | 1 | 4π·ΔR | 1 |
-| Dubowsky and Freudenstein (1971) | 1 | π·L²·ΔR/(R_i·R_j) | 1 |
-| Goldsmith (1960) | 1 | π·R_i·R_j/ΔR | 1 |
-| Hertz cylinder | 2 | π·ΔR | −1 |
-
 The literature disagrees on several of them, so each class states which reading it takes. All but
 Johnson's are derived for bodies of equal elastic constants; for other pairs they use the E* of the
 pair.
@@ -27,7 +16,7 @@ pair.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -51,26 +40,6 @@ def _require_length(source: str, key: str, value: object) -> None:
     positive = isinstance(value, (int, float, np.number)) and 0 < value < inf
     remedy = "give a length in mm, or laws.Block(height)"
     require(positive, source, key, value, "must be positive and finite", remedy)
-
-
-def johnson_reach(pair):
-    """Return Λ = 4π·ΔR."""
-    return 4 * pi * pair.dR
-
-
-def dubowsky_reach(pair):
-    """Return Λ = π·L²/R."""
-    return pi * (pair.length * pair.length) / pair.R
-
-
-def goldsmith_reach(pair):
-    """Return Λ = π·R."""
-    return pi * pair.R
-
-
-def hertz_reach(pair):
-    """Return Λ = π·ΔR."""
-    return pi * pair.dR
 
 
 _EQUATION = (
@@ -109,35 +78,30 @@ def energy(penetration, pair, f_max, deepest):
     return f * (penetration / 2 - deepest / 4 * (f / f_max))
 
 
-def logarithmic(reach: Callable[[Any], Any]) -> Formula:
-    """Return the formula of a logarithmic law from its reach Λ."""
-
-    def ends(pair, kappa, c):
-        f_max = reach(pair) * pair.E_star * exp(c - 1)
-        return f_max, kappa / (pi * pair.E_star) * f_max
-
-    return Formula(load, ends, end, energy, _EQUATION, _REMARK, load_in_arrays)
-
-
 @dataclass(frozen=True)
 class LogarithmicLaw(Law):
     """The common form δ = κ/(π·E*)·f·[ln(Λ·E*/f) + c]; a law supplies κ, c and Λ.
 
-    Attributes
-    ----------
-    kappa, shift : float
-        κ and c.
-    reach : callable
-        Λ in mm of a pair; 4π·ΔR unless the law has another.
+    κ, c = `shift`, and the reach Λ in mm of a pair, 4π·ΔR unless the law has another.
     """
 
     kappa: ClassVar[float] = 1.0
     shift: ClassVar[float]
-    reach: ClassVar[Any] = staticmethod(johnson_reach)
     any_plane = False
 
+    @staticmethod
+    def reach(pair: Any) -> Any:
+        """Return Λ."""
+        return 4 * pi * pair.dR
+
     def __init_subclass__(cls) -> None:
-        cls.formula = logarithmic(cls.reach)
+        reach = cls.reach
+
+        def ends(pair, kappa, c):
+            f_max = reach(pair) * pair.E_star * exp(c - 1)
+            return f_max, kappa / (pi * pair.E_star) * f_max
+
+        cls.formula = Formula(load, ends, end, energy, _EQUATION, _REMARK, load_in_arrays)
 
     def constants_for(self, contact: Contact) -> dict[str, float]:
         """Return κ and c."""
@@ -313,8 +277,12 @@ class DubowskyFreudenstein(LogarithmicLaw):
 
     name = "dubowsky-freudenstein"
     shift = 1.0
-    reach = staticmethod(dubowsky_reach)
     needs = ("R_i", "R_j", "length")
+
+    @staticmethod
+    def reach(pair: Any) -> Any:
+        """Return Λ."""
+        return pi * (pair.length * pair.length) / pair.R
 
 
 class Goldsmith(LogarithmicLaw):
@@ -327,8 +295,12 @@ class Goldsmith(LogarithmicLaw):
 
     name = "goldsmith"
     shift = 1.0
-    reach = staticmethod(goldsmith_reach)
     needs = ("R_i", "R_j")
+
+    @staticmethod
+    def reach(pair: Any) -> Any:
+        """Return Λ."""
+        return pi * pair.R
 
 
 class HertzCylinder(LogarithmicLaw):
@@ -341,7 +313,11 @@ class HertzCylinder(LogarithmicLaw):
     name = "hertz-cylinder"
     kappa = 2.0
     shift = -1.0
-    reach = staticmethod(hertz_reach)
+
+    @staticmethod
+    def reach(pair: Any) -> Any:
+        """Return Λ."""
+        return pi * pair.dR
 
 
 def adjusted_logarithmic(

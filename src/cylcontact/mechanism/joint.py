@@ -21,15 +21,14 @@ from pydantic import Field, Strict, model_validator
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.choices import Beyond
 from cylcontact.errors import InputError
-from cylcontact.housing_spec import HousingSpec, in_housing
+from cylcontact.housing_spec import HousingSpec, MaterialSpec, in_housing
 from cylcontact.impact import FACTORS, IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.laws import LAWS, ContactLaw, Explicit, Housing
 from cylcontact.laws.kernels import Kernel, kernel, kernel_load, kernel_stiffness
 from cylcontact.laws.user import user_law
 from cylcontact.limits import yield_load
-from cylcontact.materials import Material, find_material, known_materials, own_table
+from cylcontact.materials import own_table
 from cylcontact.mechanism import contact
-from cylcontact.modulus import Modulus
 from cylcontact.numba_cache import compiled
 from cylcontact.pair import CylinderPair
 from cylcontact.plain_text import identifier
@@ -42,29 +41,13 @@ _LONGEST_NAME = 40
 _Point = Annotated[tuple[float, float], Strict(False)]
 
 
-class BodySpec(Spec):
+class BodySpec(MaterialSpec):
     """The hole of the bearing, or the pin."""
 
     R: float | None = Field(None, gt=0, description="the radius in mm")
-    material: str | None = Field(None, description="a material of the package's table")
-    E: Modulus | None = Field(
-        None, gt=0, description='Young\'s modulus in GPa, or with its unit, "207 GPa"'
-    )
-    nu: float | None = Field(None, ge=0, le=0.5, description="Poisson's ratio")
-    yield_stress: float | None = Field(None, gt=0, description="the yield stress in MPa")
     point: _Point = Field(
         (0.0, 0.0), description="the centre of hole or pin in mm, in the axes of the body, [x, y]"
     )
-
-    @model_validator(mode="after")
-    def _check(self) -> BodySpec:
-        for key in ("E", "nu"):
-            given = getattr(self, key)
-            if self.material is None and given is None:
-                raise broken(key, None, "is required", f"give {key}, or material = NAME")
-            if self.material is not None and given is not None:
-                raise broken(key, given, "is that of the material already", f"remove {key}")
-        return self
 
 
 class DissipationSpec(Spec):
@@ -524,7 +507,7 @@ def build_joint(
     """Return the joint of a file's data, with another law if one is given."""
     spec = parse_spec(ClearanceJointSpec, data, source)
     hole, pin = (
-        _material(source, key, body, own)
+        body.named(key, own, source, f"{key}.material")
         for key, body in (("bearing", spec.bearing), ("pin", spec.pin))
     )
     R_i, radial = spec.bearing.R or 0.0, spec.clearance or 0.0
@@ -536,7 +519,8 @@ def build_joint(
         )
     origin = ""
     if law is None and spec.housing is not None:
-        law, origin = _in_housing(spec.law, spec.housing, pair, source)
+        housing = spec.housing.with_numbers(own, source)
+        law, origin = _in_housing(spec.law, housing, pair, source)
     elif law is None:
         law, origin = _law(spec.law, source)
     damping = spec.dissipation
@@ -561,20 +545,6 @@ def build_joint(
     )
 
 
-def _material(source: str, key: str, body: BodySpec, own: Path | None) -> Material:
-    """Return the material of a body, from the tables or from its numbers."""
-    if body.material is None:
-        assert body.E is not None
-        assert body.nu is not None
-        return Material(key, f"{body.E!r} GPa", body.nu, body.yield_stress)
-    named = find_material(
-        body.material, known_materials(own), source, f"{key}.material", "the tables of materials",
-        ", or give E and nu",
-    ).material  # fmt: skip
-    stress = body.yield_stress or named.yield_stress
-    return Material(named.name, f"{float(named.E)!r} MPa", named.nu, stress)
-
-
 def _in_housing(
     what: str, spec: HousingSpec, pair: CylinderPair, source: str
 ) -> tuple[ContactLaw, str]:
@@ -583,8 +553,11 @@ def _in_housing(
         spec.clamp == "rim", source, "housing.clamp", spec.clamp,
         "has a direction, and a joint turns", "a joint takes a rim that is clamped all around",
     )  # fmt: skip
-    law = in_housing(what, spec.housing, source)
+    housing = spec.housing
+    law = in_housing(what, housing, source)
     origin = f"in a housing of R_o = {spec.R_o:g} mm, its whole rim clamped"
+    for material, radius in housing.layers:
+        origin += f", of E = {material.E:g} MPa from R = {radius:g} mm on"
     if isinstance(law, Explicit):
         five = law.five_constants(pair)
         fitted = "five constants, fitted to this joint within"
