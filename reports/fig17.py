@@ -1,4 +1,4 @@
-"""Fig 17: contact force against penetration over an impact, for three laws and two clearances."""
+"""Fig 17: contact force against penetration over an impact, for four laws and two clearances."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from cylcontact.mechanism import Case, Trajectory
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.reports.bench import Bench
 
-from .paper import JOINT_CLEARANCES, JOINT_LAWS, LOADS
+from .paper import JOINT_CLEARANCES, LOADS
 from .slider_crank import (
+    LAW_NAMES,
+    RECOMMENDED,
     assumed,
     crossings,
     force_ratio,
@@ -29,9 +31,9 @@ from .slider_crank import (
 STEP = 5e-7
 # The line of a law without dissipation.
 ELASTIC: dict[str, Any] = {"marker": "", "linewidth": 0.5, "linestyle": "-"}
-CASES = [Case(law, clearance, 0.9, 0.0) for clearance in JOINT_CLEARANCES for law in JOINT_LAWS]
+CASES = [Case(law, clearance, 0.9, 0.0) for clearance in JOINT_CLEARANCES for law in LAW_NAMES]
 CAPTION = (
-    "Contact force against penetration δ over the first impact of the slider-crank, with three "
+    "Contact force against penetration δ over the first impact of the slider-crank, with four "
     "laws and at two radial clearances (mm); restitution 0.9, no friction. Thick: the loop, above "
     "on approach and below on return; thin: the law without dissipation. The mechanism's data are "
     "assumed, and the paper does not say which impact it draws."
@@ -62,6 +64,9 @@ def draw(bench: Bench) -> Drawing:
         for law, loop in rows.groupby("law", sort=False):
             headline[f"{clearance:g} mm, {law}: penetration, um"] = loop["penetration_um"].max()
             headline[f"{clearance:g} mm, {law}: force, N"] = loop["force_N"].max()
+        peaks = rows.groupby("law")["force_N"].max()
+        excess = 100 * (peaks["johnson"] / peaks[RECOMMENDED] - 1)
+        headline[f"{clearance:g} mm, Johnson's largest force over the explicit law's, %"] = excess
     length = next(iter(runs.values())).mechanism.clearance.contact.pair.length
     method = METHOD.format(
         impacts=", ".join(impacts),
@@ -115,7 +120,7 @@ def _draw_loop(axes: Axes, law: str, loop: pd.DataFrame) -> None:
     depth, force = loop["penetration_um"].to_numpy(), loop["force_N"].to_numpy() / 1e3
     style = law_style(law)
     marked = np.searchsorted(depth[: depth.argmax()], np.arange(0.25, 1, 0.25) * depth.max())
-    axes.plot(depth, force, label=JOINT_LAWS[law], markevery=marked.tolist(), **style)
+    axes.plot(depth, force, label=LAW_NAMES[law], markevery=marked.tolist(), **style)
     order = np.argsort(depth)
     elastic = loop["elastic_force_N"].to_numpy()[order] / 1e3
     axes.plot(depth[order], elastic, **style | ELASTIC)

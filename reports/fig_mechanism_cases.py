@@ -1,4 +1,4 @@
-"""Contact, impacts and steps of the slider-crank, for three laws and eight cases."""
+"""Contact, impacts and steps of the slider-crank, for four laws and eight cases."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from cylcontact.plots.style import QUIET, small_text
 from cylcontact.reports.bench import Bench
 
 from .long_runs import FEW, FIRST, MANY, statistics_table
-from .paper import FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUTIONS
-from .slider_crank import assumed, law_style, mechanism
+from .paper import FRICTIONS, JOINT_CLEARANCES, RESTITUTIONS
+from .slider_crank import LAW_NAMES, assumed, law_style, mechanism
 
 COLUMNS = [
     "law",
@@ -43,7 +43,7 @@ COLUMNS = [
 CAPTION = (
     "Share of time in contact, impacts per revolution and the integrator's mean step (µs) of the "
     "slider-crank, by radial clearance ΔR (mm), restitution c_e and friction coefficient c_f, for "
-    "three laws: means with 95 % intervals. Grey: no losses, hence no steady state; bars show the "
+    "four laws: means with 95 % intervals. Grey: no losses, hence no steady state; bars show the "
     "scatter within the window. The mechanism's data are assumed."
 )
 METHOD = (
@@ -51,15 +51,16 @@ METHOD = (
     "means; without losses they are over {few} revolutions, and hold for that window only. Runs "
     "with impacts depend on every detail of the numerics, so that only such statistics can be "
     "compared. At 0.02 mm without dissipation Johnson's law is continued along its tangent from "
-    "{tangent:g} of its largest penetration, in up to {continued:.0%} of the contacts, and the "
-    "latter is exceeded in up to {left:.0%} of the revolutions. {assumed}"
+    "{tangent:g} of its largest penetration, in up to {continued:.0%} of the contacts; in "
+    "up to {left:.0%} of the revolutions an impact takes more work than the law up to its end. "
+    "{assumed}"
 )
 LOSSES = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
 GROUPS = [(c, *losses) for c in JOINT_CLEARANCES for losses in LOSSES]
 LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]
 LOSSLESS = [number for number, group in enumerate(GROUPS) if group[1:] == (1.0, 0.0)]
 # From one law to the next within a group, in groups.
-APART = 0.24
+APART = 0.18
 # Lower end of the axes in their upper ends, so that markers at zero are clear of the frame.
 BELOW = -0.05
 # Height of the two rows of losses, in sizes of their font.
@@ -122,18 +123,18 @@ def law_key(figure: Figure, axes: Axes, grey: str) -> None:
     """Explain the markers and the grey bands below the panels."""
     handles, labels = axes.get_legend_handles_labels()
     handles.append(Patch(color="0.92"))
-    figure.legend(handles, [*labels, grey], loc="outside lower center", ncols=4, handlelength=1.6)
+    figure.legend(handles, [*labels, grey], loc="outside lower center", ncols=5, handlelength=1.6)
 
 
 def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, half: str | None) -> None:
     """Draw a law's cases, with bars of a half-width where there is one."""
     cases = rows.set_index(["clearance", "restitution", "friction"]).loc[GROUPS]
-    at = np.arange(len(GROUPS)) + APART * (list(JOINT_LAWS).index(law) - 1)
+    at = np.arange(len(GROUPS)) + APART * (list(LAW_NAMES).index(law) - 1.5)
     style = law_style(law)
     bars = None if half is None else cases[half].to_numpy()
     axes.errorbar(
         at, cases[column].to_numpy(), yerr=bars, color=style["color"], marker=style["marker"],
-        label=JOINT_LAWS[law], **BARS,
+        label=LAW_NAMES[law], **BARS,
     )  # fmt: skip
 
 

@@ -15,14 +15,14 @@ from cylcontact.plots.style import ACCENT, COLOURS, QUIET
 from cylcontact.reports.bench import Bench
 
 from .paper import JOINT_CLEARANCES
-from .slider_crank import assumed, mechanism, simulated
+from .slider_crank import RECOMMENDED, assumed, mechanism, simulated
 
 REVOLUTION = 3  # from 0
 LOSSES = ((1.0, 0.0), (0.9, 0.1))
-CASES = [Case("enhanced", c, *losses) for c in JOINT_CLEARANCES for losses in LOSSES]
+CASES = [Case(RECOMMENDED, c, *losses) for c in JOINT_CLEARANCES for losses in LOSSES]
 CAPTION = (
     "Distribution of the integrator's accepted steps (µs) in revolution {revolution} of the "
-    "slider-crank with the enhanced law, at two radial clearances c (mm): the share of the steps "
+    "slider-crank with the explicit law, at two radial clearances c (mm): the share of the steps "
     "that are no longer than a length. c_e: restitution; c_f: friction coefficient; in brackets: "
     "number of steps; dotted: largest step allowed. Mechanism's data assumed."
 )

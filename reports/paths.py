@@ -16,14 +16,15 @@ from matplotlib.lines import Line2D
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.mechanism import Case, Trajectory
 from cylcontact.mechanism.drawing import draw_clearance_circle
-from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.figure import Drawing, StyledFigure, new_figure
 from cylcontact.plots.style import ACCENT, COLOURS, MM_PER_INCH, current_style, small_text
 from cylcontact.reports.bench import Bench
 
-from .paper import FRICTIONS, JOINT_LAWS, RESTITUTIONS
+from .paper import FRICTIONS, RESTITUTIONS
 from .slider_crank import (
     CASES,
     DRAWN_STEP,
+    LAW_NAMES,
     assumed,
     horizons,
     law_ends,
@@ -40,7 +41,7 @@ NUMBERS = {
 }
 CAPTION = (
     "Paths of the journal's centre in its bearing over {drawn} of the crank, to one scale, at a "
-    "radial clearance c of {clearance:g} mm, for three contact laws and four pairs of restitution "
+    "radial clearance c of {clearance:g} mm, for four contact laws and four pairs of restitution "
     "c_e and friction coefficient c_f; x along the slide. Pale: the whole path; dark: its last "
     "{last:g} revolution. The mechanism's data are assumed."
 )
@@ -62,7 +63,7 @@ STYLES = {
     "contact": (("#F3CDB0", 0.4), (ACCENT, 0.7)),
 }
 # Greatest height of the figure, and what texts take of its width and height, in mm.
-HIGHEST, TEXTS = 119.0, 22.0
+HIGHEST, TEXTS = 180.0, 22.0
 CIRCLE: dict[str, Any] = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 3.5}
 
 
@@ -157,7 +158,7 @@ def _whirls(deep: Mapping[Case, Trajectory]) -> str:
     if not deep:
         return ""
     turns = " and ".join(
-        f"{_turns(run):.2g} turns with the {JOINT_LAWS[str(case.law)]} law at "
+        f"{_turns(run):.2g} turns with the {LAW_NAMES[str(case.law)]} law at "
         f"c_e = {case.restitution:g} and c_f = {case.friction:g}"
         for case, run in deep.items()
     )
@@ -176,42 +177,41 @@ def _turns(run: Trajectory) -> float:
 
 
 def _draw_panels(paths: Mapping[Case, pd.DataFrame], clearance: float) -> Figure:
-    """Draw the paths at a clearance in µm: laws by rows, losses by columns, or turned if narrow."""
+    """Draw the paths at a clearance in µm: laws by rows, losses by columns."""
     losses: list[tuple[float | None, ...]] = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
     places = pd.concat(paths.values())[["x_um", "y_um"]].abs().max()
     reach = 1.03 * np.maximum(places.to_numpy(), clearance)
     figure = new_figure("full", HIGHEST)
-    turned = figure.style.narrow
-    shape = (len(losses), len(JOINT_LAWS)) if turned else (len(JOINT_LAWS), len(losses))
+    shape = len(LAW_NAMES), len(losses)
     _fit_height(figure, shape, reach)
     panels: Any = figure.add_gridspec(*shape).subplots(sharex=True, sharey=True)
     for case, path in paths.items():
-        law = list(JOINT_LAWS).index(str(case.law))
-        loss = losses.index((case.restitution, case.friction))
-        axes = panels[loss, law] if turned else panels[law, loss]
+        row, column = (
+            list(LAW_NAMES).index(str(case.law)),
+            losses.index((case.restitution, case.friction)),
+        )
+        axes = panels[row, column]
         _draw_path(axes, path)
         draw_clearance_circle(axes, clearance, **CIRCLE)
         axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
         axes.set(xticks=[], yticks=[])
         axes.spines[:].set_visible(False)
-    names = list(JOINT_LAWS.values())
-    between = "\n" if turned else ", "
-    pairs = [f"$c_e$ = {ce:g}{between}$c_f$ = {cf:g}" for ce, cf in losses]
-    for axes, text in zip(panels[0], names if turned else pairs, strict=True):
-        axes.set_title(text, loc="center")
-    for axes, text in zip(panels[:, 0], pairs if turned else names, strict=True):
-        axes.set_ylabel(text)
+    between, dash = ("\n", "–\n") if figure.style.narrow else (", ", "–")
+    for axes, (ce, cf) in zip(panels[0], losses, strict=True):
+        axes.set_title(f"$c_e$ = {ce:g}{between}$c_f$ = {cf:g}", loc="center")
+    for axes, name in zip(panels[:, 0], LAW_NAMES.values(), strict=True):
+        axes.set_ylabel(name.replace("–", dash))
     _draw_scale(panels[-1, 0], 0.5 * clearance, reach)
     _add_key(figure)
     return figure
 
 
-def _fit_height(figure: Figure, shape: tuple[int, int], reach: FloatArray) -> None:
+def _fit_height(figure: StyledFigure, shape: tuple[int, int], reach: FloatArray) -> None:
     """Set a figure's height so that panels to scale fill its width, unless that is too high."""
     width, highest = figure.get_size_inches() * MM_PER_INCH
     texts = TEXTS * highest / HIGHEST
     wanted = texts + (width - texts) / shape[1] * reach[1] / reach[0] * shape[0]
-    if shape[0] < shape[1]:
+    if not figure.style.narrow:
         wanted = min(wanted, highest)
     figure.set_size_inches(width / MM_PER_INCH, wanted / MM_PER_INCH)
 

@@ -28,6 +28,7 @@ from .long_runs import (
     statistics_table,
 )
 from .paper import INTEGRATOR, JOINT_LAWS, TABLE_2, WINDOW
+from .slider_crank import LAW_NAMES
 
 # Ours: a number that changes by less than this share of the first value counts as equal, and a
 # trend fails only if some comparison goes the other way by more.
@@ -207,7 +208,7 @@ def case_name(conditions: Mapping[str, Any]) -> str:
     'Johnson 0.5 mm c_f = 0.1'
     """
     return " ".join(
-        JOINT_LAWS[value] if condition == "law" else FORMS[condition].format(value)
+        LAW_NAMES[value] if condition == "law" else FORMS[condition].format(value)
         for condition, value in conditions.items()
     )
 
@@ -470,9 +471,10 @@ def integrators(judge: Judge) -> list[Reading]:
 
 def finding(bench: Bench, readings: Sequence[Reading], rule: str = "") -> Finding:
     """Return the finding of several readings, of which the first is our own."""
-    judged = [
-        (each, each.judge(statistics_table(bench, each.design, each.window))) for each in readings
-    ]
+    judged = []
+    for each in readings:
+        table = statistics_table(bench, each.design, each.window)
+        judged.append((each, each.judge(table[table["law"].isin(JOINT_LAWS)])))
     (own, ours), *others = judged
     return Finding(
         ours.ours,

@@ -92,14 +92,6 @@ def test_a_revolution_without_flight_has_no_step_in_flight():
     assert np.isnan(late.mean["mean_step_flight_us"])
 
 
-def test_it_shows_itself_in_a_few_lines(run):
-    visible = str(run)
-    assert visible.startswith("Trajectory of 'slider-crank'")
-    assert "law: enhanced" in visible
-    assert len(visible.splitlines()) < 16
-    assert "<caption" in run._repr_html_()
-
-
 @pytest.mark.slow
 def test_the_largest_elastic_load_is_set_against_first_yield(run):
     """The load from the law in Python; 500 MPa are passed, 1000 MPa are not."""
@@ -180,12 +172,6 @@ def test_a_run_interrupted_at_once_keeps_nothing():
     with pytest.raises(Interrupted) as caught:
         simulate(slider_crank(), revolutions=3, progress=stop)
     assert caught.value.trajectory is None
-
-
-def test_progress_is_told():
-    calls = []
-    simulate(slider_crank(), revolutions=2, progress=lambda *what: calls.append(what))
-    assert calls == [("revolutions", done, 2) for done in (0, 1, 2)]
 
 
 def test_a_law_of_ones_own_can_be_used_and_its_run_is_saved_but_not_read_back(tmp_path):

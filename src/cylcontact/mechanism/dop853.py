@@ -5,13 +5,14 @@ The coefficients are those of Hairer, Nørsett and Wanner (Solving Ordinary Diff
 error control; the ledgers feed nothing back and are summed with the weights of the method.
 
 Of a slider-crank `crank` is a record and `linkage` is None, of any other mechanism the reverse. As
-numba leaves out branches on arguments that are None, either is compiled alone.
+numba leaves out branches on arguments that are None, but not on fields, functions with such a
+branch take them as arguments, and either model is compiled alone.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -29,8 +30,27 @@ A = np.vstack((DOP853.A[:STAGES, :STAGES], DOP853.B))
 C, E3, E5 = DOP853.C[:STAGES].copy(), DOP853.E3[:STAGES].copy(), DOP853.E5[:STAGES].copy()
 
 
+# Cosine and sine of the crank's angle.
+Turn = tuple[float, float]
+
+
+class Model(NamedTuple):
+    """What is integrated: joints with the numbers of their laws, equations, and room to work in.
+
+    The rows of `rates` are those of coordinates and ledgers at the stages of a step, and, if need
+    be, at its end; `stage` is a state.
+    """
+
+    joints: Any
+    laws: FloatArray
+    crank: Any
+    linkage: Any
+    rates: FloatArray
+    stage: FloatArray
+
+
 @inlined
-def clock(t: float, crank: Any) -> tuple[float, float]:
+def clock(t: float, crank: Any) -> Turn:
     """Return cosine and sine of the crank's angle, which only a slider-crank needs."""
     if crank is not None:
         return slider_crank.crank_turn(t, crank)
@@ -38,83 +58,49 @@ def clock(t: float, crank: Any) -> tuple[float, float]:
 
 
 @inlined
-def later(c: float, s: float, dt: float, crank: Any) -> tuple[float, float]:
-    """Return the cosine and sine of `clock` a time dt later."""
+def later(turn: Turn, dt: float, crank: Any) -> Turn:
+    """Return the `clock` a time dt later."""
     if crank is not None:
-        return slider_crank.turned(c, s, dt, crank)
-    return c, s
+        return slider_crank.turned(turn[0], turn[1], dt, crank)
+    return turn
 
 
 @inlined
-def evaluate(
-    t: float,
-    c: float,
-    s: float,
-    y: FloatArray,
-    row: int,
-    joints: Any,
-    laws: FloatArray,
-    crank: Any,
-    linkage: Any,
-    rates: FloatArray,
+def _evaluate(
+    t: float, turn: Turn, y: FloatArray, row: int, m: Model, crank: Any, linkage: Any
 ) -> None:
-    """Write the rates of coordinates and ledgers at a state to a row of `rates`."""
     if crank is not None:
-        slider_crank.derivatives(c, s, y, rates, row, joints[0], laws, crank)
+        slider_crank.derivatives(turn[0], turn[1], y, m.rates, row, m.joints[0], m.laws, crank)
     if linkage is not None:
-        cartesian.derivatives(t, y, rates, row, joints, laws, linkage)
+        cartesian.derivatives(t, y, m.rates, row, m.joints, m.laws, linkage)
 
 
 @compiled
-def rates_at(
-    t: float,
-    c: float,
-    s: float,
-    y: FloatArray,
-    row: int,
-    joints: Any,
-    laws: FloatArray,
-    crank: Any,
-    linkage: Any,
-    rates: FloatArray,
-) -> None:
-    """Do what `evaluate` does, without a copy of the equations in the caller."""
-    evaluate(t, c, s, y, row, joints, laws, crank, linkage, rates)
+def rates_at(t: float, turn: Turn, y: FloatArray, row: int, m: Model) -> None:
+    """Write the rates of coordinates and ledgers at a state to a row of `rates`."""
+    _evaluate(t, turn, y, row, m, m.crank, m.linkage)
 
 
 @inlined
 def motion(
-    c: float, s: float, y: FloatArray, joint: Joint, crank: Any, linkage: Any
+    turn: Turn, y: FloatArray, joint: Joint, crank: Any, linkage: Any
 ) -> tuple[float, float, float, float, float, float]:
     """Return e in m, its rate in m/s, and the spins of bearing and pin in rad/s at a state."""
     if crank is not None:
-        return slider_crank.joint_motion(c, s, y, crank)
+        return slider_crank.joint_motion(turn[0], turn[1], y, crank)
     if linkage is not None:
         return cartesian.joint_motion(y, y[y.size // 2 :], joint)
     return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
 
 
 @compiled
-def step(
-    t: float,
-    h: float,
-    c: float,
-    s: float,
-    y: FloatArray,
-    new: FloatArray,
-    joints: Any,
-    laws: FloatArray,
-    crank: Any,
-    linkage: Any,
-    rates: FloatArray,
-    stage: FloatArray,
-) -> None:
+def step(t: float, h: float, turn: Turn, y: FloatArray, new: FloatArray, m: Model) -> None:
     """Write the state at t + h to `new`, from the state at t and its rates in row 0."""
     for i in range(1, STAGES):
-        _combine(i, h, y, rates, stage, crank)
-        c_i, s_i = later(c, s, C[i] * h, crank)
-        evaluate(t + C[i] * h, c_i, s_i, stage, i, joints, laws, crank, linkage, rates)
-    _combine(STAGES, h, y, rates, new, crank)
+        _combine(i, h, y, m.rates, m.stage, m.crank)
+        at = later(turn, C[i] * h, m.crank)
+        _evaluate(t + C[i] * h, at, m.stage, i, m, m.crank, m.linkage)
+    _combine(STAGES, h, y, m.rates, new, m.crank)
 
 
 @inlined

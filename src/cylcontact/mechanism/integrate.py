@@ -15,7 +15,7 @@ pin by no more than a part of its clearance.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from cylcontact.mechanism import contact
 from cylcontact.mechanism.contact import Joint
 from cylcontact.mechanism.dop853 import (
     STAGES,
+    Model,
+    Turn,
     clock,
     error,
     later,
@@ -72,10 +74,19 @@ Look = tuple[float, float, float, float, float]
 _SAFETY, _BETA, _SHRINK, _GROW = 0.9, 0.04, 1 / 3, 8.0
 
 
+class Start(NamedTuple):
+    """The start of a step: time in s, the crank's angle, the state, and the look at every joint."""
+
+    time: float
+    turn: Turn
+    y: FloatArray
+    looks: FloatArray
+
+
 @compiled
-def _look(c: float, s: float, y: FloatArray, joint: Joint, crank: Any, linkage: Any) -> Look:
+def _look(turn: Turn, y: FloatArray, joint: Joint, m: Model) -> Look:
     """Return δ, δ̇, v_t and ė of a joint at a state."""
-    e_x, e_y, u_x, u_y, spin_i, spin_j = motion(c, s, y, joint, crank, linkage)
+    e_x, e_y, u_x, u_y, spin_i, spin_j = motion(turn, y, joint, m.crank, m.linkage)
     distance = math.sqrt(e_x * e_x + e_y * e_y)
     delta = distance - joint.clearance
     if distance == 0.0:
@@ -86,13 +97,11 @@ def _look(c: float, s: float, y: FloatArray, joint: Joint, crank: Any, linkage: 
 
 
 @compiled
-def _look_at_all(
-    c: float, s: float, y: FloatArray, joints: Any, crank: Any, linkage: Any, looks: FloatArray
-) -> None:
+def _look_at_all(turn: Turn, y: FloatArray, m: Model, looks: FloatArray) -> None:
     """Write the `Look` of every joint to a row of `looks`."""
-    for k in range(joints.shape[0]):
+    for k in range(m.joints.shape[0]):
         looks[k, 0], looks[k, 1], looks[k, 2], looks[k, 3], looks[k, 4] = _look(
-            c, s, y, joints[k], crank, linkage
+            turn, y, m.joints[k], m
         )
 
 
@@ -195,27 +204,13 @@ def _interpolate(
 
 @compiled
 def _guess(
-    kind: int,
-    k: int,
-    t: float,
-    h: float,
-    turn: tuple[float, float],
-    margins: tuple[float, float],
-    y: FloatArray,
-    new: FloatArray,
-    joints: Any,
-    laws: FloatArray,
-    crank: Any,
-    linkage: Any,
-    rates: FloatArray,
-    stage: FloatArray,
+    kind: int, k: int, h: float, margins: tuple[float, float], at: Start, new: FloatArray, m: Model
 ) -> float:
     """Return about when an event of a joint occurs within a step, from interpolation.
 
-    `margins` are those at its ends.
+    `margins` are those at its ends, and `new` is the state at the second.
     """
-    c, s = later(turn[0], turn[1], h, crank)
-    rates_at(t + h, c, s, new, STAGES, joints, laws, crank, linkage, rates)
+    rates_at(at.time + h, later(at.turn, h, m.crank), new, STAGES, m)
     low, high, last = 0.0, 1.0, 2.0
     g_low, g_high = margins
     x = 0.5
@@ -223,10 +218,9 @@ def _guess(
         x = (low * g_high - high * g_low) / (g_high - g_low)
         if abs(x - last) * h < 0.1 * _AT_KINK:
             break
-        _interpolate(x, h, y, new, rates, stage)
-        c, s = later(turn[0], turn[1], x * h, crank)
-        delta, _, v_t, _, _ = _look(c, s, stage, joints[k], crank, linkage)
-        g = _margin(kind, delta, v_t, joints[k])
+        _interpolate(x, h, at.y, new, m.rates, m.stage)
+        delta, _, v_t, _, _ = _look(later(at.turn, x * h, m.crank), m.stage, m.joints[k], m)
+        g = _margin(kind, delta, v_t, m.joints[k])
         if g > 0.0:
             g_high *= 0.5 if low == last else 1.0
             low, g_low = x, g
@@ -239,49 +233,35 @@ def _guess(
 
 @compiled
 def _land(
-    kind: int,
-    k: int,
-    t: float,
-    h: float,
-    turn: tuple[float, float],
-    margins: tuple[float, float],
-    y: FloatArray,
-    new: FloatArray,
-    joints: Any,
-    laws: FloatArray,
-    crank: Any,
-    linkage: Any,
-    rates: FloatArray,
-    stage: FloatArray,
-    now: Now,
+    kind: int, k: int, h: float, at: Start, after: FloatArray, new: FloatArray, m: Model, now: Now
 ) -> tuple[float, float]:
     """Repeat a step until it ends at an event, as close as a shift by a very short time.
 
-    `turn` and the first of `margins` are those of the start, the second that of the end, and `new`
-    is the state there, which is updated. Returned are the length of the step and the time from its
-    end to the event, in s; a length of 0 if the step ends at the kink that it starts from, as too
-    many before.
+    `new` is the state at its end, which is updated, and `after` has the looks there. Returned are
+    the length of the step and the time from its end to the event, in s; a length of 0 if the step
+    ends at the kink that it starts from, as too many before.
     """
-    joint, tolerance = joints[k], _AT_GAP if kind == _GAP else _AT_KINK
-    x = _guess(
-        kind, k, t, h, turn, margins, y, new, joints, laws, crank, linkage, rates, stage
-    )  # fmt: skip
+    joint, tolerance = m.joints[k], _AT_GAP if kind == _GAP else _AT_KINK
+    margins = (
+        _margin(kind, at.looks[k, 0], at.looks[k, 2], joint),
+        _margin(kind, after[k, 0], after[k, 2], joint),
+    )
+    x = _guess(kind, k, h, margins, at, new, m)
     now.evaluations += 1
     low, high = 0.0, h
     for _ in range(_ATTEMPTS):
-        step(t, x, turn[0], turn[1], y, new, joints, laws, crank, linkage, rates, stage)
+        step(at.time, x, at.turn, at.y, new, m)
         now.evaluations += STAGES - 1
-        c, s = later(turn[0], turn[1], x, crank)
-        delta, _, v_t, _, _ = _look(c, s, new, joint, crank, linkage)
+        turn = later(at.turn, x, m.crank)
+        delta, _, v_t, _, _ = _look(turn, new, joint, m)
         g = _margin(kind, delta, v_t, joint)
         if g > 0.0:
             low = x
         else:
             high = x
-        stage[:] = new
-        _shift(_AT_SLOPE, stage, rates)
-        c, s = later(c, s, _AT_SLOPE, crank)
-        delta, _, v_t, _, _ = _look(c, s, stage, joint, crank, linkage)
+        m.stage[:] = new
+        _shift(_AT_SLOPE, m.stage, m.rates)
+        delta, _, v_t, _, _ = _look(later(turn, _AT_SLOPE, m.crank), m.stage, joint, m)
         rise = _margin(kind, delta, v_t, joint) - g
         correction = -g / rise * _AT_SLOPE if rise != 0.0 else math.inf
         if abs(correction) < tolerance or high - low < tolerance:
@@ -379,48 +359,31 @@ def _turn(h: float, start: FloatArray, end: FloatArray, joints: Any) -> tuple[fl
 
 @compiled
 def _examine(
-    t: float,
-    h: float,
-    turn: tuple[float, float],
-    looks: FloatArray,
-    after: FloatArray,
-    y: FloatArray,
-    new: FloatArray,
-    joints: Any,
-    laws: FloatArray,
-    crank: Any,
-    linkage: Any,
-    rates: FloatArray,
-    stage: FloatArray,
-    now: Now,
+    h: float, at: Start, after: FloatArray, new: FloatArray, m: Model, now: Now
 ) -> tuple[int, float, float]:
     """Find the first event in a step within its tolerance, and end the step there.
 
-    `turn` and `looks` are those of its start, `y` and `new` the states at both ends; `new` is
-    updated, and `after` written. Returned are what is at the end (`_RETRY` if the step must be
-    repeated with the step in `now`), its length, and the time from its end to the event, in s.
+    `new` is the state at its end, which is updated, and `after` is written. Returned are what is
+    at the end (`_RETRY` if the step must be repeated with the step in `now`), its length, and the
+    time from its end to the event, in s.
     """
-    c, s = later(turn[0], turn[1], h, crank)
-    _look_at_all(c, s, new, joints, crank, linkage, after)
-    event, k, starts_inside = _first_event(looks, after, joints)
+    _look_at_all(later(at.turn, h, m.crank), new, m, after)
+    event, k, starts_inside = _first_event(at.looks, after, m.joints)
     if event == _NOTHING:
-        length, missed = _turn(h, looks, after, joints)
+        length, missed = _turn(h, at.looks, after, m.joints)
         if missed:
             now.step = length
             return _RETRY, length, 0.0
         if length < h:
-            step(t, length, turn[0], turn[1], y, new, joints, laws, crank, linkage, rates, stage)
+            step(at.time, length, at.turn, at.y, new, m)
             now.evaluations += STAGES - 1
         return _NOTHING, length, 0.0
-    joint = joints[k]
-    if event == _GAP and joint.allowed_penetration > 0.0 and after[k, 0] > 0.0:
+    allowed = m.joints[k].allowed_penetration
+    if event == _GAP and allowed > 0.0 and after[k, 0] > 0.0:
         now.step = 0.5 * h
-        return (_GAP if after[k, 0] <= joint.allowed_penetration else _RETRY), h, 0.0
+        return (_GAP if after[k, 0] <= allowed else _RETRY), h, 0.0
     if starts_inside:
-        return _land_on_first(
-            event, k, t, h, turn, looks, after, y, new, joints, laws, crank, linkage, rates, stage,
-            now,
-        )  # fmt: skip
+        return _land_on_first(event, k, h, at, after, new, m, now)
     return _at_once(event, k, h, now)
 
 
@@ -433,45 +396,22 @@ def _at_once(event: int, k: int, h: float, now: Now) -> tuple[int, float, float]
 
 @compiled
 def _land_on_first(
-    event: int,
-    k: int,
-    t: float,
-    h: float,
-    turn: tuple[float, float],
-    looks: FloatArray,
-    after: FloatArray,
-    y: FloatArray,
-    new: FloatArray,
-    joints: Any,
-    laws: FloatArray,
-    crank: Any,
-    linkage: Any,
-    rates: FloatArray,
-    stage: FloatArray,
-    now: Now,
+    event: int, k: int, h: float, at: Start, after: FloatArray, new: FloatArray, m: Model, now: Now
 ) -> tuple[int, float, float]:
     """End a step at an event of a joint, or at an earlier one of another joint; see `_examine`."""
     while True:
-        joint = joints[k]
-        margins = (
-            _margin(event, looks[k, 0], looks[k, 2], joint),
-            _margin(event, after[k, 0], after[k, 2], joint),
-        )
-        length, rest = _land(
-            event, k, t, h, turn, margins, y, new, joints, laws, crank, linkage, rates, stage, now
-        )
+        length, rest = _land(event, k, h, at, after, new, m, now)
         if length == 0.0:
             # The state has just passed a kink, and turns within the step to pass it again. Ended
             # at its start, such steps change between the two pieces without end.
             now.step = 0.5 * h
             return _RETRY, h, 0.0
         now.joint = k
-        if joints.shape[0] == 1:
+        if m.joints.shape[0] == 1:
             return event, length, rest
         # Events were put in order by straight lines: that of another joint may be earlier.
-        c, s = later(turn[0], turn[1], length, crank)
-        _look_at_all(c, s, new, joints, crank, linkage, after)
-        earlier, other, starts_inside = _first_event(looks, after, joints, k)
+        _look_at_all(later(at.turn, length, m.crank), new, m, after)
+        earlier, other, starts_inside = _first_event(at.looks, after, m.joints, k)
         if earlier == _NOTHING:
             return event, length, rest
         event, k, h = earlier, other, length
@@ -549,14 +489,15 @@ def integrate(
     `COLLAPSED`.
     """
     relative, absolute, max_step = tolerances
-    rates, stage = np.zeros((STAGES + 1, y.size + ledgers.size)), np.zeros(y.size)
+    rates = np.zeros((STAGES + 1, y.size + ledgers.size))
+    m = Model(joints, laws, crank, linkage, rates, np.zeros(y.size))
     new, count = np.empty(y.size), joints.shape[0]
     looks, after, accelerations = np.zeros((count, 5)), np.zeros((count, 5)), np.zeros(count)
 
     turn = clock(now.time, crank)
-    _look_at_all(turn[0], turn[1], y, joints, crank, linkage, looks)
+    _look_at_all(turn, y, m, looks)
     _begin(looks, joints, now)
-    rates_at(now.time, turn[0], turn[1], y, 0, joints, laws, crank, linkage, rates)
+    rates_at(now.time, turn, y, 0, m)
     now.evaluations += 1
     rows, grow = 0, _GROW
     while now.time < end:
@@ -566,7 +507,7 @@ def integrate(
         h = _length(now, looks, accelerations, end, max_step, joints)
         if not t + h > t:
             return rows, COLLAPSED
-        step(t, h, turn[0], turn[1], y, new, joints, laws, crank, linkage, rates, stage)
+        step(t, h, turn, y, new, m)
         now.evaluations += STAGES - 1
         measure = error(h, y, new, rates, relative, absolute)
         if not measure <= 1.0:
@@ -575,9 +516,7 @@ def integrate(
             continue
         event, length, rest = _NOTHING, h, 0.0
         if count:
-            event, length, rest = _examine(
-                t, h, turn, looks, after, y, new, joints, laws, crank, linkage, rates, stage, now
-            )
+            event, length, rest = _examine(h, Start(t, turn, y, looks), after, new, m, now)
             if event == _RETRY:
                 continue
         sum_ledgers(length, rest, ledgers, rates)
@@ -585,7 +524,7 @@ def integrate(
         y[:] = new
         now.time = end if length == h and t + h * (1.0 + 1e-9) >= end else t + (length + rest)
         turn = clock(now.time, crank)
-        _look_at_all(turn[0], turn[1], y, joints, crank, linkage, after)
+        _look_at_all(turn, y, m, after)
         _accelerate(length, looks, after, accelerations)
         rows = _record(rows, now, y, ledgers, joints, buffers)
         if event == _NOTHING:
@@ -599,6 +538,6 @@ def integrate(
             if event == _GAP and now.time < end:
                 rows = _record(rows, now, y, ledgers, joints, buffers)
         grow = _GROW
-        rates_at(now.time, turn[0], turn[1], y, 0, joints, laws, crank, linkage, rates)
+        rates_at(now.time, turn, y, 0, m)
         now.evaluations += 1
     return rows, END

@@ -301,9 +301,7 @@ class Run:
         """Return δ of a joint at the present state in m."""
         turn = dop853.clock(self.state.time, self.crank)
         values = self.state.values[: self.scale.size]
-        e_x, e_y, *_ = dop853.motion(
-            *turn, values, self.joints[number], self.crank, self.linkage
-        )  # fmt: skip
+        e_x, e_y, *_ = dop853.motion(turn, values, self.joints[number], self.crank, self.linkage)
         return float(np.hypot(e_x, e_y) - self.joints[number]["clearance"])
 
     def _law_left(self, number: int) -> LawDomainError:
