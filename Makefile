@@ -27,7 +27,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
 .PHONY: all committed env extras fits finite-element mechanism bifurcation readings optimizers figures report paper claims verify \
-	bench scaling notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
+	bench scaling explore notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
 
 ##@ The main job
 
@@ -116,6 +116,9 @@ scaling: $(VENV)/.editable ## Measure what each step of a calibration costs up t
 	$(BIN)/python -m benchmarks.scaling
 
 ##@ To read and to try
+
+explore: $(VENV)/.kernel ## Explore the laws in a browser: a pair, its housing, a load
+	$(BIN)/voila notebooks/3_explore_the_maps.ipynb
 
 notebooks: $(VENV)/.kernel ## Open the notebooks in JupyterLab
 	$(BIN)/jupyter lab notebooks/1_quick_start.ipynb

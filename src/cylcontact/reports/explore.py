@@ -1,7 +1,7 @@
-"""Results for one pair at one load, and controls that show them in a notebook.
+"""Several laws for one pair at one load: in numbers, in words, in a picture, and live.
 
-A `Choice` is a pair, a load and a law. `numbers` computes its results, `verdicts` states them in
-sentences and `view` draws them. `explore_pair` connects them to controls.
+A `Choice` is what the reader has set. `numbers` are the pair's, `table` has a row for each law,
+`verdicts` puts both into sentences and `view` draws them. `explore_pair` connects them to controls.
 """
 
 from __future__ import annotations
@@ -9,87 +9,87 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 
-from cylcontact import limits
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.arrays import require
 from cylcontact.errors import InputError
+from cylcontact.housing_spec import in_housing, takes_housing
 from cylcontact.html_repr import table_html
-from cylcontact.laws import LAWS, ContactLaw, Johnson, difference_percent
+from cylcontact.laws import LAWS, Conformal, ContactLaw, Housing, Parametric, Sector
+from cylcontact.limits import (
+    first_yield,
+    hertz_half_width,
+    hertz_stress,
+    johnson_limit_load,
+)
 from cylcontact.materials import Material, shipped_materials
-from cylcontact.pair import CONTACTS, Contact, CylinderPair
-from cylcontact.plain_text import as_label
+from cylcontact.pair import CylinderPair
 from cylcontact.plots import Drawing, new_figure, plot_laws
-from cylcontact.plots.style import ACCENT, COLOURS, QUIET, figure_style
+from cylcontact.plots.style import ACCENT, QUIET, figure_style
 from cylcontact.reports.laws_bounds import truth_of
+from cylcontact.reports.laws_table import comparison
 from cylcontact.reports.notebook import require_extra
 
-__all__ = [
-    "Choice",
-    "as_message",
-    "as_table",
-    "curve",
-    "explore_pair",
-    "numbers",
-    "verdicts",
-    "view",
-]
-
 # The ends of the curves, relative to the chosen load.
-SPAN = (0.02, 5.0)
-POINTS = 161
-# Percent; Figs 10 to 14 call smaller differences good.
-TOLERANCE = 10.0
+_SPAN = (0.02, 5.0)
+# What the choice of a clamp means for `Housing`: the side of a sector, or its whole rim.
+_CLAMPS: Mapping[str, Literal["rim", "near", "far"] | None] = {
+    "not known": None,
+    "whole rim": "rim",
+    "sector, pin pushed towards it": "near",
+    "sector, pin pulled away": "far",
+}
+# On a telephone the picture is as wide as the screen, and the tables scroll.
+_STYLE = (
+    "<style>.explored {overflow-x: auto} .explored img {max-width: 100%} "
+    ".explored :is(th, td) {text-align: left; padding-right: 1em}</style>"
+)
+_CONTACTS = {"pin in a hole": "internal", "two rollers": "external"}
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A pair, a load and a law.
+    """A pair, a load, some laws, and the housing around the hole.
 
     Attributes
     ----------
-    material : Material
-        Of both bodies, or of body *i* when `material_j` is given.
-    contact : {"internal", "external"}
-        Pin in a hole, or two rollers of equal radii.
-    dR : float
-        ΔR in mm: the radial clearance, or the sum of the radii.
+    pair : CylinderPair
+        With its radii.
     load : float
         In N/mm.
-    law : ContactLaw
-        The law to evaluate.
-    R_i : float
-        The radius of the hole in mm; not used for rollers, whose radii follow from ΔR.
-    length : float
-        The axial length in mm, for the laws that need it.
-    material_j : Material, optional
-        Of the pin, or of the other roller.
+    laws : tuple of str
+        Names in `cylcontact.laws.LAWS`.
+    housing : Housing, optional
+        The datum of the laws that take one. Without it the penetration is by Johnson's.
     """
 
-    material: Material
-    contact: Contact
-    dR: float
+    pair: CylinderPair
     load: float
-    law: ContactLaw
-    R_i: float = 10.0
-    length: float = 10.0
-    material_j: Material | None = None
+    laws: tuple[str, ...] = ("explicit",)
+    housing: Housing | None = None
+
+    def __post_init__(self) -> None:
+        positive = self.load > 0 and np.isfinite(self.load)
+        rule, remedy = "must be positive and finite", "give it in N/mm"
+        require(positive, "explorer", "load", self.load, rule, remedy)
 
     @property
-    def pair(self) -> CylinderPair:
-        """The pair with its radii."""
-        R_i = self.R_i if self.contact == "internal" else self.dR / 2
-        return CylinderPair.from_dR(
-            self.contact, self.dR, self.material, self.length, R_i, self.material_j
-        )
+    def reference(self) -> ContactLaw:
+        """What the laws are compared with: conformal contact, for rollers Johnson's law."""
+        return truth_of(self.pair) if self.housing is None else Conformal(self.housing)
+
+    def law(self, name: str) -> ContactLaw:
+        """Return a law, in the housing if it takes one."""
+        if self.housing is None or not takes_housing(name):
+            return LAWS[name]()
+        return in_housing(name, self.housing, "explorer")
 
 
 def numbers(choice: Choice) -> dict[str, float]:
-    """Return the results of a choice by name and unit.
+    """Return the limits of a pair and the size of its contact, by name and unit.
 
     Parameters
     ----------
@@ -99,76 +99,37 @@ def numbers(choice: Choice) -> dict[str, float]:
     Returns
     -------
     dict of str to float
-        NaN where a law is undefined, a reference does not apply, or a material has no yield
-        stress; inf where there is no limit. Conformal contact is `laws.Persson`, or
-        `laws.Conformal` for a pin of another material.
-
-    Raises
-    ------
-    InputError
-        If the law is not for this contact or these materials, or the load is not positive.
+        NaN for first yield where a material has no yield stress. The width is along the surface of
+        the hole, by conformal contact; for rollers it is Hertz's, as is the pressure.
 
     Examples
     --------
-    >>> from cylcontact import laws
     >>> steel = Material("steel", E=207e3, nu=0.3, yield_stress=250.0)
-    >>> results = numbers(Choice(steel, "internal", 0.05, 100.0, laws.Enhanced()))
-    >>> print(f"{results['penetration, µm']:.4f}, {results['difference from Johnson, %']:.2f} %")
-    1.5144, -2.88 %
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.95, material=steel)
+    >>> results = numbers(Choice(pair, 1000.0))
+    >>> print(f"{results['width of the contact, mm']:.2f}, {results['first yield, N/mm']:.0f}")
+    8.95, 3599
     """
-    _require_load(choice.load)
-    law, load, pair = choice.law, choice.load, choice.pair
-    delta = law.penetration(load, pair)
+    pair, load = choice.pair, choice.load
+    if pair.contact == "internal":
+        conformal = Conformal(choice.housing or "johnson")
+        width = 2 * np.radians(conformal.contact_angle(load, pair)) * float(pair.R_i or np.nan)
+        pressure = conformal.peak_pressure(load, pair)
+    else:
+        width, pressure = 2 * hertz_half_width(load, pair), hertz_stress(load, pair)
+    known = None not in (pair.material_i.yield_stress, pair.material_j.yield_stress)
     results = {
-        "penetration, µm": 1e3 * delta,
-        "stiffness, N/mm²": law.stiffness(delta, pair),
-        "Johnson's penetration, µm": 1e3 * Johnson().penetration(load, pair),
-        "difference from Johnson, %": difference_percent(law, Johnson(), load, pair),
-        "difference from conformal contact, %": _from_conformal(choice, as_floats(load)),
-        "Hertz's peak pressure, MPa": limits.hertz_stress(load, pair),
-        "first yield, N/mm": _yield_load(choice),
-        "Johnson's largest load, N/mm": limits.johnson_limit_load(pair),
-        "the law's largest load, N/mm": law.max_load(pair),
-        "f/(E*·ΔR), -": load / (pair.E_star * choice.dR),
+        "width of the contact, mm": width,
+        "largest pressure, MPa": pressure,
+        "first yield, N/mm": first_yield(pair, housing=choice.housing).load if known else np.nan,
+        "Johnson's largest load, N/mm": johnson_limit_load(pair),
+        "f/(E*·ΔR), -": load / (pair.E_star * pair.dR),
     }
     return {name: float(value) for name, value in results.items()}
 
 
-def verdicts(choice: Choice) -> list[str]:
-    """Return sentences on a choice: the law's domain, Johnson's limit, and yield.
-
-    Examples
-    --------
-    >>> from cylcontact import laws
-    >>> aluminium = Material("aluminium", E=69e3, nu=0.33, yield_stress=276.0)
-    >>> for line in verdicts(Choice(aluminium, "internal", 0.0075, 600.0, laws.Explicit())):
-    ...     print(line)
-    Johnson's law has ended: 600 N/mm is beyond its 493.8 N/mm.
-    Elastic: first yield, by von Mises, is at 3951.4 N/mm.
-    """
-    results = numbers(choice)
-    sentences = []
-    if np.isnan(results["penetration, µm"]):
-        sentences.append(f"The {choice.law.name} law has no answer here: outside its domain.")
-    end = results["Johnson's largest load, N/mm"]
-    if choice.load > end:
-        sentences.append(
-            f"Johnson's law has ended: {choice.load:g} N/mm is beyond its {end:.1f} N/mm."
-        )
-    elif abs(difference := results["difference from conformal contact, %"]) > TOLERANCE:
-        sentences.append(f"{difference:+.1f} % from conformal contact, more than {TOLERANCE:g} %.")
-    top = results["first yield, N/mm"]
-    if np.isnan(top):
-        sentences.append("No yield limit: a material has no yield stress.")
-    elif choice.load > top:
-        sentences.append(f"Not elastic: first yield, by von Mises, is at {top:.1f} N/mm.")
-    else:
-        sentences.append(f"Elastic: first yield, by von Mises, is at {top:.1f} N/mm.")
-    return sentences
-
-
-def curve(choice: Choice) -> pd.DataFrame:
-    """Return the penetrations of the law and the references at loads around the chosen one.
+def table(choice: Choice) -> pd.DataFrame:
+    """Return the chosen laws side by side at the chosen load.
 
     Parameters
     ----------
@@ -178,27 +139,70 @@ def curve(choice: Choice) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Columns load_N_per_mm, penetration_mm, johnson_penetration_mm,
-        johnson_difference_percent and conformal_difference_percent; NaN beyond a law's domain,
-        and the last one for rollers.
+        Columns law, penetration_um, stiffness_N_per_mm2, max_load_N_per_mm, difference_percent (of
+        the penetration, from conformal contact or for rollers from Johnson's law) and note; NaN
+        where a law is undefined, for the reason in the note.
+
+    Examples
+    --------
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.95, material=Material("steel", 207e3, 0.3))
+    >>> print(table(Choice(pair, 1000.0, ("explicit", "johnson")))["difference_percent"].round(2))
+    law
+    explicit   -0.04
+    johnson    -4.19
+    Name: difference_percent, dtype: float64
     """
-    _require_load(choice.load)
-    load = as_floats(choice.load * np.geomspace(*SPAN, POINTS))
-    pair = choice.pair
-    return pd.DataFrame(
-        {
-            "load_N_per_mm": load,
-            "penetration_mm": choice.law.penetration(load, pair),
-            "johnson_penetration_mm": Johnson().penetration(load, pair),
-            "johnson_difference_percent": difference_percent(choice.law, Johnson(), load, pair),
-            "conformal_difference_percent": _from_conformal(choice, load),
-        }
-    )
+    rows = comparison(choice.pair, choice.load, housing=choice.housing).set_index("law")
+    chosen = rows.loc[list(choice.laws)]
+    exact = 1e3 * choice.reference.penetration(choice.load, choice.pair)
+    off = 100 * (chosen["penetration_um"] / float(exact) - 1)
+    chosen.insert(len(chosen.columns) - 1, "difference_percent", off)
+    return chosen
+
+
+def verdicts(choice: Choice) -> list[str]:
+    """Return sentences on a choice: laws that end, the housing, and yield.
+
+    Examples
+    --------
+    >>> aluminium = Material("aluminium", E=69e3, nu=0.33, yield_stress=276.0)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.9925, material=aluminium)
+    >>> for line in verdicts(Choice(pair, 600.0, ("johnson",), Housing(15.0))):
+    ...     print(line)
+    johnson: beyond its largest load.
+    In this housing the penetration is 0.64 times that by Johnson's datum.
+    Elastic: first yield, by von Mises, is at 5874 N/mm.
+    """
+    return _sentences(choice, numbers(choice), table(choice))
+
+
+def _sentences(choice: Choice, results: Mapping[str, float], rows: pd.DataFrame) -> list[str]:
+    """Return the verdicts that follow from the numbers and the table."""
+    pair, housing = choice.pair, choice.housing
+    sentences = [f"{law}: {note}." for law, note in rows["note"].items() if note]
+    if housing is not None:
+        datums = [
+            Parametric(datum).penetration(choice.load, pair) for datum in (housing, "johnson")
+        ]
+        times = f"{float(datums[0] / datums[1]):.2f} times that by Johnson's datum"
+        sentences.append(f"In this housing the penetration is {times}.")
+    elif pair.contact == "internal":
+        sentences.append(
+            "By Johnson's datum: the housing, which is not known here, changes the penetration by "
+            "more than most of these laws differ."
+        )
+    top = results["first yield, N/mm"]
+    if np.isnan(top):
+        sentences.append("First yield is not known: a material has no yield stress, or no answer.")
+    else:
+        state = "Not elastic" if choice.load > top else "Elastic"
+        sentences.append(f"{state}: first yield, by von Mises, is at {top:.0f} N/mm.")
+    return sentences
 
 
 @figure_style()
 def view(choice: Choice) -> Drawing:
-    """Draw the law beside Johnson's, and their difference, with the limits marked.
+    """Draw the penetration of the laws over the load, and their difference from the reference.
 
     Parameters
     ----------
@@ -208,51 +212,39 @@ def view(choice: Choice) -> Drawing:
     Returns
     -------
     Drawing
-        Its headline is `numbers`, its caption `verdicts`.
+        Its table is `table`, its headline `numbers`, its caption `verdicts`.
 
     Raises
     ------
     InputError
-        If the law is not for this contact or these materials, or the load is not positive.
+        If no law is for this contact and these materials.
     """
-    table, results = curve(choice), numbers(choice)
+    results, rows = numbers(choice), table(choice)
+    defined = rows.index[~rows["max_load_N_per_mm"].isna()]
+    remedy = "choose another, such as explicit"
+    require(len(defined) > 0, "explorer", "laws", choice.laws, "are none for this pair", remedy)
+    laws = {name: choice.law(name) for name in defined}
+    span = (_SPAN[0] * choice.load, _SPAN[1] * choice.load)
     figure = new_figure("full", 78.0)
-    force, difference = figure.subplots(1, 2)
-    load, micrometres = table["load_N_per_mm"], 1e3 * table["penetration_mm"]
-    plain = {"marker": "", "linestyle": "-"}
-    force.plot(
-        1e3 * table["johnson_penetration_mm"],
-        load,
-        **plain | {"linestyle": "--"},
-        color=QUIET,
-        label="Johnson",
-    )
-    force.plot(micrometres, load, **plain, color=COLOURS[1], label=as_label(choice.law.name))
-    point = (results["penetration, µm"], choice.load)
-    force.plot(*point, "o", color=ACCENT, label="chosen load", zorder=3)
-    force.set(xlabel="penetration (µm)", ylabel="load (N/mm)", xlim=0, ylim=(0, load.iloc[-1]))
-    difference.axhspan(-TOLERANCE, TOLERANCE, color="0.93", linewidth=0)
-    span = (load.iloc[0], load.iloc[-1])
-    for name, reference in (("Johnson", Johnson()), ("conformal", truth_of(choice.pair))):
-        if table[f"{name.lower()}_difference_percent"].notna().any():
-            plot_laws(
-                {f"from {name}": choice.law},
-                choice.pair,
-                load=span,
-                relative_to=reference,
-                ax=difference,
-                marker="",
-            )
-    difference.plot(choice.load, results["difference from Johnson, %"], "o", color=ACCENT, zorder=3)
-    _mark_limits(difference, results, span)
-    for axes in (force, difference):
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(loc="best")
-    return Drawing(figure, table, results, " ".join(verdicts(choice)))
+    depth, difference = figure.subplots(1, 2)
+    plot_laws(laws, choice.pair, load=span, ax=depth)
+    plot_laws(laws, choice.pair, load=span, ax=difference, relative_to=choice.reference)
+    for axes, column in ((depth, "penetration_um"), (difference, "difference_percent")):
+        at_load = rows.loc[defined, column]
+        loads = np.full(len(at_load), choice.load)
+        axes.plot(loads, at_load, "o", color=ACCENT, zorder=3, label="chosen load")
+        for name, style in (("first yield", ":"), ("Johnson's largest load", "--")):
+            if span[0] <= results[f"{name}, N/mm"] <= span[1]:
+                axes.axvline(results[f"{name}, N/mm"], color=QUIET, linestyle=style, label=name)
+    reference = "Johnson's" if choice.pair.contact == "external" else "conformal contact's"
+    difference.set_ylabel(f"difference from {reference} (%)")
+    handles, labels = depth.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    return Drawing(figure, rows.reset_index(), results, " ".join(_sentences(choice, results, rows)))
 
 
 def explore_pair(own: Sequence[Material] = ()) -> Any:
-    """Return controls for two materials, a contact, a load and a law, with the results, live.
+    """Return controls for a pair, its housing, a load and some laws, with the results, live.
 
     A material fills in its numbers, which can then be changed.
 
@@ -263,8 +255,8 @@ def explore_pair(own: Sequence[Material] = ()) -> Any:
 
     Returns
     -------
-    ipywidgets.VBox
-        The controls with the table of `numbers`, and the picture of `view` below them.
+    ipywidgets.HBox
+        The controls, and beside them the picture of `view` above `numbers` and `table`.
 
     Raises
     ------
@@ -275,121 +267,117 @@ def explore_pair(own: Sequence[Material] = ()) -> Any:
     materials = {name: row.material for name, row in shipped_materials().items()}
     materials |= {material.name: material for material in own}
     controls = _controls(widgets, list(materials))
-    picture, table = widgets.HTML(), widgets.HTML()
-
-    def fill_in(_change: object = None) -> None:
-        chosen = materials[controls["material"].value]
-        controls["E"].value, controls["nu"].value = chosen.E / 1e3, chosen.nu
-        controls["yield_stress"].value = chosen.yield_stress or 0.0
+    answer = widgets.HTML(layout=widgets.Layout(flex="1 1 30em", min_width="0"))
 
     def update(_change: object = None) -> None:
-        set_to = {name: control.value for name, control in controls.items()}
         try:
-            drawn = view(_choice(set_to, materials))
+            choice = _choice({name: control.value for name, control in controls.items()})
+            answer.value = _as_html(choice)
         except InputError as error:
-            picture.value, table.value = "", as_message(error)
-            return
-        picture.value, table.value = drawn._repr_html_(), as_table(drawn.headline)
+            answer.value = f'<p role="alert">{escape(str(error))}</p>'
 
-    fill_in()
-    update()
-    controls["material"].observe(fill_in, names="value")
+    def fill_in(body: str) -> None:
+        chosen = materials[controls[body].value]
+        controls[f"{body} E"].value, controls[f"{body} ν"].value = chosen.E / 1e3, chosen.nu
+        controls[f"{body} σ_Y"].value = chosen.yield_stress or 0.0
+
+    for body in ("hole", "pin"):
+        fill_in(body)
+        controls[body].observe(lambda _change, body=body: fill_in(body), names="value")
     for control in controls.values():
         control.observe(update, names="value")
-    return widgets.VBox([widgets.HBox([widgets.VBox([*controls.values()]), table]), picture])
+    update()
+    left = widgets.VBox(list(controls.values()), layout=widgets.Layout(min_width="25em"))
+    return widgets.HBox([left, answer], layout=widgets.Layout(flex_flow="row wrap"))
 
 
 def _controls(widgets: Any, materials: list[str]) -> dict[str, Any]:
     """Return the controls by name."""
-    wide = {"style": {"description_width": "10em"}, "layout": widgets.Layout(width="28em")}
-    slider = {"base": 10, "step": 0.01, "continuous_update": False, **wide}
-    number, dropdown = widgets.FloatText, widgets.Dropdown
+    wide = {"style": {"description_width": "9em"}, "layout": widgets.Layout(width="24em")}
+    slider = {"continuous_update": False, **wide}
+    log = {"base": 10, "step": 0.01, "readout_format": ".4g", **slider}
+
+    def body(name: str, label: str) -> dict[str, Any]:
+        number = widgets.BoundedFloatText
+        return {
+            name: widgets.Dropdown(
+                options=materials, value="low-carbon steel", description=label, **wide
+            ),
+            f"{name} E": number(description="E (GPa)", min=1e-3, max=1e4, **wide),
+            f"{name} ν": number(description="ν (-)", max=0.5, step=0.01, **wide),
+            f"{name} σ_Y": number(description="yield stress (MPa)", max=1e5, **wide),
+        }
+
     return {
-        "material": dropdown(options=materials, description="material", **wide),
-        "E": number(description="E (GPa)", **wide),
-        "nu": number(description="ν (-)", **wide),
-        "yield_stress": number(description="yield stress (MPa)", **wide),
-        "material_j": dropdown(options=["same", *materials], description="pin or roller j", **wide),
-        "contact": widgets.ToggleButtons(options=CONTACTS, description="contact", **wide),
-        "dR": widgets.FloatLogSlider(value=0.05, min=-3, max=3, description="ΔR (mm)", **slider),
+        "contact": widgets.Dropdown(options=_CONTACTS, description="contact", **wide),
+        **body("hole", "hole, or roller i"),
+        **body("pin", "pin, or roller j"),
         "R_i": widgets.FloatLogSlider(
-            value=10.0, min=0, max=3, description="R_i of the hole (mm)", **slider
+            value=10.0, min=0, max=3, description="R_i, hole (mm)", **log
+        ),
+        "dR": widgets.FloatLogSlider(value=0.05, min=-3, max=3, description="ΔR (mm)", **log),
+        "length": widgets.FloatLogSlider(
+            value=10.0, min=0, max=3, description="length (mm)", **log
+        ),
+        "clamp": widgets.Dropdown(options=list(_CLAMPS), description="housing, clamped", **wide),
+        "R_o/R_i": widgets.FloatSlider(
+            value=2.0, min=1.1, max=10.0, step=0.05, description="its R_o/R_i", **slider
+        ),
+        "angle": widgets.IntSlider(
+            value=60, min=10, max=350, step=5, description="sector (degrees)", **slider
         ),
         "load": widgets.FloatLogSlider(
-            value=100.0, min=0, max=4, description="load (N/mm)", **slider
+            value=1000.0, min=0, max=4, description="load (N/mm)", **log
         ),
-        "law": dropdown(options=list(LAWS), value="enhanced", description="law", **wide),
+        "laws": widgets.SelectMultiple(
+            options=list(LAWS), value=["explicit"], rows=8, description="laws", **wide
+        ),
     }
 
 
-def _choice(set_to: Mapping[str, Any], materials: Mapping[str, Material]) -> Choice:
+def _choice(setting: Mapping[str, Any]) -> Choice:
     """Return the choice that controls are set to; a yield stress of 0 is none."""
-    E, strength = f"{set_to['E']} GPa", set_to["yield_stress"] or None
-    return Choice(
-        Material(set_to["material"], E, set_to["nu"], strength),
-        set_to["contact"],
-        set_to["dR"],
-        set_to["load"],
-        LAWS[set_to["law"]](),
-        set_to["R_i"],
-        material_j=materials.get(set_to["material_j"]),
+    hole, pin = (
+        Material(
+            setting[body],
+            f"{setting[f'{body} E']} GPa",
+            setting[f"{body} ν"],
+            setting[f"{body} σ_Y"] or None,
+        )
+        for body in ("hole", "pin")
     )
+    dR, contact = setting["dR"], setting["contact"]
+    # Rollers are of equal radii.
+    R_i = setting["R_i"] if contact == "internal" else dR / 2
+    pair = CylinderPair.from_dR(contact, dR, hole, setting["length"], R_i, pin)
+    clamp, R_o = _CLAMPS[setting["clamp"]], R_i * setting["R_o/R_i"]
+    if clamp is None or contact == "external":
+        housing = None
+    elif clamp == "rim":
+        housing = Housing(R_o)
+    else:
+        housing = Housing(R_o, Sector(setting["angle"], clamp))
+    return Choice(pair, setting["load"], tuple(setting["laws"]) or ("explicit",), housing)
 
 
-def as_table(results: Mapping[str, float]) -> str:
-    """Return the results of `numbers` as an HTML table, with a dash for NaN and "none" for inf.
-
-    Examples
-    --------
-    >>> "<td>–</td>" in as_table({"first yield, N/mm": float("nan")})
-    True
-    """
+def _as_html(choice: Choice) -> str:
+    """Return the picture, the numbers and the table of a choice for a notebook."""
 
     def cell(value: float) -> object:
         return None if np.isnan(value) else "none" if np.isinf(value) else value
 
-    return table_html("What follows", {name: cell(value) for name, value in results.items()})
-
-
-def as_message(error: InputError) -> str:
-    """Return an error message as HTML.
-
-    Examples
-    --------
-    >>> print(as_message(InputError("pair", "dR", -1.0, "must be > 0", "give it in mm")))
-    <p role="alert">pair: dR = -1.0: must be &gt; 0; give it in mm</p>
-    """
-    return f'<p role="alert">{escape(str(error))}</p>'
-
-
-def _mark_limits(axes: Axes, results: Mapping[str, float], span: tuple[float, float]) -> None:
-    """Draw the loads at first yield and at Johnson's limit, if they are on the axis."""
-    lines = {
-        "first yield, N/mm": ("first yield", ":"),
-        "Johnson's largest load, N/mm": ("Johnson's limit", "--"),
+    drawn = view(choice)
+    results = {name: cell(value) for name, value in drawn.headline.items()}
+    names = {
+        "penetration_um": "penetration, µm",
+        "stiffness_N_per_mm2": "stiffness, N/mm²",
+        "max_load_N_per_mm": "largest load, N/mm",
+        "difference_percent": "difference, %",
     }
-    for key, (label, style) in lines.items():
-        if span[0] <= results[key] <= span[1]:
-            axes.axvline(results[key], color=QUIET, linestyle=style, label=label)
-
-
-def _from_conformal(choice: Choice, load: FloatArray) -> FloatArray:
-    """Return the difference from conformal contact in percent; NaN for rollers."""
-    if choice.contact == "external":
-        return as_floats(np.full_like(load, np.nan))
-    pair = choice.pair
-    return difference_percent(choice.law, truth_of(pair), load, pair)
-
-
-def _yield_load(choice: Choice) -> FloatArray:
-    """Return the load of first yield in N/mm; NaN where a material has no yield stress."""
-    pair = choice.pair
-    if pair.material_i.yield_stress is None or pair.material_j.yield_stress is None:
-        return as_floats(np.nan)
-    return limits.yield_load(pair)
-
-
-def _require_load(load: float) -> None:
-    """Raise `InputError` for a load that is not positive and finite."""
-    if not (load > 0 and np.isfinite(load)):
-        raise InputError("explorer", "load", load, "must be positive and finite", "give it in N/mm")
+    laws = (
+        drawn.table.rename(columns=names)
+        .replace(np.inf, "none")
+        .to_html(index=False, float_format="{:.6g}".format, na_rep="–", border=0)
+    )
+    pair = table_html("The pair at this load", results)
+    return f"{_STYLE}<div class='explored'>{drawn._repr_html_()}{laws}{pair}</div>"

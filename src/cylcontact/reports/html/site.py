@@ -35,7 +35,6 @@ from cylcontact.reports.html.campaigns import (
     tables,
 )
 from cylcontact.reports.html.claim_pages import ClaimPage, claim_pages
-from cylcontact.reports.html.explorer import explorer_data
 from cylcontact.reports.html.figures import Plate, describe, plates
 from cylcontact.reports.paper import Paper, paper_of
 
@@ -44,7 +43,7 @@ __all__ = ["Site", "build_site"]
 # A symbol of one letter with an index; Greek letters and powers may stand beside it.
 SYMBOL = re.compile(r"(?<![A-Za-z0-9_])([^\W\d_])_([A-Za-z]+|\d)(?![A-Za-z0-9_])")
 COEFFICIENTS = {each.name for each in fields(InternalCoefficients)}
-PAGES = ("index", "claims", "fits", "explore")
+PAGES = ("index", "claims", "fits")
 # The classes that the pages give to the groups of claims.
 MARKS = dict(
     zip(
@@ -92,8 +91,8 @@ class _Ledger:
 def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
     """Draw all figures and write the pages, `figures/` and the claims' `code/` in a folder.
 
-    The index has the answer and the gallery; each figure, each section's claims, the fits and the
-    explorer have pages of their own. They need no server and no network. Figures, fits and claims
+    The index has the answer and the gallery; each figure, each section's claims and the fits
+    have pages of their own. They need no server and no network. Figures, fits and claims
     that fail are listed as missing, with the reason.
 
     Parameters
@@ -140,7 +139,6 @@ def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
         "fits": render(
             "fits", tables=tables(campaigns.results), missing_campaigns=campaigns.missing
         ),
-        "explore": render("explore", **_explore(bench, campaigns)),
         **_figure_pages(render, [*numbered, *others], claims),
         **_section_pages(render, parts, [*numbered, *others], _copied_code(claims, bench, folder)),
     }
@@ -305,17 +303,6 @@ def _copied_code(claims: _Ledger, bench: Bench, folder: Path) -> dict[str, str]:
             temporary.write_bytes(source.read_bytes())
         addresses[place] = copy.relative_to(folder).as_posix()
     return addresses
-
-
-def _explore(bench: Bench, campaigns: Campaigns) -> dict[str, Any]:
-    """Return the content of the interactive page."""
-    try:
-        materials = bench.materials()
-        problem = ""
-    except InputError as error:
-        materials, problem = {}, str(error)
-    files_of = {bench.results_folder / f"{n}.json": r for n, r in campaigns.results.items()}
-    return {"data": explorer_data(materials, files_of), "materials_problem": problem}
 
 
 def _claims(bench: Bench, progress: Progress) -> _Ledger:
