@@ -148,7 +148,7 @@ test: $(VENV)/.test ## Run the tests that any change may break, and the examples
 	$(PYTEST)
 
 test-all: $(VENV)/.extras ## Run what make test leaves out or has skipped; none may skip now
-	$(PYTEST) --rest -m "not long"
+	$(PYTEST) --rest -m "not long" --durations=40
 
 test-long: $(VENV)/.extras ## Run killed commands, clusters, large grids and studies of many minutes
 	$(PYTEST) -m long

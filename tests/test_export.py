@@ -220,8 +220,6 @@ def test_a_law_in_matlab_is_the_law(name, octave):
     "name",
     [
         "johnson-internal",
-        "parametric-internal",
-        "scaled-johnson",
         "scaled-parametric",
         "looped",
         "own",

@@ -27,7 +27,7 @@ class TestEveryFigure:
     def test_in_the_journals_style(self, figures: DrawnFigures, name: str) -> None:
         assert layout_faults(figures[name].drawing.figure) == []
 
-    @pytest.mark.slow
+    @pytest.mark.long
     def test_in_one_column(self, name: str) -> None:
         style = STYLES[NARROW]
         assert layout_faults(draw(name, BENCH, style).figure, style) == []
@@ -40,12 +40,18 @@ class TestEveryFigure:
         assert drawing.method.endswith(".")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("style", WIDE)
+# One of each kind: in one column by make test-all, in the other styles by make test-long.
+@pytest.mark.parametrize(
+    "style",
+    [
+        pytest.param(NARROW, marks=pytest.mark.slow),
+        *(pytest.param(style, marks=pytest.mark.long) for style in WIDE),
+    ],
+)
 @pytest.mark.parametrize(
     "name", ["fig03", "fig12", "fig15", "fig_explicit", "fig_forms", "fig_any_pair"]
 )
-def test_in_the_wide_styles(name: str, style: str) -> None:
+def test_in_other_styles(name: str, style: str) -> None:
     assert layout_faults(draw(name, BENCH, STYLES[style]).figure, STYLES[style]) == []
 
 

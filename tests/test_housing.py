@@ -456,12 +456,24 @@ def test_contact_by_calculix_is_the_same(rho, clamp):
     assert abs(away[1]) < 0.5
 
 
+EVERY = [
+    (rho, clamp, name, plane)
+    for rho in RATIOS
+    for clamp in CLAMPS
+    if clamp != "far120"
+    for name, plane in zip(PAIRS, ("strain", "stress") * 2, strict=True)
+]
+
+
 # Where a sector ends in the contact the cells are not graded: the error is of first order there.
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "plane"), [*zip(PAIRS, ("strain", "stress") * 2, strict=True)])
-@pytest.mark.parametrize("clamp", [name for name in CLAMPS if name != "far120"])
-@pytest.mark.parametrize("rho", RATIOS)
-def test_contact_by_elements_is_the_same_in_every_housing(name, plane, clamp, rho):
+@pytest.mark.parametrize(
+    ("rho", "clamp", "name", "plane"),
+    [
+        pytest.param(*case, marks=pytest.mark.long if k % 5 else pytest.mark.slow)
+        for k, case in enumerate(EVERY)
+    ],
+)
+def test_contact_by_elements_is_the_same_in_every_housing(rho, clamp, name, plane):
     phi = [0.001, 0.01, 0.1, 1.0, 5.0]
     coarse, fine = (of_elements(name, rho, clamp, plane, phi, cells) for cells in (12, 24))
     size = min(len(coarse), len(fine))

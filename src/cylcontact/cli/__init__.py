@@ -60,11 +60,9 @@ def main() -> None:
         if not hasattr(error, "format_message"):
             raise
         # A mistake on the command line, as typer tells it, and the remedy.
-        rule, context = (
-            " ".join(error.format_message().split()).rstrip("."),
-            getattr(error, "ctx", None),
-        )
-        status = _fail(f"{rule}; see {context.command_path if context else 'cylcontact'} --help")
+        rule = " ".join(error.format_message().split()).rstrip(".")
+        command = getattr(getattr(error, "ctx", None), "command_path", "cylcontact")
+        status = _fail(f"{rule}; see {command} --help")
     sys.exit(status)
 
 
