@@ -15,6 +15,7 @@ from cylcontact.export.joint import element_of
 from cylcontact.laws.formula import steps_of
 from cylcontact.mechanism import read_joint
 from tests.export_runners import C_FLAGS, CPP_FLAGS, FORTRAN_FLAGS, compile_with, run_program
+from tests.joint_runners import run_octave
 from tests.programs import require_package, require_program
 
 BEARING, PIN = [0.0] * 6, [51e-6, 0.0, 0.0, 0.02, 0.0, 0.0]
@@ -100,9 +101,7 @@ def run_in(language, folder):
         compile_with("gfortran", *flags, f"-J{folder}", *sources, "-o", folder / "run")
         return run_program(folder / "run").split()
     if language == "matlab":
-        require_program("octave-cli")
-        (folder / "calls.m").write_text("1;" + OCTAVE.format(folder=folder))
-        return run_program("octave-cli", "--no-gui", "--norc", "--quiet", folder / "calls.m").split()
+        return run_octave("1;" + OCTAVE.format(folder=folder), folder).split()
     names = {}
     exec((folder / "four.py").read_text(), names)
     rates = names["accept"](names["start"](), BEARING, PIN)
