@@ -288,7 +288,7 @@ BAD_INPUT = [
             ("picture.png", "is not a text file; name a result, a JSON file"),
             ("empty.json", "is not JSON ("),
             ("half.json", "is not JSON ("),
-            ("nan.json", "objective.value = nan: must be a finite number; give its value"),
+            ("nan.json", "objective.value = nan: must be a finite number; give a value that fits"),
         )
     ),
     (("compare", "good.json", "half.json"), "half.json: is not JSON ("),
