@@ -266,7 +266,7 @@ BAD_INPUT = [
             ("picture.png", "is not a text file; name a result, a JSON file"),
             ("empty.json", "is not JSON ("),
             ("half.json", "is not JSON ("),
-            ("nan.json", "objective.value = nan: must be a finite number; give its value"),
+            ("nan.json", "objective.value = nan: must be a finite number; give a value that fits"),
         )
     ),
     (("verify",), "fitting/results: has no results; name some, or lay out a bench with"),

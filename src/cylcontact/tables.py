@@ -308,7 +308,6 @@ def _with_mark(table: Table, wanted: Sequence[int], mark: str) -> list[tuple[int
 
 
 def _numbers(table: Table, k: int, has_commas: bool) -> list[float]:
-    """Return one column as finite numbers."""
     cells = table.columns[k]
     if has_commas:
         cells = [c.replace(",", ".") if isinstance(c, str) else c for c in cells]
@@ -333,7 +332,6 @@ def _number(cell: Any) -> float:
 
 
 def _is_number(cell: Any) -> bool:
-    """Return whether a cell is a finite number."""
     try:
         return not isinstance(cell, bool) and math.isfinite(_number(cell))
     except (TypeError, ValueError):
@@ -352,6 +350,5 @@ def _require_filled(table: Table, k: int) -> None:
 
 
 def _cell_error(table: Table, row: int, k: int, rule: str, remedy: str) -> InputError:
-    """Return the error for a cell."""
     where = f"{table.source}, {table.row_word} {table.lines[row]}"
     return InputError(where, table.names[k], table.columns[k][row], rule, remedy)

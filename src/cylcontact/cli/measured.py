@@ -167,7 +167,6 @@ def plan(
 
 
 def _given(options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options that were given."""
     return {name: value for name, value in options.items() if value not in (None, [])}
 
 

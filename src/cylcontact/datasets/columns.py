@@ -107,7 +107,6 @@ def _is_number(text: str) -> bool:
 def _given_columns(
     table: Table, given: Mapping[str, str], units: Sequence[str]
 ) -> dict[int, Column]:
-    """Return the columns that the user names."""
     columns: dict[int, Column] = {}
     for key, name in given.items():
         where = f"columns.{key}"
@@ -156,7 +155,6 @@ def _column(table: Table, name: str, unit_below: str) -> Column | None:
 
 
 def _option(quantity: str, name: str = "COLUMN") -> str:
-    """Return the option that names a column."""
     plain = spellings(quantity).split(", ")
     best = next((key for key in (f"{quantity}_N", f"{quantity}_um") if key in plain), plain[0])
     return f"--columns {best}={name} (in a campaign {best} under [columns])"

@@ -119,7 +119,6 @@ def concatenate(parts: Iterable[Moments]) -> Moments:
 
 
 def _merge_two(first: Moments, second: Moments) -> Moments:
-    """Merge two sets of moments."""
     require(
         first.dR.shape == second.dR.shape and np.array_equal(first.dR, second.dR),
         "merge",

@@ -111,7 +111,6 @@ class RankedLaw:
 
 
 def _error_of_mean(values: FloatArray, weights: FloatArray) -> float:
-    """Return the standard error of a weighted mean."""
     share = weights / weights.sum()
     spread = (share * (values - np.average(values, weights=weights))) ** 2
     return float(np.sqrt(spread.sum() * values.size / (values.size - 1)))
@@ -292,7 +291,6 @@ def listed_with_and(names: Sequence[str]) -> str:
 
 
 def _unit(fit: Fit) -> str:
-    """Return the unit of residuals."""
     if fit.is_log:
         return "%"
     if fit.noise is not None or fit.has_sigma:
@@ -419,7 +417,6 @@ def _parts(fit: Fit, seed: int) -> tuple[list[Indices], str]:
 
 
 def _fitted(campaign: TableCampaign) -> Optimum:
-    """Return the fit of a law."""
     fit = campaign.fit()
     starts = fit.starts(campaign.nominal, _STARTS, campaign.spec.seed)
     first = min((fit.minimise(start, most=1) for start in starts), key=lambda end: end.value)

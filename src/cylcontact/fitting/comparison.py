@@ -112,7 +112,6 @@ def _add_differences(rows: dict[str, list[str | None]], result: FitResult) -> No
 
 
 def _numbers(result: FitResult) -> tuple[float | None, ...]:
-    """Return the numbers of `NUMBERS`."""
     return (
         result.objective.value,
         result.published.objective if result.published else None,

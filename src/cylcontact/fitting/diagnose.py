@@ -404,7 +404,6 @@ def _better_optima(estimates: dict[str, Estimate]) -> list[str]:
 
 
 def _unit(fit: Fit) -> str:
-    """Return the unit of the residuals."""
     if fit.has_sigma:
         return "given standard deviations"
     if fit.noise is not None:
@@ -427,7 +426,6 @@ def _estimates(optimum: Optimum, level: float, jobs: Workers) -> dict[str, Estim
 
 
 def _estimate(optimum: Optimum, k: int, profile: Interval | None, level: float) -> Estimate:
-    """Return one parameter with its intervals."""
     parameter, value = optimum.fit.free[k], float(optimum.point[k])
     nominal = parameter.nominal if parameter.stiffness else None
     if optimum.covariance is None:

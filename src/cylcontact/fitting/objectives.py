@@ -175,7 +175,6 @@ def law_form_of(model: LawModel, candidates: FloatArray) -> LawForm:
 
 
 def _law_or_none(model: LawModel, row: FloatArray) -> ContactLaw | None:
-    """Return the law of one candidate, or None."""
     try:
         return model.build(dict(zip(model.names, map(float, row), strict=True)))
     except InputError:

@@ -71,7 +71,6 @@ def budget_of(population: int, generations: int) -> int:
 def _genetic(
     problem: ParameterSpace, population: int, generations: int, crossover: str | None, seed: int
 ) -> Search:
-    """Search by PyGAD."""
     from cylcontact.fitting import genetic
 
     return genetic.search(problem, population, generations, crossover or "blend", seed)

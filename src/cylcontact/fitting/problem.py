@@ -190,7 +190,6 @@ def _is_arithmetic(expression: str) -> bool:
 
 @lru_cache(maxsize=256)
 def _parsed(expression: str) -> ast.expr:
-    """Return the tree of an expression."""
     return ast.parse(expression.strip(), mode="eval").body
 
 

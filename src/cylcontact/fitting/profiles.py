@@ -183,7 +183,6 @@ def _profile(
     ends: FloatArray,
     published: Coefficients | None,
 ) -> Profile:
-    """Return the profile of one coefficient."""
     (parameter,) = (p for p in problem.free if p.name == curve.name)
     low, high = np.where(np.isnan(ends), [parameter.low, parameter.high], ends)
     objective = minima.values[curve.places]

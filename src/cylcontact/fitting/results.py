@@ -482,7 +482,6 @@ class LawFit(FitResult):
         )
 
     def _on_search_bounds(self) -> list[str]:
-        """Name the coefficients at a bound of the search."""
         sentences = []
         for name, table in self.settings["campaign"]["parameters"].items():
             if table.get("fixed"):

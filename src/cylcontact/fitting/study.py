@@ -110,7 +110,6 @@ def study_noise(
 
 
 def _interval(low: float | None, high: float | None) -> str:
-    """Return an interval."""
     return "-" if low is None or high is None else f"{low:.5g} … {high:.5g}"
 
 

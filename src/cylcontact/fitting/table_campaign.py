@@ -313,7 +313,6 @@ def _package_model(law: str, spec: MeasuredSpec, source: str) -> LawModel:
 def _read_table(
     name: str, spec: MeasuredSpec, table: Path | pd.DataFrame, folder: Path, source: str
 ) -> MeasuredTable:
-    """Read the data of a campaign."""
     materials = own_table(spec.materials, folder, source)
     data = read_measured(
         *(table, spec.contact, spec.constants, materials),
