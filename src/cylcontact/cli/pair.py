@@ -6,7 +6,7 @@ Annotations are no texts here: those of `PairOptions` are read in the modules th
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -15,19 +15,10 @@ from cylcontact.choices import listed
 from cylcontact.cli.options import NUMBER, Materials, option_of, require_internal
 from cylcontact.errors import InputError
 from cylcontact.materials import Material, MaterialRow, find_material, modulus_in_MPa
-from cylcontact.pair import CONTACTS, CylinderPair, roles
+from cylcontact.pair import CONTACTS, Contact, CylinderPair, roles
 
 if TYPE_CHECKING:
     from cylcontact.housing_spec import HousingSpec
-
-__all__ = [
-    "IN_CONSTANTS",
-    "OF_PIN_AND_HOLE",
-    "PairOptions",
-    "blaming_options",
-    "constants_of",
-    "pair_of",
-]
 
 
 def _option(name: str, help: str, **details: Any) -> Any:
@@ -132,16 +123,14 @@ def constants_of(
     """Return the options as constants of a table, and the option that each comes from."""
     values = {name: given[name] for name in given if name in IN_CONSTANTS and name not in _OTHERS}
     options = {name: option_of(name) for name in values}
-    for name in given:
-        if name in OF_PIN_AND_HOLE:
-            remedy = f"leave out {option_of(name)}; rollers have --material-i and --material-j"
-            require_internal(source, contact, remedy)
+    for name in filter(OF_PIN_AND_HOLE.__contains__, given):
+        remedy = f"leave out {option_of(name)}; rollers have --material-i and --material-j"
+        require_internal(source, contact, remedy)
     for name, (constant, factor) in _OTHERS.items():
         if name not in given:
             continue
-        if constant in values:
-            rule = f"says the same as {options[constant]}"
-            raise InputError(source, option_of(name), given[name], rule, "keep one of them")
+        rule, remedy = f"says the same as {options.get(constant)}", "keep one of them"
+        require(constant not in values, source, option_of(name), given[name], rule, remedy)
         values[constant] = given[name] if factor is None else factor * given[name]
         options[constant] = option_of(name)
     for name in ("E_MPa", "E_i_MPa", "E_j_MPa"):
@@ -201,10 +190,9 @@ def pair_of(
     default: CylinderPair,
 ) -> CylinderPair:
     """Return the pair of some options; what they leave out is that of another pair."""
-    kind = next((each for each in CONTACTS if each == contact), None)
-    if kind is None:
-        rule, remedy = "must be 'internal' or 'external'", "a pin in a hole, or two rollers"
-        raise InputError(source, "--contact", contact, rule, remedy)
+    rule, remedy = "must be 'internal' or 'external'", "a pin in a hole, or two rollers"
+    require(contact in CONTACTS, source, "--contact", contact, rule, remedy)
+    kind = cast(Contact, contact)
     first, second = (
         _body(body, role, constants, options, rows, source, default.material_i)
         for body, role in zip("ij", roles(kind), strict=True)
@@ -217,8 +205,7 @@ def pair_of(
         require(value > 0, source, options.get(name, ""), value, rule, remedy)
     with blaming_options(options, source):
         if R_i is not None and R_j is not None:
-            if dR is not None:
-                raise InputError(source, "dR", dR, "follows from the radii", "leave it out")
+            require(dR is None, source, "dR", dR, "follows from the radii", "leave it out")
             build = CylinderPair.internal if kind == "internal" else CylinderPair.external
             return build(R_i, R_j, first, length, second)
         known = float(R_i or R_j or default.radii("the default")[0])
