@@ -108,13 +108,8 @@ OF_PIN_AND_HOLE = {*_OTHERS, "E_i_MPa", "E_j_MPa", "nu_i", "nu_j"}
 _APART = [f"{name}_{body}" for name in ("material", "nu") for body in "ij"]
 _APART += [f"E_{body}_MPa" for body in "ij"]
 # The options that `constants_of` takes.
-IN_CONSTANTS = {*PairOptions.__dataclass_fields__} - {
-    "contact",
-    "materials",
-    "R_o",
-    "clamp",
-    "layer",
-}
+_OTHERWISE = {"contact", "materials", "R_o", "clamp", "layer"}
+IN_CONSTANTS = {*PairOptions.__dataclass_fields__} - _OTHERWISE
 
 
 def constants_of(
@@ -141,18 +136,15 @@ def constants_of(
 
 def housing_of(given: dict[str, Any], source: str, contact: str) -> "HousingSpec | None":
     """Return the housing that the options give, and take them away."""
-    R_o, *others = (given.pop(name, None) for name in ("R_o", "clamp", "layer"))
-    clamp, layers = others
-    if R_o is None and not any(others):
+    R_o, clamp, layers = (given.pop(name, None) for name in ("R_o", "clamp", "layer"))
+    if R_o is None and clamp is None and not layers:
         return None
     from cylcontact.housing_spec import HousingSpec, clamp_of, layers_of
     from cylcontact.spec import parse_spec
 
     require_internal(source, contact, "leave out --R-o and --clamp, or give --contact internal")
-    beside = "--clamp" if clamp else "--layer"
-    require(
-        R_o is not None, source, "--R-o", None, f"is missing beside {beside}", "give the radius"
-    )
+    rule = f"is missing beside {'--layer' if clamp is None else '--clamp'}"
+    require(R_o is not None, source, "--R-o", None, rule, "give the radius")
     data = {"R_o": R_o, **clamp_of(clamp or "rim", source)}
     if layers:
         data["layers"] = layers_of(layers, source)
