@@ -151,22 +151,6 @@ def test_coefficients_may_come_as_a_mapping_of_names():
     assert by_name.load(0.01, pair) == pytest.approx(expected, rel=2e-15)
 
 
-@pytest.mark.parametrize("contact", ["internal", "external"])
-def test_the_published_coefficients_by_name_are_the_default(contact):
-    by_name = Enhanced(asdict(PUBLISHED[contact]))
-    pair = steel_pair(contact, 1.0)
-    assert by_name.load(1e-3, pair) == LAW.load(1e-3, pair)
-
-
-# --- shapes -----------------------------------------------------------------------------------
-
-
-def test_the_limits_take_the_shape_of_the_pair_with_its_materials():
-    family = Material("family", E=[1e5, 2e5], nu=0.3)
-    pair = CylinderPair.from_dR("external", [[5.0], [50.0], [500.0]], family)
-    assert LAW.max_load(pair).shape == (3, 2)
-
-
 # --- Eq 9 -------------------------------------------------------------------------------------
 
 

@@ -112,6 +112,7 @@ def test_a_bush_in_a_lug_yields_where_elements_say():
     housing = Housing(2 * R_i, layers=[(lug, 1.2 * R_i)])
     first = limits.first_yield(pair, housing=housing)
     assert first.body == "layer 1"
+    assert f"in layer 1, {first.depth:.2g} mm below the hole's surface" in str(first)
     m, r, _ = largest_by_elements(pair, housing, first.load, 12, (1.2, 2.0))
     assert m * first.load == pytest.approx(60.0, rel=0.003)
     assert r - 1 == pytest.approx(first.depth, abs=0.02)

@@ -5,7 +5,6 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from cylcontact import CylinderPair, InputError, Material
-from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws import LankaraniNikravesh, PowerClearance, PowerLaw
 from cylcontact.materials import material_in_MPa
 from tests.strategies import materials, powers_of_ten
@@ -26,13 +25,6 @@ def law(request):
 
 
 # --- f = K·δⁿ ---------------------------------------------------------------------------------
-
-
-def test_the_load_is_K_times_a_power_of_the_penetration(pair):
-    law = PowerLaw(n=2.0, K=3.0)
-    assert law.load(0.5, pair) == 0.75
-    assert law.penetration(0.75, pair) == 0.5
-    assert law.stiffness(0.5, pair) == 3.0
 
 
 @given(st.floats(0.5, 2.0), powers_of_ten(0, 8), powers_of_ten(-9, 0))
@@ -91,21 +83,6 @@ def test_factor_and_exponent_follow_the_clearance_at_forty_digits(material, dR, 
         K = A * mp.mpf(dR) ** p * mp.exp(q * x**2) * mp.mpf(float(pair.E_star)) / mp.mpf(dR)
         load = K * mp.mpf(delta) ** (n0 + n1 * x + n2 * x**2)
     assert PowerClearance(**BENT).load(delta, pair) == pytest.approx(float(load), rel=1e-14)
-
-
-def test_candidates_at_clearances_are_the_law():
-    dR, steel = np.geomspace(0.01, 9.0, 7), Material("steel", E=207e3, nu=0.3)
-    (K_star,), (n,) = MODELS["power-clearance", "internal"].power_form(
-        np.array([[*BENT.values()]]), dR
-    )
-    pair, law = CylinderPair.from_dR("internal", dR, steel), PowerClearance(**BENT)
-    assert law.exponent(pair) == pytest.approx(n, rel=1e-15)
-    assert law.factor(pair) == pytest.approx(K_star * pair.E_star / dR, rel=1e-14)
-
-
-def test_without_the_slopes_it_is_a_power_law(pair):
-    plain = PowerClearance(A=0.7, p=0.0, n0=1.2, n1=0.0)
-    assert plain.load(1e-3, pair) == pytest.approx(PowerLaw(n=1.2, K_star=0.7).load(1e-3, pair))
 
 
 def test_an_exponent_that_is_not_positive_is_no_law(steel):

@@ -12,6 +12,7 @@ from cylcontact.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.errors import InputError
 from cylcontact.housing_stress import first_yield_in
 from cylcontact.laws import Housing, Johnson
+from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.yield_search import Criterion, FirstYield, find_first_yield
 
@@ -206,8 +207,7 @@ def yield_warning(
     >>> print(*others)
     von Mises, in the hole, at its surface); all laws here are elastic
     """
-    layers = [] if housing is None else [material for material, _ in housing.layers]
-    bodies = pair.material_i, pair.material_j, *layers
+    bodies = _materials(pair, housing)
     if pair.R_i is None or pair.R_j is None or any(body.yield_stress is None for body in bodies):
         return None
     largest, at = np.nanmax(as_floats(load), initial=0.0), first_yield(pair, housing=housing)
@@ -282,16 +282,21 @@ def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
     return as_floats(2 * radius / (1 + np.sqrt(1 + 4 / m)))
 
 
+def _materials(pair: CylinderPair, housing: Housing | None) -> list[Material]:
+    """Return the materials of body i, of layers around it, and of body j."""
+    layers = () if housing is None else housing.layers
+    return [pair.material_i, *(material for material, _ in layers), pair.material_j]
+
+
 def _yield_stresses(
     pair: CylinderPair, given: float | None, housing: Housing | None = None
 ) -> list[float]:
     """Return the yield stresses of body i, of layers around it, and of body j in MPa."""
-    layers = [] if housing is None else [material for material, _ in housing.layers]
-    bodies = [pair.material_i, *layers, pair.material_j]
+    bodies = _materials(pair, housing)
     stresses = [body.yield_stress if given is None else given for body in bodies]
     known = [stress for stress in stresses if stress is not None]
     if len(known) < len(bodies):
-        rule = f"is not known for {'all' if layers else 'both'} materials"
+        rule = f"is not known for {'both' if len(bodies) == 2 else 'all'} materials"
         remedy = "give the materials a yield_stress in MPa, or pass one"
         raise InputError("yield limit", "yield_stress", None, rule, remedy)
     if given is not None:  # those of materials are positive

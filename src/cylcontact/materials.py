@@ -169,7 +169,17 @@ def modulus_in_MPa(E: Number | str, source: str, key: str = "E") -> Number:
     >>> modulus_in_MPa("207 GPa", "example")
     207000.0
     """
-    number, unit = _with_unit(E, source, key) if isinstance(E, str) else (E, "")
+    unit = ""
+    if isinstance(E, str):
+        match = re.fullmatch(r"\s*(\S+?)\s*([GM]?Pa)?\s*", E)
+        try:
+            number: Number = plain_number(match[1] if match else E)
+        except ValueError:
+            rule, remedy = "must be a number with a unit", 'write e.g. "207 GPa" or "200 MPa"'
+            raise InputError(source, key, E, rule, remedy) from None
+        unit = (match and match[2]) or ""
+    else:
+        number = E
     _require_modulus(number, source, key)
     if unit:
         number = number * QUANTITIES["E"][unit]
@@ -183,16 +193,6 @@ def modulus_in_MPa(E: Number | str, source: str, key: str = "E") -> Number:
         remedy += f'"{smallest:g} MPa"' + (", one Material each" if np.ndim(number) else "")
         raise InputError(source, key, E, "a bare number is in MPa", remedy)
     return number
-
-
-def _with_unit(text: str, source: str, key: str) -> tuple[Number, str]:
-    """Return the number and the unit of a text; no unit for a bare number."""
-    match = re.fullmatch(r"\s*(\S+?)\s*([GM]?Pa)?\s*", text)
-    try:
-        return plain_number(match[1] if match else text), (match[2] or "" if match else "")
-    except ValueError:
-        rule, remedy = "must be a number with a unit", 'write e.g. "207 GPa" or "200 MPa"'
-        raise InputError(source, key, text, rule, remedy) from None
 
 
 def _require_modulus(E: Number, source: str, key: str) -> None:
@@ -276,7 +276,15 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     Material(name='brass', E=102500.0, nu=0.34, yield_stress=None)
     """
     table = read_table(path)
-    _require_columns(table.source, table.names)
+    missing = [name for name in _REQUIRED if name not in table.names]
+    others = [n for k, n in enumerate(table.names) if n not in COLUMNS or n in table.names[:k]]
+    if missing or others:
+        optional = ", ".join(name for name in COLUMNS if name not in _REQUIRED)
+        rule, remedy = f"lacks {', '.join(missing)}", f"add it; {optional} may be left out"
+        if not missing:
+            rule = f"{others[0]!r} is not known, or there twice"
+            remedy = f"leave it out; besides {', '.join(_REQUIRED)} there may be {optional}"
+        raise InputError(table.source, "columns", table.names, rule, remedy)
     columns = dict(zip(table.names, table.columns, strict=True))
     # An empty yield stress is none; no other number may be empty.
     filled = [
@@ -299,21 +307,6 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     return rows
 
 
-def _require_columns(source: str, names: list[str]) -> None:
-    """Raise `InputError` for columns of a table that are missing, repeated or unknown."""
-    missing = [name for name in _REQUIRED if name not in names]
-    others = [name for k, name in enumerate(names) if name not in COLUMNS or name in names[:k]]
-    optional = ", ".join(name for name in COLUMNS if name not in _REQUIRED)
-    if missing:
-        rule, remedy = f"lacks {', '.join(missing)}", f"add it; {optional} may be left out"
-    elif others:
-        rule = f"{others[0]!r} is not known, or there twice"
-        remedy = f"leave it out; besides {', '.join(_REQUIRED)} there may be {optional}"
-    else:
-        return
-    raise InputError(source, "columns", names, rule, remedy)
-
-
 def _row(source: str, cells: Mapping[str, object], numbers: Mapping[str, float]) -> MaterialRow:
     """Return the material of a row with its provenance, "assumed" in a table that says none."""
     if cells["name"] is None:
@@ -330,6 +323,4 @@ def _row(source: str, cells: Mapping[str, object], numbers: Mapping[str, float])
         column = {"E": "E_GPa", "yield_stress": "yield_stress_MPa"}.get(error.key, error.key)
         remedy = "mind the unit in the column's name"
         raise InputError(source, column, cells[column], error.rule, remedy) from error
-    return MaterialRow(
-        material, provenance, "" if cells.get("note") is None else str(cells["note"])
-    )
+    return MaterialRow(material, provenance, str(cells.get("note") or ""))

@@ -74,8 +74,10 @@ class FirstYield:
         """Return the load and the place of one pair in words."""
         if np.isnan(self.load):
             return "no load at which the pin touches its housing along one arc"
-        body = f"the {self.body}" if self.body in ("hole", "pin") else f"body {self.body}"
-        place = f"{self.depth:.2g} mm below its surface" if self.depth > 0 else "at its surface"
+        words = {"hole": "the hole", "pin": "the pin", "i": "body i", "j": "body j"}
+        body = words.get(str(self.body), self.body)  # else a layer
+        surface = "its surface" if str(self.body) in words else "the hole's surface"
+        place = f"{self.depth:.2g} mm below {surface}" if self.depth > 0 else f"at {surface}"
         place += f", {self.angle:.0f}° from the load" if self.angle >= 0.5 else ""
         return f"{self.load:,.0f} N/mm ({self.criterion}, in {body}, {place})"
 

@@ -6,7 +6,7 @@ Annotations are no texts here: those of `PairOptions` are read in the modules th
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -15,19 +15,10 @@ from cylcontact.choices import listed
 from cylcontact.cli.options import NUMBER, Materials, option_of, require_internal
 from cylcontact.errors import InputError
 from cylcontact.materials import Material, MaterialRow, find_material, modulus_in_MPa
-from cylcontact.pair import CONTACTS, CylinderPair, roles
+from cylcontact.pair import CONTACTS, Contact, CylinderPair, roles
 
 if TYPE_CHECKING:
     from cylcontact.housing_spec import HousingSpec
-
-__all__ = [
-    "IN_CONSTANTS",
-    "OF_PIN_AND_HOLE",
-    "PairOptions",
-    "blaming_options",
-    "constants_of",
-    "pair_of",
-]
 
 
 def _option(name: str, help: str, **details: Any) -> Any:
@@ -117,13 +108,8 @@ OF_PIN_AND_HOLE = {*_OTHERS, "E_i_MPa", "E_j_MPa", "nu_i", "nu_j"}
 _APART = [f"{name}_{body}" for name in ("material", "nu") for body in "ij"]
 _APART += [f"E_{body}_MPa" for body in "ij"]
 # The options that `constants_of` takes.
-IN_CONSTANTS = {*PairOptions.__dataclass_fields__} - {
-    "contact",
-    "materials",
-    "R_o",
-    "clamp",
-    "layer",
-}
+_OTHERWISE = {"contact", "materials", "R_o", "clamp", "layer"}
+IN_CONSTANTS = {*PairOptions.__dataclass_fields__} - _OTHERWISE
 
 
 def constants_of(
@@ -132,16 +118,14 @@ def constants_of(
     """Return the options as constants of a table, and the option that each comes from."""
     values = {name: given[name] for name in given if name in IN_CONSTANTS and name not in _OTHERS}
     options = {name: option_of(name) for name in values}
-    for name in given:
-        if name in OF_PIN_AND_HOLE:
-            remedy = f"leave out {option_of(name)}; rollers have --material-i and --material-j"
-            require_internal(source, contact, remedy)
+    for name in filter(OF_PIN_AND_HOLE.__contains__, given):
+        remedy = f"leave out {option_of(name)}; rollers have --material-i and --material-j"
+        require_internal(source, contact, remedy)
     for name, (constant, factor) in _OTHERS.items():
         if name not in given:
             continue
-        if constant in values:
-            rule = f"says the same as {options[constant]}"
-            raise InputError(source, option_of(name), given[name], rule, "keep one of them")
+        rule, remedy = f"says the same as {options.get(constant)}", "keep one of them"
+        require(constant not in values, source, option_of(name), given[name], rule, remedy)
         values[constant] = given[name] if factor is None else factor * given[name]
         options[constant] = option_of(name)
     for name in ("E_MPa", "E_i_MPa", "E_j_MPa"):
@@ -152,18 +136,15 @@ def constants_of(
 
 def housing_of(given: dict[str, Any], source: str, contact: str) -> "HousingSpec | None":
     """Return the housing that the options give, and take them away."""
-    R_o, *others = (given.pop(name, None) for name in ("R_o", "clamp", "layer"))
-    clamp, layers = others
-    if R_o is None and not any(others):
+    R_o, clamp, layers = (given.pop(name, None) for name in ("R_o", "clamp", "layer"))
+    if R_o is None and clamp is None and not layers:
         return None
     from cylcontact.housing_spec import HousingSpec, clamp_of, layers_of
     from cylcontact.spec import parse_spec
 
     require_internal(source, contact, "leave out --R-o and --clamp, or give --contact internal")
-    beside = "--clamp" if clamp else "--layer"
-    require(
-        R_o is not None, source, "--R-o", None, f"is missing beside {beside}", "give the radius"
-    )
+    rule = f"is missing beside {'--layer' if clamp is None else '--clamp'}"
+    require(R_o is not None, source, "--R-o", None, rule, "give the radius")
     data = {"R_o": R_o, **clamp_of(clamp or "rim", source)}
     if layers:
         data["layers"] = layers_of(layers, source)
@@ -201,10 +182,9 @@ def pair_of(
     default: CylinderPair,
 ) -> CylinderPair:
     """Return the pair of some options; what they leave out is that of another pair."""
-    kind = next((each for each in CONTACTS if each == contact), None)
-    if kind is None:
-        rule, remedy = "must be 'internal' or 'external'", "a pin in a hole, or two rollers"
-        raise InputError(source, "--contact", contact, rule, remedy)
+    rule, remedy = "must be 'internal' or 'external'", "a pin in a hole, or two rollers"
+    require(contact in CONTACTS, source, "--contact", contact, rule, remedy)
+    kind = cast(Contact, contact)
     first, second = (
         _body(body, role, constants, options, rows, source, default.material_i)
         for body, role in zip("ij", roles(kind), strict=True)
@@ -217,8 +197,7 @@ def pair_of(
         require(value > 0, source, options.get(name, ""), value, rule, remedy)
     with blaming_options(options, source):
         if R_i is not None and R_j is not None:
-            if dR is not None:
-                raise InputError(source, "dR", dR, "follows from the radii", "leave it out")
+            require(dR is None, source, "dR", dR, "follows from the radii", "leave it out")
             build = CylinderPair.internal if kind == "internal" else CylinderPair.external
             return build(R_i, R_j, first, length, second)
         known = float(R_i or R_j or default.radii("the default")[0])

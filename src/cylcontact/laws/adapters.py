@@ -31,14 +31,9 @@ _SHORT_OF_THE_END = 1e-13
 class RigCompliance(OverLength):
     """δ = δ₀(f) + compliance·f + offset: the reading of a test rig, with δ₀ the law of the contact.
 
-    Offset and compliance, in mm and mm per N/mm, belong to the rig and to another datum than the
-    law's. The approach of a plane body is known only up to a constant C times f/(π·E*), which
-    depends on the points between which it is read and on the housing, so the compliance has either
-    sign: C/(π·E*) more than the law's own datum counts, and what the rig gives way. It and the c of
-    a logarithmic law cannot be identified separately from measurements at a single E*.
-
-    With a negative compliance the domain ends where the reading would no longer increase with the
-    load, at dδ₀/df = −compliance.
+    Offset and compliance, in mm and mm per N/mm, are those of the rig and of another datum than the
+    law's, so the compliance has either sign. With a negative one the domain ends where the reading
+    would no longer increase with the load, at dδ₀/df = −compliance.
     """
 
     base: ContactLaw
@@ -143,12 +138,7 @@ class RigCompliance(OverLength):
 
 @dataclass(frozen=True)
 class ScaledLaw(OverLength):
-    """f = B·f₀(δ/D): a law with the load scaled by B and the penetration by D.
-
-    For a law in f/(E*·ΔR) and δ/ΔR alone, such as Persson's and Liu's, D is the ratio of an
-    effective clearance to the real one, and B/D the ratio of the moduli. Every logarithmic law is a
-    scaled Johnson's law: see `laws.logarithmic.adjusted_logarithmic`.
-    """
+    """f = B·f₀(δ/D): a law with the load scaled by B and the penetration by D."""
 
     base: ContactLaw
     load_factor: float = 1.0
@@ -167,8 +157,8 @@ class ScaledLaw(OverLength):
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""
-        scaled = self.base.penetration(as_floats(load) / self.load_factor, pair)
-        return as_floats(self.penetration_factor * scaled)
+        alone = self.base.penetration(as_floats(load) / self.load_factor, pair)
+        return as_floats(self.penetration_factor * alone)
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""

@@ -18,7 +18,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -26,11 +25,9 @@ from numpy import log, log1p, pi
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
-from cylcontact.errors import InputError
-from cylcontact.laws.arcs import CALIBRATED as PARAMETRIC
 from cylcontact.laws.explicit_pair import load as five_logarithms
 from cylcontact.laws.formula import Formula
-from cylcontact.laws.housed import FiveConstants, five_constants
+from cylcontact.laws.housed import FiveConstants, five_constants, not_by_itself
 from cylcontact.laws.housing import Housing
 from cylcontact.laws.law import AtPair, Constants, Law, constant, require_hole
 from cylcontact.laws.parametric import Parametric
@@ -146,11 +143,7 @@ class Explicit(Law):
     def constants_for(self, contact: Contact) -> dict[str, float]:
         """Return the constants by name."""
         if isinstance(self.datum, Housing):
-            rule, remedy = (
-                "depends on the joint",
-                "export a joint with a table [housing], or the law by cylcontact export --R-o",
-            )
-            raise InputError("export", "datum", self.datum, rule, remedy)
+            raise not_by_itself(self.datum)
         return super().constants_for(contact)
 
     def five_constants(self, pair: CylinderPair) -> FiveConstants:
@@ -161,7 +154,7 @@ class Explicit(Law):
             "give a housing, e.g. datum=laws.Housing(R_o=20.0)",
         )  # fmt: skip
         require_hole("Explicit", pair)
-        return five_constants(housing, pair, PARAMETRIC)  # type: ignore[arg-type]
+        return five_constants(housing, pair)  # type: ignore[arg-type]
 
     def formula_at(self, pair: CylinderPair) -> Formula | None:
         """Return the formula; None in a housing that its five constants do not follow."""
@@ -186,11 +179,8 @@ class Explicit(Law):
         if not isinstance(self.datum, Housing):
             return super().at_pair(pair)
         parametric = Parametric(self.datum).at_pair(pair)
-        if not parametric.is_single or not self.five_constants(pair).is_close:
-            return parametric
-        numbers = self.numbers_at(pair)
-        load, stiffness = partial(_FIVE.load, **numbers), partial(_FIVE.stiffness, **numbers)
-        return AtPair(load, stiffness, as_floats(np.inf), is_single=True)
+        has_formula = parametric.is_single and self.five_constants(pair).is_close
+        return super().at_pair(pair) if has_formula else parametric
 
 
 def explicit_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.errors import InputError
 from cylcontact.laws.arcs import CALIBRATED, ParametricCoefficients, arc
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housing import Housing, Kernel, Sector
@@ -93,10 +94,12 @@ def needs_series(housing: Housing, pair: CylinderPair) -> bool:
 
     Thin eyes are, too: only the series knows whether the pin leaves them within the arc.
     """
-    return _joint(housing, pair, CALIBRATED).by_series
+    return _joint(housing, pair).by_series
 
 
-def _joint(housing: Housing, pair: CylinderPair, constants: ParametricCoefficients) -> _Joint:
+def _joint(
+    housing: Housing, pair: CylinderPair, constants: ParametricCoefficients = CALIBRATED
+) -> _Joint:
     """Return one pair in a housing."""
     _, (kernel, *_) = housing.kernels(pair)
     thin = isinstance(housing.clamp, Sector) and housing.R_o < _THIN * float(pair.R_i or 0.0)
@@ -104,14 +107,23 @@ def _joint(housing: Housing, pair: CylinderPair, constants: ParametricCoefficien
     return _Joint(kernel, w_i, beta, C, constants, thin or kernel.needs_series)
 
 
-def curve_of(housing: Housing, pair: CylinderPair, constants: ParametricCoefficients) -> Curve:
+def curve_of(
+    housing: Housing, pair: CylinderPair, constants: ParametricCoefficients = CALIBRATED
+) -> Curve:
     """Return the curve of one pair in a housing."""
     return _curve(_joint(housing, pair, constants))
 
 
 def series_of(housing: Housing, pair: CylinderPair) -> Curve:
     """Return the curve of one pair in a housing by the series."""
-    return _curve(_joint(housing, pair, CALIBRATED)._replace(by_series=True))
+    return _curve(_joint(housing, pair)._replace(by_series=True))
+
+
+def not_by_itself(housing: Housing) -> InputError:
+    """Return the error of a law that is to be exported for any pair."""
+    rule = "depends on the radii and the materials"
+    remedy = "export a joint with a table [housing], or the law by cylcontact export --R-o"
+    return InputError("export", "datum", housing, rule, remedy)
 
 
 def at_pair(curve: Curve, pair: CylinderPair) -> AtPair:
@@ -180,11 +192,9 @@ def _compact(x: FloatArray, joint: _Joint) -> tuple[FloatArray, ...]:
     return S, c, k, k_slope, L, L_slope
 
 
-def five_constants(
-    housing: Housing, pair: CylinderPair, constants: ParametricCoefficients
-) -> FiveConstants:
+def five_constants(housing: Housing, pair: CylinderPair) -> FiveConstants:
     """Return the constants that follow the curve of one pair in a housing most closely."""
-    return _five(_joint(housing, pair, constants))
+    return _five(_joint(housing, pair))
 
 
 @lru_cache(maxsize=64)

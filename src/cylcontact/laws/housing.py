@@ -402,7 +402,7 @@ class Housing:
 @lru_cache(maxsize=256)
 def _kernel_of(rings: tuple[Ring, ...], w_i: float, sector: Sector | None) -> Kernel:
     """Return the kernel of bonded rings, clamped on the whole rim or on a sector of it."""
-    return Kernel(w_i * _compliances(rings, sector).g, rings, sector)
+    return Kernel(w_i * compliances(rings, sector).g, rings, sector)
 
 
 class Compliances(NamedTuple):
@@ -418,13 +418,8 @@ class Compliances(NamedTuple):
     g: FloatArray  # for w_i = 1
 
 
-def compliances(kernel: Kernel) -> Compliances:
-    """Return what the rings of a kernel do."""
-    return _compliances(kernel.rings, kernel.sector)
-
-
 @lru_cache(maxsize=64)
-def _compliances(rings: tuple[Ring, ...], sector: Sector | None) -> Compliances:
+def compliances(rings: tuple[Ring, ...], sector: Sector | None) -> Compliances:
     """Return what bonded rings do, clamped on the whole rim or on a sector of it."""
     count = _harmonics(rings[0].outer) + 1
     n = np.arange(count if sector is None else max(count, _LINEAR_FROM + 1))

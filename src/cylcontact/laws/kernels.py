@@ -66,35 +66,13 @@ class Kernel:
 
 
 def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
-    """Return a law at one pair as a kernel.
+    """Return a law of the package or of the user's own at one pair as a kernel; refuse arrays.
 
-    Parameters
-    ----------
-    law : ContactLaw
-        A law of the package or a user-defined one.
-    pair : CylinderPair
-        One pair; arrays are refused.
-
-    Returns
-    -------
-    Kernel
-
-    Raises
-    ------
-    InputError
-        If the pair holds arrays, the law is undefined for it, or a user-defined law cannot be
-        tabulated.
-
-    Examples
-    --------
     >>> from cylcontact import CylinderPair, Material, laws
-    >>> steel = Material("steel", E=207e3, nu=0.3)
-    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
-    >>> johnson = kernel(laws.Johnson(), pair)
-    >>> print(f"{johnson.load(1e-3):.9f} N/mm")
-    40.730908413 N/mm
-    >>> print(f"{laws.Johnson().load(1e-3, pair):.9f} N/mm")
-    40.730908413 N/mm
+    >>> pair = CylinderPair.internal(10.0, 9.5, Material("steel", E=207e3, nu=0.3))
+    >>> made, law = kernel(laws.Johnson(), pair), laws.Johnson()
+    >>> print(f"{made.load(1e-3):.9f} N/mm, {law.load(1e-3, pair):.9f} N/mm")
+    40.730908413 N/mm, 40.730908413 N/mm
     """
     limit = np.asarray(law.max_penetration(pair))
     rule, remedy = "must be a single one", "make a kernel for each"
@@ -113,20 +91,6 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
 
 
 _cubic = compiled(cubic)
-
-
-@compiled
-def _table_load(_kind: int, table: FloatArray, penetration: float) -> float:
-    """Return the load in N/mm from a table."""
-    load, _ = _read_table(table, penetration)
-    return load
-
-
-@compiled
-def _table_stiffness(_kind: int, table: FloatArray, penetration: float) -> float:
-    """Return the stiffness in N/mm² from a table."""
-    load, exponent = _read_table(table, penetration)
-    return load * exponent / penetration
 
 
 @compiled
@@ -150,6 +114,19 @@ def _read_table(table: FloatArray, penetration: float) -> tuple[float, float]:
     rise = (y[above] - y[below]) / width
     y_at, slope = _cubic((at - x[below]) / width, width, rise, slopes[below], slopes[above])
     return math.exp(y[below] + y_at), slope
+
+
+@compiled
+def _table_load(_kind: int, table: FloatArray, penetration: float) -> float:
+    """Return the load in N/mm from a table."""
+    return _read_table(table, penetration)[0]
+
+
+@compiled
+def _table_stiffness(_kind: int, table: FloatArray, penetration: float) -> float:
+    """Return the stiffness in N/mm² from a table."""
+    load, exponent = _read_table(table, penetration)
+    return load * exponent / penetration
 
 
 def _of_all_kinds(result: str, table: Any) -> Callable[[int, FloatArray, float], float]:

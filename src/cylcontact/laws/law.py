@@ -319,8 +319,8 @@ class Law(OverLength):
 
     def at_pair(self, pair: CylinderPair) -> AtPair:
         """Return the load and the stiffness at a pair, as functions of the penetration."""
-        numbers = self.numbers_at(pair)
-        formula = self.formula_for(pair.contact)
+        numbers, formula = self.numbers_at(pair), self.formula_at(pair)
+        assert formula is not None
         shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
         return AtPair(
             partial(formula.load, **numbers),

@@ -19,11 +19,10 @@ from numpy import exp, log, maximum, nan, pi, where
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
-from cylcontact.errors import InputError
 from cylcontact.laws.arcs import CALIBRATED, ParametricCoefficients, arc, first_arc, shares
 from cylcontact.laws.conformal import Conformal, in_units_of
 from cylcontact.laws.formula import Formula
-from cylcontact.laws.housed import at_pair, curve_of, table_of
+from cylcontact.laws.housed import at_pair, curve_of, not_by_itself, table_of
 from cylcontact.laws.housing import Housing
 from cylcontact.laws.law import AtPair, Law
 from cylcontact.pair import Contact, CylinderPair
@@ -162,9 +161,7 @@ class Parametric(Law, Conformal):
         elif isinstance(self.datum, (int, float)):
             by_alpha = {"C_0": float(self.datum), "C_alpha": 0.0}
         else:
-            rule = "depends on the radii and the materials"
-            remedy = "export a joint with a table [housing], or the law by cylcontact export --R-o"
-            raise InputError("export", "datum", self.datum, rule, remedy)
+            raise not_by_itself(self.datum)
         return by_alpha | asdict(self.constants)
 
     def formula_at(self, pair: CylinderPair) -> Formula | None:

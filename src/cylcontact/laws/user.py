@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import AtPair, Law
@@ -37,22 +37,13 @@ _RELATIVE_STEP = 1e-6
 
 @dataclass(frozen=True)
 class UserFunction:
-    """A function of the user's own, imported when it is first called in a process.
+    """A function of the user's own, imported when it is first called in a process."""
 
-    Attributes
-    ----------
-    spec : str
-        "module:function".
-    folder : str or None
-        The folder of the module's file; empty if Python's path has the module, None if a result
-        names the function, which is then never run.
-    digest : str
-        The hash of the file, so that every process runs this one.
-    """
-
-    spec: str
+    spec: str  # "module:function"
+    # The folder of the module's file; empty if Python's path has the module, None if a result names
+    # the function, which is then never run.
     folder: str | None
-    digest: str = ""
+    digest: str = ""  # the hash of the file, so that every process runs this one
 
     @classmethod
     def named(cls, spec: str, *folders: Path) -> UserFunction:
@@ -138,15 +129,14 @@ class UserLaw(Law):
             remedy = "correct the function; it gets arrays, of penetration in mm and in the pair"
             raise InputError(self.name, "load", None, rule, remedy) from error
         kinds = {"c": "complex numbers", "b": "true or false", "U": "text"}
-        kind = loads.dtype.kind
-        rule = f"returns {kinds.get(kind, 'what is not an array of numbers')}"
-        if kind in "iuf":
-            rule = (
-                f"returns an array of another shape, {loads.shape}, than the penetration's {shape}"
-            )
-        if kind not in "iuf" or loads.shape != shape:
-            remedy = "return an array of numbers, one load in N/mm for each penetration"
-            raise InputError(self.name, "load", None, rule, remedy)
+        kind, rule = loads.dtype.kind, ""
+        if kind not in "iuf":
+            rule = f"returns {kinds.get(kind, 'what is not an array of numbers')}"
+        elif loads.shape != shape:
+            rule = f"returns an array of another shape, {loads.shape}, than the penetration's"
+            rule += f" {shape}"
+        remedy = "return an array of numbers, one load in N/mm for each penetration"
+        require(not rule, self.name, "load", None, rule, remedy)
         return as_floats(loads)
 
 
@@ -155,9 +145,8 @@ def user_law(spec: str, *folders: Path) -> UserLaw:
     user = UserFunction.named(spec, *folders)
     values = user.formula.constants
     for name, value in values.items():
-        if value is None:
-            rule, remedy = f"has no value for {name}", f"give it a default: {name}=1.0"
-            raise InputError(spec, "law", None, rule, remedy)
+        rule, remedy = f"has no value for {name}", f"give it a default: {name}=1.0"
+        require(value is not None, spec, "law", None, rule, remedy)
     return UserLaw(user, {name: float(value or 0.0) for name, value in values.items()})
 
 
