@@ -98,7 +98,7 @@ pd.DataFrame(
 # ## When the law ends
 #
 # At 0.02 mm Johnson's law reaches the end of its domain, and the simulation stops with a message.
-# On request it continues along the tangent, and the result records this.
+# On request it continues along the tangent from nine tenths of that depth, and records this.
 
 # %%
 tight = settings | {"clearance": 0.02, "restitution": 1.0}

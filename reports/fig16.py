@@ -9,10 +9,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cylcontact.mechanism import Mechanism, simulate
+from cylcontact.mechanism import ClearanceJoint, Mechanism, simulate
 from cylcontact.mechanism.drawing import (
     DRAWN,
-    Magnified,
     Pose,
     draw_circle,
     draw_clearance_circle,
@@ -20,6 +19,7 @@ from cylcontact.mechanism.drawing import (
     draw_magnified,
     frame,
     joint_place,
+    magnification,
     poses,
     set_view,
 )
@@ -56,17 +56,20 @@ def draw(bench: Bench) -> Drawing:
     run = simulate(slider_crank, revolutions=2)
     row = int(np.searchsorted(run.revolution, REVOLUTION))
     (pose,) = poses(run, run.time[row : row + 1])
-    joint = Magnified.of(slider_crank.clearance.contact)
+    joint = slider_crank.clearance.contact
     crank_pin = pose.points["crank"]["pin"]
     (eccentricity,) = pose.eccentricity.values()
     headline = {
         "radius of the crank circle, mm": float(np.hypot(*crank_pin)),
         "eccentricity, mm": float(np.hypot(*eccentricity)),
-        "magnification of the clearance, -": joint.factor,
+        "magnification of the clearance, -": magnification(joint),
     }
     bodies, clearance = slider_crank.bodies, slider_crank.clearance
     caption = CAPTION.format(
-        revolution=REVOLUTION, c=joint.radial, scale=joint.factor, R_i=joint.R_bearing
+        revolution=REVOLUTION,
+        c=joint.radial,
+        scale=magnification(joint),
+        R_i=float(np.asarray(joint.pair.R_i)),
     )
     method = METHOD.format(
         bodies=", ".join(body.name for body in bodies),
@@ -90,7 +93,7 @@ def _points(pose: Pose) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _draw_panels(slider_crank: Mechanism, pose: Pose, joint: Magnified) -> Figure:
+def _draw_panels(slider_crank: Mechanism, pose: Pose, joint: ClearanceJoint) -> Figure:
     """Draw the mechanism, and beside it its joint, equally high."""
     view = frame(slider_crank, [pose])
     figure = new_figure("full", 56.0)
@@ -102,13 +105,13 @@ def _draw_panels(slider_crank: Mechanism, pose: Pose, joint: Magnified) -> Figur
     _name_points(left, slider_crank, pose)
     panel_title(left, 0, slider_crank.name)
     _draw_clearance(right, slider_crank, pose, joint)
-    panel_title(right, 1, f"joint with clearance, × {joint.factor:g}")
+    panel_title(right, 1, f"joint with clearance, × {magnification(joint):g}")
     for axes in (left, right):
         axes.set_anchor("W")
     return figure
 
 
-def _draw_clearance(axes: Axes, slider_crank: Mechanism, pose: Pose, joint: Magnified) -> None:
+def _draw_clearance(axes: Axes, slider_crank: Mechanism, pose: Pose, joint: ClearanceJoint) -> None:
     """Draw the magnified joint, and name its bodies where there is room."""
     (eccentricity,) = pose.eccentricity.values()
     centre = draw_magnified(axes, joint, eccentricity)

@@ -140,7 +140,7 @@ def test_moments_are_those_of_the_compiled_contact(case):
     block = joint.block.copy()
     for row, answer in zip(rows[run.in_contact][::7], answers[run.in_contact][::7], strict=True):
         motion = (*-row[7:9], *-row[10:12], row[6], row[12])
-        wanted = contact.forces_at(*motion, row[0], block, joint.kernel.parameters)
+        wanted = contact.forces_at(tuple(motion), row[0], block, joint.kernel.parameters)
         np.testing.assert_allclose(answer[2:4], wanted[2:4], rtol=1e-12, atol=1e-15)
 
 

@@ -13,7 +13,6 @@ from _cylcontact_bench.slider_crank import (
     CASES,
     LAW_NAMES,
     PAPER_CASES,
-    SPEC,
     assumed,
     horizons,
     law_ends,
@@ -59,14 +58,6 @@ class TestCases:
         assert len(set(PAPER_CASES)) == len(PAPER_CASES) == 24
         assert {case.law for case in {*CASES} - {*PAPER_CASES}} == {"explicit"}
         assert len(CASES) == 32
-
-    def test_runs_are_remembered_and_those_of_the_spec(self, settled):
-        assert simulated(BENCH, SETTLED, 3) is settled
-        one = read_mechanism(ROOT / SPEC, **vars(SETTLED))
-        again = simulate(one, revolutions=3)
-        assert not np.array_equal(again.time, settled.time)  # drawn with shorter steps
-        as_in_spec = simulated(BENCH, SETTLED, 3, max_step=None)
-        assert np.array_equal(again.time, as_in_spec.time)
 
     def test_limit_of_johnsons_law_is_eq_8(self):
         one = mechanism(BENCH, Case("johnson", 0.02, 1.0, 0.1))

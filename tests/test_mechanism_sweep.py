@@ -16,8 +16,7 @@ from cylcontact.mechanism import (
     sweep,
     tolerances,
 )
-from tests.mechanism_cases import CASES, ROOT, SLIDER_CRANK, slider_crank, yields_at
-from tests.spec_files import changed, write_toml
+from tests.mechanism_cases import CASES, ROOT, slider_crank
 
 SPEC = ROOT / "datasets/slider_crank.toml"
 WANTED = cases(["enhanced", "johnson"], [0.02], [1.0], [0.0, 0.1])
@@ -245,16 +244,6 @@ def test_bifurcation_tabulates_sections(run, tmp_path):
     assert run(*STUDY, "bifurcation", "-o", out, *short)[1].endswith(
         "1 runs, 1 too short to tell\n"
     )
-
-
-def test_simulate_warns_of_a_load_above_first_yield_and_not_of_a_smaller_one(run, tmp_path):
-    for yield_stress, start in ((100.0, "warning: the largest load, "), (1000.0, "")):
-        given = changed(SLIDER_CRANK, yields_at(yield_stress))
-        spec = write_toml(tmp_path / "mine.toml", given)
-        code, out, err = run("simulate", spec, "--revolutions", 1)
-        assert (code, out.count("% of first yield (von Mises)\n")) == (0, 1)
-        assert err.startswith(start)
-        assert err.count("is above first yield at ") == err.count("\n") == bool(start)
 
 
 def test_simulate_writes_what_a_later_one_goes_on_from(run, tmp_path):

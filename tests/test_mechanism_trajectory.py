@@ -149,10 +149,6 @@ def test_a_run_taken_up_equals_one_never_interrupted(method, tmp_path):
     assert same(whole, simulate(mechanism, revolutions=4, resume=part))
 
 
-def test_the_same_run_gives_the_same_bits(run):
-    assert same(run, simulate(slider_crank(), revolutions=3))
-
-
 def test_an_interrupted_run_keeps_its_complete_revolutions(run):
     def stop_after_two(_, done, __):
         if done == 2:
@@ -163,15 +159,6 @@ def test_an_interrupted_run_keeps_its_complete_revolutions(run):
     kept = caught.value.trajectory
     assert kept.revolutions == 2
     assert same(run, simulate(slider_crank(), revolutions=3, resume=kept))
-
-
-def test_a_run_interrupted_at_once_keeps_nothing():
-    def stop(*_):
-        raise KeyboardInterrupt
-
-    with pytest.raises(Interrupted) as caught:
-        simulate(slider_crank(), revolutions=3, progress=stop)
-    assert caught.value.trajectory is None
 
 
 def test_a_law_of_ones_own_can_be_used_and_its_run_is_saved_but_not_read_back(tmp_path):
@@ -201,12 +188,3 @@ def test_the_same_run_gives_the_same_bytes(run, tmp_path):
     simulate(slider_crank(), revolutions=3).save(files[1])
     Trajectory.load(files[0]).save(files[2])
     assert len({file.read_bytes() for file in files}) == 1
-
-
-def test_a_loaded_run_reports_no_times(run, tmp_path):
-    run.save(tmp_path / "run.parquet")
-    loaded = Trajectory.load(tmp_path / "run.parquet")
-    text = str(run.statistics().to_text())
-    assert "ms of computing" in text
-    without = [line for line in text.split("\n\n") if "ms of computing" not in line]
-    assert str(loaded.statistics().to_text()).split("\n\n") == without

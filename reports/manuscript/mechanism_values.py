@@ -346,10 +346,10 @@ def _kept_rates(bench: Bench) -> Group:
 
 
 SHORT_LAWS = {
-    SPHERE: "L–N",
+    SPHERE: "LN",
     JOHNSON: "Johnson",
     ENHANCED: "2015 law",
-    RECOMMENDED: "explicit law",
+    RECOMMENDED: "explicit",
 }
 FORCES = {"mean_force_N": "mean", "max_force_N": "peak"}
 # Half-widths below this share of the mean are not printed.

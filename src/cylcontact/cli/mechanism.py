@@ -234,7 +234,8 @@ def _one_run(
         )  # fmt: skip
         statistics = _statistics(mechanism, settings, total, first)
     else:
-        run = _kept(mechanism, settings, total, out, options.resume)
+        run = _run(mechanism, settings, total, out, options.resume)
+        run.save(out)
         statistics = run.statistics(first)
     if table is not None:
         write_table(statistics.by_revolution.reset_index(), table)
@@ -267,15 +268,9 @@ def _statistics(
     try:
         with progress_bars() as progress:
             return long_run(
-                mechanism,
-                revolutions,
-                first,
-                settings.method,
-                settings.tolerance,
-                settings.beyond,
-                progress,
-                allowed_penetration=settings.allowed_penetration,
-            )
+                mechanism, revolutions, first, settings.method, settings.tolerance,
+                settings.beyond, progress, allowed_penetration=settings.allowed_penetration,
+            )  # fmt: skip
     except Interrupted as interruption:
         if interruption.statistics is None:
             raise KeyboardInterrupt from None
@@ -284,18 +279,6 @@ def _statistics(
         raise KeyboardInterrupt(
             f"interrupted; these are the numbers of {count} complete revolutions"
         ) from None
-
-
-def _kept(
-    mechanism: Mechanism, settings: Settings, revolutions: int, out: Path, resume: bool
-) -> Trajectory:
-    """Simulate and save the trajectory."""
-    earlier = _earlier(mechanism, settings, out) if resume else None
-    anew = resume and earlier is None
-    note = f"there is no {out} yet; the run starts anew" if anew else ""
-    run = _run(mechanism, settings, revolutions, earlier, out, note)
-    run.save(out)
-    return run
 
 
 def _earlier(mechanism: Mechanism, settings: Settings, out: Path) -> Trajectory | None:
@@ -314,29 +297,21 @@ def _earlier(mechanism: Mechanism, settings: Settings, out: Path) -> Trajectory 
 
 
 def _run(
-    mechanism: Mechanism,
-    settings: Settings,
-    revolutions: int,
-    earlier: Trajectory | None,
-    out: Path,
-    note: str,
+    mechanism: Mechanism, settings: Settings, revolutions: int, out: Path, resume: bool
 ) -> Trajectory:
     """Simulate; save the complete revolutions of a run that is interrupted, or cannot go on."""
     from cylcontact.mechanism import Interrupted, RunError
     from cylcontact.mechanism import simulate as run
 
+    earlier = _earlier(mechanism, settings, out) if resume else None
+    anew = resume and earlier is None
+    note = f"there is no {out} yet; the run starts anew" if anew else ""
     try:
         with progress_bars() as bars:
             return run(
-                mechanism,
-                settings.method,
-                revolutions,
-                settings.tolerance,
-                settings.beyond,
-                noting(bars, "revolutions", note),
-                earlier,
-                settings.allowed_penetration,
-            )
+                mechanism, settings.method, revolutions, settings.tolerance, settings.beyond,
+                noting(bars, "revolutions", note), earlier, settings.allowed_penetration,
+            )  # fmt: skip
     except Interrupted as interruption:
         if interruption.trajectory is None:
             raise KeyboardInterrupt from None
@@ -450,22 +425,14 @@ def _bifurcation(
         len(ends) == 2 and min(ends) > 0, "--clearance", "", ",".join(changes.clearance or ()),
         "must be two positive numbers, the smallest and the largest", "e.g. 0.01,0.5",
     )  # fmt: skip
-    points = options.points or 40
-    spaced = np.geomspace(ends[0], ends[1], points)
+    spaced = np.geomspace(ends[0], ends[1], options.points or 40)
     values = [float(f"{value:.4g}") for value in spaced]
     where = workers(options.jobs, options.scheduler)
     last, beyond = options.last or 50, options.beyond or "stop"
     with progress_bars() as progress:
         tables = [
             bifurcation(
-                mechanism,
-                values,
-                revolutions or 200,
-                last,
-                rate or None,
-                beyond,
-                where,
-                progress,
+                mechanism, values, revolutions or 200, last, rate or None, beyond, where, progress
             )
             for rate in numbers("--impact-rate", options.impact_rate) or [0.0]
         ]

@@ -15,6 +15,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtri, stdtr, stdtrit
 
 from cylcontact.arrays import BoolArray, FloatArray
 
@@ -30,28 +31,17 @@ NEGLIGIBLE = 1e-3
 
 
 def batches_of(revolutions: int) -> int:
-    """Return the number of batches that a run is divided into; 0 if it is too short.
-
-    Examples
-    --------
-    >>> [batches_of(n) for n in (1000, 30, 8, 7)]
-    [20, 15, 4, 0]
-    """
+    """Return the number of batches that a run is divided into; 0 if it is too short."""
     count = min(BATCHES, revolutions // SIZE)
     return count if count >= LEAST else 0
 
 
 @dataclass(frozen=True)
 class BatchMeans:
-    """The sums of quantities over batches.
+    """The sums of k quantities over batches.
 
-    Attributes
-    ----------
-    ratio : array of float, shape (k,)
-        Σ numerator / Σ denominator of each of k quantities, over all revolutions; NaN where the
-        denominators are all 0.
-    residuals : array of float, shape (batches, k)
-        N − R·D of each batch, divided by the mean of D: deviations from the ratio.
+    `ratio`, shape (k,), is Σ numerator / Σ denominator over all revolutions, NaN where the
+    denominators are all 0; `residuals`, shape (batches, k), are N − R·D over the mean of D.
     """
 
     ratio: FloatArray
@@ -63,13 +53,6 @@ class BatchMeans:
 
         Batches differ by at most one revolution in length, which ratios allow for. A revolution
         with a NaN in the numerator counts in neither sum.
-
-        Examples
-        --------
-        >>> ones = np.ones((8, 1))
-        >>> series = BatchMeans.of(np.arange(8.0)[:, None], ones)
-        >>> print(series.ratio, series.residuals.ravel())
-        [3.5] [-3. -1.  1.  3.]
         """
         missing = np.isnan(numerator)
         over, under = np.where(missing, 0.0, numerator), np.where(missing, 0.0, denominator)
@@ -92,8 +75,6 @@ class BatchMeans:
 
     def half_width(self, level: float) -> FloatArray:
         """Return the half-widths of the intervals at a level of confidence; NaN without batches."""
-        from scipy.special import stdtrit
-
         count = self.batches
         if not count:
             return np.full_like(self.ratio, np.nan)
@@ -104,8 +85,6 @@ class BatchMeans:
     @property
     def drifts(self) -> BoolArray:
         """Whether the batch means have a trend: a t-test of their slope, at 1 %."""
-        from scipy.special import stdtr
-
         count = self.batches
         if not count:
             return np.zeros(self.ratio.size, dtype=bool)
@@ -133,8 +112,6 @@ class BatchMeans:
         steps = (np.diff(self.residuals, axis=0) ** 2).sum(axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
             c = 1 - steps / (2 * squares)
-        from scipy.special import ndtri
-
         bound = -ndtri(SIGNIFICANCE) * math.sqrt((count - 2) / (count**2 - 1))
         found: BoolArray = (c > bound) & (
             squares > count * (count - 1) * (NEGLIGIBLE * self.ratio) ** 2

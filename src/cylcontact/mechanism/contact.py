@@ -29,6 +29,8 @@ from cylcontact.impact import RATIO_BEND
 from cylcontact.laws.kernels import kernel_energy, kernel_load
 from cylcontact.numba_cache import compiled, inlined
 
+# e in m, its rate in m/s, and the spins of the bodies with the bearing and with the pin in rad/s.
+Motion = tuple[float, float, float, float, float, float]
 # A joint with clearance, as compiled functions take it; in Python a record is of this type.
 Joint = Any
 
@@ -114,13 +116,12 @@ def friction_force(normal: float, v_t: float, joint: Joint) -> float:
 
 
 @inlined
-def relative_motion(
-    e_x: float, e_y: float, u_x: float, u_y: float, omega_i: float, omega_j: float, joint: Joint
-) -> tuple[float, float, float, float, float]:
-    """Return n_x, n_y, δ in m, and δ̇ and v_t in m/s, of the arguments of `forces`.
+def relative_motion(motion: Motion, joint: Joint) -> tuple[float, float, float, float, float]:
+    """Return n_x, n_y, δ in m, and δ̇ and v_t in m/s.
 
     Centres that coincide have the normal (1, 0).
     """
+    e_x, e_y, u_x, u_y, omega_i, omega_j = motion
     distance = math.sqrt(e_x * e_x + e_y * e_y)
     n_x, n_y = 1.0, 0.0
     if distance > 0.0:
@@ -132,28 +133,16 @@ def relative_motion(
     return n_x, n_y, delta, rate, v_t
 
 
+# What `forces` returns: f_i of Eq 13a in N, on the bearing at C, and the moments of it about the
+# bearing's centre and of the opposite force about the pin's, in N m, positive anticlockwise; f_n in
+# N, the powers in W that damping and friction dissipate, and δ in m.
+Forces = tuple[float, float, float, float, float, float, float, float]
+
+
 @inlined
-def forces(
-    e_x: float,
-    e_y: float,
-    u_x: float,
-    u_y: float,
-    omega_i: float,
-    omega_j: float,
-    impact_rate: float,
-    joint: Joint,
-    law: FloatArray,
-) -> tuple[float, float, float, float, float, float, float, float]:
-    """Return the contact of a pair that touches.
-
-    The arguments are e in m and its rate in m/s, the spins of the bodies with the bearing and with
-    the pin in rad/s, δ̇⁽⁻⁾ in m/s, and the joint with the numbers of its law. The results are
-
-    - f_i of Eq 13a in N, on the bearing at C, and the moments of it about the bearing's centre and
-      of the opposite force about the pin's, in N m, positive anticlockwise;
-    - f_n in N, the powers in W that damping and friction dissipate, and δ in m.
-    """
-    n_x, n_y, delta, rate, v_t = relative_motion(e_x, e_y, u_x, u_y, omega_i, omega_j, joint)
+def forces(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray) -> Forces:
+    """Return the contact of a pair that touches: δ̇⁽⁻⁾ in m/s, a joint, the numbers of its law."""
+    n_x, n_y, delta, rate, v_t = relative_motion(motion, joint)
     elastic = _elastic(delta, joint, law)
     damping = joint.chi * bounded_ratio(rate / impact_rate)
     normal = max(elastic * (1.0 + damping), 0.0)
@@ -167,16 +156,6 @@ def forces(
 
 
 @compiled
-def forces_at(
-    e_x: float,
-    e_y: float,
-    u_x: float,
-    u_y: float,
-    omega_i: float,
-    omega_j: float,
-    impact_rate: float,
-    joint: Joint,
-    law: FloatArray,
-) -> tuple[float, float, float, float, float, float, float, float]:
+def forces_at(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray) -> Forces:
     """Return what `forces` returns, without a copy of the laws in the caller."""
-    return forces(e_x, e_y, u_x, u_y, omega_i, omega_j, impact_rate, joint, law)
+    return forces(motion, impact_rate, joint, law)

@@ -20,7 +20,7 @@ from scipy.integrate import DOP853
 from cylcontact.arrays import FloatArray
 from cylcontact.mechanism import linkage as cartesian
 from cylcontact.mechanism import slider_crank
-from cylcontact.mechanism.contact import Joint
+from cylcontact.mechanism.contact import Joint, Motion
 from cylcontact.numba_cache import compiled, inlined
 
 STAGES = 12
@@ -82,10 +82,8 @@ def rates_at(t: float, turn: Turn, y: FloatArray, row: int, m: Model) -> None:
 
 
 @inlined
-def motion(
-    turn: Turn, y: FloatArray, joint: Joint, crank: Any, linkage: Any
-) -> tuple[float, float, float, float, float, float]:
-    """Return e in m, its rate in m/s, and the spins of bearing and pin in rad/s at a state."""
+def motion(turn: Turn, y: FloatArray, joint: Joint, crank: Any, linkage: Any) -> Motion:
+    """Return the motion of a joint at a state."""
     if crank is not None:
         return slider_crank.joint_motion(turn[0], turn[1], y, crank)
     if linkage is not None:

@@ -14,7 +14,7 @@ from matplotlib.animation import FuncAnimation, writers
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, FancyBboxPatch, Polygon
+from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 from matplotlib.transforms import Affine2D
 from scipy.spatial import ConvexHull
 
@@ -36,12 +36,6 @@ LINK, PIN, BLOCK, SUPPORT = 0.028, 0.011, (0.15, 0.085), 0.045
 # Length of a guide beyond the extreme positions of the slide.
 GUIDE = 0.13
 FILLS = ("0.72", "0.88", "0.80", "0.94")
-CIRCLE: dict[str, Any] = {
-    "fill": False,
-    "edgecolor": "0.5",
-    "linewidth": 0.6,
-    "linestyle": (0, (4, 3)),
-}
 
 
 @dataclass(frozen=True)
@@ -60,17 +54,7 @@ class Pose:
 
 
 def poses(run: Trajectory, times: FloatArray) -> list[Pose]:
-    """Return the poses of a run at times in s, by linear interpolation between its steps.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_mechanism, simulate
-    >>> run = simulate(read_mechanism("datasets/slider_crank.toml"), revolutions=1)
-    >>> (pose,) = poses(run, np.array([0.25 * run.mechanism.period]))
-    >>> x, y = pose.points["crank"]["pin"]
-    >>> print(f"{y:.3f}")
-    -50.000
-    """
+    """Return the poses of a run at times in s, by linear interpolation between its steps."""
     data = run.mechanism.data
     flat = run.coordinates.reshape(run.time.size, -1)
     bodies = np.column_stack([np.interp(times, run.time, column) for column in flat.T])
@@ -102,15 +86,6 @@ def _in_global_axes(x: float, y: float, angle: float, local: Point) -> Point:
 def _mm(point: FloatArray | Point) -> Point:
     """Return a point given in m in mm."""
     return (float(point[0]) * 1e3, float(point[1]) * 1e3)
-
-
-def span(path: list[Pose]) -> tuple[float, float, float, float]:
-    """Return the least x, largest x, least y and largest y of all points of some poses."""
-    points = np.array(
-        [at for pose in path for body in pose.points.values() for at in body.values()]
-    )
-    (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
-    return float(left), float(right), float(low), float(high)
 
 
 def draw_linkage(
@@ -201,15 +176,10 @@ def _draw_supports(axes: Axes, mechanism: Mechanism, size: float) -> None:
             x, y = _mm(joint.point_i if joint.i == -1 else joint.point_j)
             corners = [(x, y), (x - half, y - 1.5 * half), (x + half, y - 1.5 * half)]
             axes.add_patch(Polygon(corners, facecolor="white", zorder=1, **OUTLINE))
-            base: dict[str, Any] = {
-                "facecolor": "none",
-                "edgecolor": "black",
-                "hatch": "/////",
-                "linewidth": 0.0,
-            }
             left, below = x - 1.5 * half, y - 1.5 * half
-            strip = [(left, below), (left + 3 * half, below), (left + 3 * half, below - 0.5 * half)]
-            axes.add_patch(Polygon([*strip, (left, below - 0.5 * half)], **base))
+            strip = Rectangle((left, below - 0.5 * half), 3 * half, 0.5 * half)
+            strip.set(facecolor="none", edgecolor="black", hatch="/////", linewidth=0.0)
+            axes.add_patch(strip)
             axes.plot([left, left + 3 * half], [below, below], **THIN | {"linewidth": 0.9})
 
 
@@ -232,15 +202,14 @@ def _draw_pin(axes: Axes, mechanism: Mechanism, pose: Pose, joint: Joint, size: 
 
 def frame(mechanism: Mechanism, path: list[Pose]) -> tuple[float, float, float, float]:
     """Return a view of the mechanism in some poses, in mm: left, right, bottom, top."""
-    left, right, low, high = span(path)
-    for pose in path[:1]:
-        circle = driver_circle(mechanism, pose)
-        if circle is not None:
-            (x, y), radius = circle
-            left, right = min(left, x - radius), max(right, x + radius)
-            low, high = min(low, y - radius), max(high, y + radius)
+    points = [at for pose in path for body in pose.points.values() for at in body.values()]
+    circle = driver_circle(mechanism, path[0])
+    if circle is not None:
+        (x, y), radius = circle
+        points += [(x - radius, y - radius), (x + radius, y + radius)]
+    (left, low), (right, high) = np.min(points, axis=0), np.max(points, axis=0)
     across, along = (share * (right - left) for share in MARGINS)
-    return left - across, right + across, low - along, high + along
+    return float(left - across), float(right + across), float(low - along), float(high + along)
 
 
 def set_view(axes: Axes, view: tuple[float, float, float, float]) -> None:
@@ -251,13 +220,13 @@ def set_view(axes: Axes, view: tuple[float, float, float, float]) -> None:
 
 def draw_circle(axes: Axes, mechanism: Mechanism, pose: Pose) -> None:
     """Draw the driver's circle with an arrow in the direction of rotation."""
-    from matplotlib.patches import Circle
-
     circle = driver_circle(mechanism, pose)
     if circle is None:
         return
     (x, y), radius = circle
-    axes.add_patch(Circle((x, y), radius, zorder=0.5, **CIRCLE))
+    path = Circle((x, y), radius, zorder=0.5, fill=False, edgecolor="0.5")
+    path.set(linewidth=0.6, linestyle=(0, (4, 3)))
+    axes.add_patch(path)
     sense = next(j.speed or j.torque for j in mechanism.joints if j.kind == "driver")
     turn = np.radians(np.array([118.0, 142.0])[:: int(np.sign(sense))])
     start, end = (
@@ -275,38 +244,15 @@ BEARING, JOURNAL = "0.80", "0.93"
 RIM = 1.22
 
 
-@dataclass(frozen=True)
-class Magnified:
-    """A joint with clearance as drawn, in radii of the bearing from its centre; radii in mm."""
-
-    radial: float
-    R_bearing: float
-
-    @classmethod
-    def of(cls, contact: ClearanceJoint) -> Magnified:
-        """Return a joint with clearance."""
-        return cls(contact.radial, float(np.asarray(contact.pair.R_i)))
-
-    @property
-    def factor(self) -> float:
-        """Magnification of the clearance relative to the radius.
-
-        Examples
-        --------
-        >>> print(Magnified(radial=0.5, R_bearing=10.0).factor)
-        6.0
-        """
-        return DRAWN * self.R_bearing / self.radial
-
-    def journal_centre(self, eccentricity: Point | FloatArray) -> Point:
-        """Return the journal's centre as drawn: −e, magnified."""
-        scale = -DRAWN / self.radial
-        return (float(scale * eccentricity[0]), float(scale * eccentricity[1]))
+def magnification(contact: ClearanceJoint) -> float:
+    """Return by how much the clearance of a joint is magnified against its radius."""
+    return DRAWN * float(np.asarray(contact.pair.R_i)) / contact.radial
 
 
-def draw_magnified(axes: Axes, joint: Magnified, eccentricity: Point) -> Point:
+def draw_magnified(axes: Axes, contact: ClearanceJoint, eccentricity: Point) -> Point:
     """Draw bearing and pin, e in mm, in radii of the bearing; return the pin's centre as drawn."""
-    centre = joint.journal_centre(eccentricity)
+    scale = -DRAWN / contact.radial
+    centre = (scale * eccentricity[0], scale * eccentricity[1])
     axes.add_patch(Circle((0, 0), RIM, facecolor=BEARING, zorder=1, **OUTLINE))
     axes.add_patch(Circle((0, 0), 1.0, facecolor="white", zorder=2, **OUTLINE))
     axes.add_patch(Circle(centre, 1.0 - DRAWN, facecolor=JOURNAL, alpha=0.85, zorder=3, **OUTLINE))
@@ -459,27 +405,26 @@ class _Scene:
         """Draw a joint, the recent path of the pin's centre, and the force on the bearing."""
         axes.clear()
         axes.set_anchor("N")
-        magnified, name = Magnified.of(joint.contact), joint.joint.name
-        centre = draw_magnified(axes, magnified, pose.eccentricity[name])
+        contact, name = joint.contact, joint.joint.name
+        centre = draw_magnified(axes, contact, pose.eccentricity[name])
         draw_clearance_circle(axes, DRAWN, zorder=5)
         begin = pose.time - TRAIL * self.run.mechanism.period
         rows = slice(*np.searchsorted(self.run.time, [begin, pose.time]))
-        axes.plot(
-            *(-DRAWN / magnified.radial * 1e3 * joint.eccentricity[rows]).T, **TRAIL_LINE, zorder=6
-        )
+        trail = -DRAWN / contact.radial * 1e3 * joint.eccentricity[rows]
+        axes.plot(*trail.T, **TRAIL_LINE, zorder=6)
         axes.plot(*centre, **CENTRE, zorder=7)
         mode = "contact" if joint.in_contact[row] else "flight"
         whose = f"{as_label(name)} " if len(self.panels) > 1 else "clearance "
-        axes.set_title(f"{whose}× {magnified.factor:.3g}: {mode}")
+        axes.set_title(f"{whose}× {magnification(contact):.3g}: {mode}")
         force, e = joint.force[row], joint.eccentricity[row]
         size = float(np.hypot(*force))
         if size == 0.0:
             return
-        contact = -e / np.hypot(*e)
+        touch = -e / np.hypot(*e)
         # Very large forces are cut, so that the arrow stays in the panel.
-        tip = contact + ARROW * min(size / scale, 1.5) * force / size
+        tip = touch + ARROW * min(size / scale, 1.5) * force / size
         axes.annotate(
-            "", xy=tuple(tip), xytext=tuple(contact), zorder=9, annotation_clip=False,
+            "", xy=tuple(tip), xytext=tuple(touch), zorder=9, annotation_clip=False,
             arrowprops=FORCE,
         )  # fmt: skip
 

@@ -341,18 +341,9 @@ class ClearanceJoint:
         delta, delta_rate, normal, tangential, v_t, power = others
         force = np.stack((x, y), axis=-1)
         return JointWrench(
-            force_bearing=force,
-            moment_bearing=moment_bearing,
-            force_pin=-force,
-            moment_pin=moment_pin,
-            penetration=delta,
-            penetration_rate=delta_rate,
-            normal_force=normal,
-            friction_force=tangential,
-            tangential_velocity=v_t,
-            dissipated_power=power,
-            flag=flag.astype(np.int64),
-        )
+            force, moment_bearing, -force, moment_pin, delta, delta_rate, normal, tangential, v_t,
+            power, flag.astype(np.int64),
+        )  # fmt: skip
 
     def accept(self, state: JointState, bearing: ArrayLike, pin: ArrayLike) -> JointState:
         """Return the state after an accepted step, or at the onset of a contact.
@@ -429,15 +420,15 @@ def _wrenches(
         e_x, e_y = b[0] + arm_bx - (j[0] + arm_jx), b[1] + arm_by - (j[1] + arm_jy)
         u_x = b[3] - b[5] * arm_by - (j[3] - j[5] * arm_jy)
         u_y = b[4] + b[5] * arm_bx - (j[4] + j[5] * arm_jx)
-        e_x, e_y, u_x, u_y = e_x * metres, e_y * metres, u_x * metres, u_y * metres
-        _, _, delta, rate, v_t = contact.relative_motion(e_x, e_y, u_x, u_y, b[5], j[5], joint)
+        motion = e_x * metres, e_y * metres, u_x * metres, u_y * metres, b[5], j[5]
+        _, _, delta, rate, v_t = contact.relative_motion(motion, joint)
         out[k] = 0.0
         out[k, 4], out[k, 5], out[k, 8] = delta / metres, rate / metres, v_t / metres
         if delta <= 0.0:
             continue
         onset = impact_rate[k] if impact_rate[k] > 0.0 else max(rate / metres, floor)
         f_x, f_y, m_b, m_j, normal, lost, rubbed, _ = contact.forces_at(
-            e_x, e_y, u_x, u_y, b[5], j[5], onset * metres, joint, law
+            motion, onset * metres, joint, law
         )
         out[k, 0], out[k, 1] = f_x, f_y
         out[k, 2] = m_b / metres + arm_bx * f_y - arm_by * f_x

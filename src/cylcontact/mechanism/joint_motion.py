@@ -28,15 +28,9 @@ PARTS = 4
 class Limits(NamedTuple):
     """Thresholds that a contact may pass.
 
-    Attributes
-    ----------
-    first_yield : float
-        The penetration in m at which the elastic load is that of first yield; NaN where no yield
-        stress is known.
-    law : float
-        The penetration in m from which the law is continued along its tangent; inf without an end.
-    floor : float
-        The slowest impact in m/s that dissipates as its factor says.
+    Penetrations in m at first yield (NaN where no yield stress is known) and from which the law is
+    continued along its tangent (inf without an end); the slowest impact in m/s that dissipates as
+    its factor says.
     """
 
     first_yield: float
@@ -259,13 +253,7 @@ class JointMotion:
 
 
 def changes(in_contact: BoolArray) -> tuple[IndexArray, IndexArray]:
-    """Return the rows at which contacts begin and those at which they end.
-
-    Examples
-    --------
-    >>> changes(np.array([False, False, True, True, False, True]))
-    (array([2, 5]), array([3]))
-    """
+    """Return the rows at which contacts begin and those at which they end."""
     step = np.diff(in_contact.astype(np.int8))
     return np.flatnonzero(step == 1) + 1, np.flatnonzero(step == -1)
 
@@ -283,14 +271,11 @@ def _joint_forces(
     """Return force on the bearing (x, y), f_n, f_t in N and v_t in m/s, shape (n, 5)."""
     out = np.zeros((e.shape[0], 5))
     for k in range(e.shape[0]):
-        e_x, e_y, u_x, u_y = e[k, 0], e[k, 1], e_rate[k, 0], e_rate[k, 1]
-        spin_i, spin_j = spins[k, 0], spins[k, 1]
-        out[k, 4] = contact.relative_motion(e_x, e_y, u_x, u_y, spin_i, spin_j, joint)[4]
+        motion = e[k, 0], e[k, 1], e_rate[k, 0], e_rate[k, 1], spins[k, 0], spins[k, 1]
+        out[k, 4] = contact.relative_motion(motion, joint)[4]
         if in_contact[k]:
             rate = max(impact_rate[k], joint.rate_floor)
-            f_x, f_y, _, _, normal, _, _, _ = contact.forces_at(
-                e_x, e_y, u_x, u_y, spin_i, spin_j, rate, joint, law
-            )
+            f_x, f_y, _, _, normal, _, _, _ = contact.forces_at(motion, rate, joint, law)
             out[k, 0], out[k, 1], out[k, 2] = f_x, f_y, normal
             out[k, 3] = contact.friction_force(normal, out[k, 4], joint)
     return out
@@ -317,7 +302,7 @@ def _force_within(
             x = (part + 0.5) / PARTS
             e_x, u_x = _hermite(x, h, e[k, 0], e[k + 1, 0], e_rate[k, 0], e_rate[k + 1, 0])
             e_y, u_y = _hermite(x, h, e[k, 1], e[k + 1, 1], e_rate[k, 1], e_rate[k + 1, 1])
-            out[k, part] = contact.forces_at(e_x, e_y, u_x, u_y, 0.0, 0.0, rate, joint, law)[4]
+            out[k, part] = contact.forces_at((e_x, e_y, u_x, u_y, 0.0, 0.0), rate, joint, law)[4]
     return out
 
 

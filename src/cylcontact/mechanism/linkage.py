@@ -104,27 +104,36 @@ def work_size(bodies: int, rows: int) -> int:
     return 5 * bodies + 3 * rows + 2 * rows * 3 * bodies + rows * rows
 
 
-Room = tuple[
-    FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray
-]
+class Room(NamedTuple):
+    """Arrays to work in; those of `room` are parts of one.
+
+    Cosine and sine of the angle of every body, forces, Φ, dΦ/dt, a right-hand side, Φ_q, which must
+    be zero at first or that of an earlier call, M⁻¹·Φ_qᵀ transposed, the matrix of the multipliers.
+    """
+
+    turns: FloatArray
+    force: FloatArray
+    value: FloatArray
+    rate: FloatArray
+    right: FloatArray
+    jacobian: FloatArray
+    over_mass: FloatArray
+    matrix: FloatArray
 
 
 @inlined
 def room(work: FloatArray, size: int, constraints: Any) -> Room:
-    """Return the parts of an array to work in, for 3·bodies = `size` coordinates.
-
-    They are cosine and sine of the angle of every body, forces, Φ, dΦ/dt, and a right-hand side,
-    Φ_q, which must be zero at first, M⁻¹·Φ_qᵀ transposed, and the matrix of the multipliers.
-    """
+    """Return the parts of an array to work in, for 3·bodies = `size` coordinates."""
     count = constraints.shape[0]
     rows = constraints[count - 1].row + constraints[count - 1].rows if count else 0
     turns, work = work[: 2 * size // 3].reshape(size // 3, 2), work[2 * size // 3 :]
     force, work = work[:size], work[size:]
     value, rate, right = work[:rows], work[rows : 2 * rows], work[2 * rows : 3 * rows]
     work, block = work[3 * rows :], rows * size
-    jacobian, over_mass = work[:block].reshape(rows, size), work[block : 2 * block]
+    jacobian = work[:block].reshape(rows, size)
+    over_mass = work[block : 2 * block].reshape(rows, size)
     matrix = work[2 * block :].reshape(rows, rows)
-    return turns, force, value, rate, right, jacobian, over_mass.reshape(rows, size), matrix
+    return Room(turns, force, value, rate, right, jacobian, over_mass, matrix)
 
 
 def constraint_table(joints: list[Joint] | tuple[Joint, ...]) -> Any:
@@ -161,15 +170,8 @@ def point(
     k = 3 * body
     c, s = turns[body, 0], turns[body, 1]
     arm_x, arm_y, spin = c * x - s * y, s * x + c * y, v[k + 2]
-    return (
-        arm_x,
-        arm_y,
-        q[k] + arm_x,
-        q[k + 1] + arm_y,
-        v[k] - spin * arm_y,
-        v[k + 1] + spin * arm_x,
-        spin,
-    )
+    x, y = q[k] + arm_x, q[k + 1] + arm_y
+    return arm_x, arm_y, x, y, v[k] - spin * arm_y, v[k + 1] + spin * arm_x, spin
 
 
 @inlined
@@ -194,21 +196,10 @@ def driven(t: float, speed: float, ramp: float) -> tuple[float, float, float]:
 
 
 @compiled
-def constrain(
-    t: float,
-    q: FloatArray,
-    v: FloatArray,
-    turns: FloatArray,
-    constraints: Any,
-    value: FloatArray,
-    rate: FloatArray,
-    jacobian: FloatArray,
-    gamma: FloatArray,
-) -> None:
-    """Write Φ, dΦ/dt, Φ_q and γ of Φ_q·q̈ = γ (Eq 10).
-
-    `turns` is that of `turn`. `jacobian` must be zero on entry, or that of an earlier call.
-    """
+def constrain(t: float, q: FloatArray, v: FloatArray, constraints: Any, w: Room) -> None:
+    """Write Φ, dΦ/dt, Φ_q and, as the right-hand side, γ of Φ_q·q̈ = γ (Eq 10)."""
+    turns, value, rate, gamma, jacobian = w.turns, w.value, w.rate, w.right, w.jacobian
+    turn(q, turns)
     for number in range(constraints.shape[0]):
         joint = constraints[number]
         row, i, j = joint.row, joint.i, joint.j
@@ -279,10 +270,8 @@ def _swung(
 
 
 @inlined
-def joint_motion(
-    q: FloatArray, v: FloatArray, joint: contact.Joint
-) -> tuple[float, float, float, float, float, float]:
-    """Return e = r_i − r_j in m, its rate in m/s, and the spins of bearing and pin in rad/s."""
+def joint_motion(q: FloatArray, v: FloatArray, joint: contact.Joint) -> contact.Motion:
+    """Return the motion of a joint at a state."""
     i_x, i_y, vi_x, vi_y, spin_i = _swung(q, v, joint.i, joint.x_i, joint.y_i)
     j_x, j_y, vj_x, vj_y, spin_j = _swung(q, v, joint.j, joint.x_j, joint.y_j)
     return i_x - j_x, i_y - j_y, vi_x - vj_x, vi_y - vj_y, spin_i, spin_j
@@ -304,16 +293,9 @@ def touch(
     """
     ai_x, ai_y, i_x, i_y, vi_x, vi_y, spin_i = point(q, v, turns, joint.i, joint.x_i, joint.y_i)
     aj_x, aj_y, j_x, j_y, vj_x, vj_y, spin_j = point(q, v, turns, joint.j, joint.x_j, joint.y_j)
+    motion = i_x - j_x, i_y - j_y, vi_x - vj_x, vi_y - vj_y, spin_i, spin_j
     f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power, delta = contact.forces(
-        i_x - j_x,
-        i_y - j_y,
-        vi_x - vj_x,
-        vi_y - vj_y,
-        spin_i,
-        spin_j,
-        joint.impact_rate,
-        joint,
-        law,
+        motion, joint.impact_rate, joint, law
     )
     _apply(force, joint.i, f_x, f_y, ai_x * f_y - ai_y * f_x + moment_i)
     _apply(force, joint.j, -f_x, -f_y, -(aj_x * f_y - aj_y * f_x) + moment_j)
@@ -380,16 +362,10 @@ def _solve_positive(matrix: FloatArray, right: FloatArray) -> None:
 
 
 @compiled
-def _schur(
-    constraints: Any,
-    jacobian: FloatArray,
-    over_mass: FloatArray,
-    mobility: FloatArray,
-    force: FloatArray,
-    matrix: FloatArray,
-    right: FloatArray,
-) -> None:
-    """Write the lower triangle of Φ_q·M⁻¹·Φ_qᵀ to `matrix` and add Φ_q·M⁻¹·g to `right`."""
+def _schur(constraints: Any, mobility: FloatArray, w: Room) -> None:
+    """Write the lower triangle of Φ_q·M⁻¹·Φ_qᵀ, and add Φ_q·M⁻¹·g to the right-hand side."""
+    force, right, jacobian = w.force, w.right, w.jacobian
+    over_mass, matrix = w.over_mass, w.matrix
     for number in range(constraints.shape[0]):
         a = constraints[number]
         for row in range(a.row, a.row + a.rows):
@@ -470,22 +446,21 @@ def derivatives(
     """Write the rates of coordinates and ledgers to a row of `rates`."""
     size = m.inertia.shape[1]
     mobility, ledger = m.inertia[1], 2 * size
-    turns, force, value, rate, lam, jacobian, over_mass, matrix = room(m.work, size, m.constraints)
-    q, v = y[:size], y[size:]
-    turn(q, turns)
-    force[:] = m.inertia[2]
-    driving, damping = _push(q, v, turns, force, m.springs, m.loads)
-    _touch_all(q, v, turns, force, joints, laws, rates[row, ledger + 2 :])
-    constrain(t, q, v, turns, m.constraints, value, rate, jacobian, lam)
+    w = room(m.work, size, m.constraints)
+    q, v, lam = y[:size], y[size:], w.right
+    constrain(t, q, v, m.constraints, w)
+    w.force[:] = m.inertia[2]
+    driving, damping = _push(q, v, w.turns, w.force, m.springs, m.loads)
+    _touch_all(q, v, w.turns, w.force, joints, laws, rates[row, ledger + 2 :])
     for r in range(lam.size):
         # lam holds γ; the right-hand side is Φ_q·M⁻¹·g − γ*.
-        lam[r] = 2.0 * m.settings[0] * rate[r] + m.settings[1] ** 2 * value[r] - lam[r]
-    _schur(m.constraints, jacobian, over_mass, mobility, force, matrix, lam)
-    _solve_positive(matrix, lam)
+        lam[r] = 2.0 * m.settings[0] * w.rate[r] + m.settings[1] ** 2 * w.value[r] - lam[r]
+    _schur(m.constraints, mobility, w)
+    _solve_positive(w.matrix, lam)
 
     for n in range(size):
-        rates[row, n], rates[row, size + n] = v[n], force[n] * mobility[n]
-    driving += _constrained(m.constraints, v, over_mass, lam, rates[row, size:])
+        rates[row, n], rates[row, size + n] = v[n], w.force[n] * mobility[n]
+    driving += _constrained(m.constraints, v, w.over_mass, lam, rates[row, size:])
     rates[row, ledger], rates[row, ledger + 1] = driving, damping
 
 
@@ -494,21 +469,19 @@ def closure(
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return Φ, dΦ/dt, Φ_q and γ of the joints in a table."""
     work = np.zeros(work_size(q.size // 3, row_count(table)))
-    turns, _, value, rate, gamma, jacobian, *_ = room(work, q.size, table)
-    turn(q, turns)
-    constrain(t, q, v, turns, table, value, rate, jacobian, gamma)
-    return value, rate, jacobian, gamma
+    w = room(work, q.size, table)
+    constrain(t, q, v, table, w)
+    return w.value, w.rate, w.jacobian, w.right
 
 
 @compiled
 def largest_gaps(time: FloatArray, q: FloatArray, v: FloatArray, m: Linkage) -> FloatArray:
     """Return the largest |Φ| and |dΦ/dt| of each row, in m or rad and per s, shape (n, 2)."""
     out = np.zeros((time.size, 2))
-    turns, _, value, rate, gamma, jacobian, _, _ = room(m.work, q.shape[1], m.constraints)
-    for k in range(time.size if value.size else 0):
-        turn(q[k], turns)
-        constrain(time[k], q[k], v[k], turns, m.constraints, value, rate, jacobian, gamma)
-        out[k, 0], out[k, 1] = np.abs(value).max(), np.abs(rate).max()
+    w = room(m.work, q.shape[1], m.constraints)
+    for k in range(time.size if w.value.size else 0):
+        constrain(time[k], q[k], v[k], m.constraints, w)
+        out[k, 0], out[k, 1] = np.abs(w.value).max(), np.abs(w.rate).max()
     return out
 
 
@@ -532,19 +505,8 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     them, as if the joints were ideal. Newton's method on the constraints finds the positions, first
     at the driver's angle of the spec's guess. The driver then moves in small steps to its initial
     angle, so that the mechanism stays in the configuration of the guess. What the joints leave free
-    stays as near to the guess as it can, and at rest.
-
-    Raises
-    ------
-    InputError
-        If the joints cannot be closed, or hold a body twice.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_mechanism
-    >>> q, v = assemble(read_mechanism("datasets/slider_crank.toml"))
-    >>> print(q.round(6)[-3:], v.round(3)[1])
-    [0.17 0.   0.  ] -13.09
+    stays as near to the guess as it can, and at rest. It is an `InputError` if the joints cannot be
+    closed, or hold a body twice.
     """
     joints = [joint for joint in mechanism.joints if not joint.torque]
     table = constraint_table(joints)

@@ -87,13 +87,8 @@ def _rod_motion(c: float, s: float, y: FloatArray, m: Crank) -> tuple[float, flo
 
 
 @inlined
-def joint_motion(
-    c: float, s: float, y: FloatArray, m: Crank
-) -> tuple[float, float, float, float, float, float]:
-    """Return e in m, its rate in m/s, and the spins of bearing and pin in rad/s, along the slide.
-
-    c and s are the cosine and sine of the crank's angle.
-    """
+def joint_motion(c: float, s: float, y: FloatArray, m: Crank) -> contact.Motion:
+    """Return the motion of the joint along the slide; c and s are of the crank's angle."""
     side = m.side
     _, _, spin = _rod_motion(c, s, y, m)
     spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
@@ -128,16 +123,9 @@ def derivatives(
     if joint.touching:
         side = m.side
         spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
+        motion = side * y[0], side * y[1], side * y[2], side * y[3], spin_i, spin_j
         f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power, delta = contact.forces(
-            side * y[0],
-            side * y[1],
-            side * y[2],
-            side * y[3],
-            spin_i,
-            spin_j,
-            joint.impact_rate,
-            joint,
-            law,
+            motion, joint.impact_rate, joint, law
         )
         f_x, f_y = side * f_x, side * f_y
         moment = moment_j if side > 0 else moment_i

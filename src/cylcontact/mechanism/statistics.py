@@ -555,13 +555,7 @@ def described(title: str, summary: dict[str, Any]) -> str:
 
 
 def period_of(points: FloatArray) -> int | None:
-    """Return the period of sections of shape (n, coordinates), scaled; see `Statistics.period`.
-
-    Examples
-    --------
-    >>> period_of(np.tile([[0.0], [1.0], [2.0]], (20, 1)))
-    3
-    """
+    """Return the period of sections of shape (n, coordinates), scaled; see `Statistics.period`."""
     for period in range(1, LONGEST + 1):
         if len(points) < HELD + period:
             return None

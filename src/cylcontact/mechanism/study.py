@@ -48,13 +48,7 @@ TIGHTER, REVOLUTIONS = 0.1, 10
 
 
 def first_of(revolutions: int) -> int:
-    """Return the number of revolutions that statistics leave out by default.
-
-    Examples
-    --------
-    >>> [first_of(n) for n in (1000, 10, 3)]
-    [10, 2, 0]
-    """
+    """Return the number of revolutions that statistics leave out by default."""
     return min(FIRST, revolutions // 5)
 
 
@@ -143,17 +137,7 @@ def long_run(
 
 
 def eccentricity_at(joint: JointMotion, time: FloatArray) -> FloatArray:
-    """Return the eccentricity of a joint in m at times of its run in s, shape (n, 2).
-
-    Cubic Hermite interpolation between the steps.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_mechanism, simulate
-    >>> run = simulate(read_mechanism("datasets/slider_crank.toml"), revolutions=1)
-    >>> bool(np.allclose(eccentricity_at(run.joint, run.time), run.eccentricity, atol=1e-12))
-    True
-    """
+    """Return the eccentricity of a joint in m at times of its run in s, by Hermite's cubics."""
     from scipy.interpolate import CubicHermiteSpline
 
     steps, rows = np.unique(joint.run.time, return_index=True)
@@ -207,13 +191,6 @@ def agreement(mechanism: Mechanism, settings: Settings, revolutions: int = REVOL
     """Return a sentence on how long a run keeps to its path at a tenth of its tolerance.
 
     Of the run, `revolutions` long, at most ten revolutions are compared.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_mechanism
-    >>> mechanism = read_mechanism("datasets/slider_crank.toml", clearance=0.02)
-    >>> print(agreement(mechanism, settings_for(mechanism), 2))
-    tolerances of 1e-08 and 1e-09 keep to one path over the 2 revolutions compared
     """
     compared = min(revolutions, REVOLUTIONS)
     pair = settings.tolerance, max(settings.tolerance * TIGHTER, 1e-14)

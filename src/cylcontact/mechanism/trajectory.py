@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_parquet
 from cylcontact.html_repr import table_html
 from cylcontact.mechanism.joint_motion import JointMotion
 from cylcontact.mechanism.linkage import largest_gaps, linkage_of
 from cylcontact.mechanism.model import Mechanism, Spring, mechanism_from
-from cylcontact.mechanism.run import JOINT_LEDGERS, LEDGERS, Run, Settings, State, StepHistory
+from cylcontact.mechanism.run import JOINT_LEDGERS, LEDGERS, Settings, State, StepHistory
 from cylcontact.mechanism.statistics import Statistics, described, reduced
 from cylcontact.provenance import made_with
 from cylcontact.reading import marked, require_file, unmarked
@@ -335,10 +335,6 @@ class Trajectory:
             metadata = dict(json.loads((table.schema.metadata or {})[_METADATA]))
             metadata = unmarked(metadata, str(path))
             settings = Settings(**metadata["settings"])
-            require(
-                "clearance" not in metadata["spec"], str(path), "", None,
-                "is of a version of cylcontact with one clearance", "simulate anew",
-            )  # fmt: skip
             mechanism = mechanism_from(metadata["spec"], str(metadata["source"]))
             names = [joint.name for joint in mechanism.clearances]
             rows = _rows_of(table, metadata["counts"], names)
@@ -353,11 +349,6 @@ class Trajectory:
             raise InputError(
                 str(path), "", None, "holds no trajectory", "give what simulate -o has written"
             ) from error
-        states, size = rows.values.shape[1], Run.start(mechanism, settings).state.values.size
-        if states != size:
-            rule = f"has {states} states where its mechanism has {size}"
-            remedy = "an older version of cylcontact wrote it, or another program: simulate anew"
-            raise InputError(str(path), "", None, rule, remedy)
         return cls(mechanism, settings, rows)
 
     def plot(self, revolutions: float = 2.0, joint: str | None = None) -> Drawing:
@@ -400,13 +391,7 @@ class Trajectory:
 
 
 def _rows_of(table: Any, counts: Any, joints: list[str]) -> StepHistory:
-    """Return the rows that a table holds.
-
-    Raises
-    ------
-    KeyError, ValueError, TypeError
-        If a column is missing or holds no finite numbers, or if there are no rows.
-    """
+    """Return the rows that a table holds; an error of Python's if a column is missing or odd."""
     names = [name for name in table.column_names if name.startswith("state_")]
     columns = [np.asarray(table[name].to_numpy(), float) for name in ("time_s", *names)]
     values = np.column_stack(columns)
