@@ -28,7 +28,7 @@ PACKAGES = {
 # The libraries of each extra that tests import.
 EXTRAS = {
     "parquet": "pyarrow",
-    "notebooks": "IPython ipykernel ipywidgets jupytext nbclient nbformat",
+    "notebooks": "IPython ipykernel ipywidgets jupytext nbclient nbformat voila",
     "distributed": "dask distributed",
     "docs": "latex2mathml material mkdocs mkdocstrings",
     "paper": "pypandoc typst",

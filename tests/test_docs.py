@@ -237,6 +237,15 @@ def test_nothing_is_cut_off(site, width):
                 assert page.evaluate(CUT_OFF) == [], path.name
 
 
+def test_equations_have_a_font_of_the_site(site):
+    with chromium() as browser, opened(browser, site / "laws.html") as page:
+        page.wait_for_function("document.fonts.status === 'loaded'")
+        loaded = page.evaluate("[...document.fonts].map((each) => each.family + each.status)")
+        assert '"Site Math"loaded' in loaded or "Site Mathloaded" in loaded
+        family = page.evaluate("getComputedStyle(document.querySelector('math')).fontFamily")
+        assert family.startswith('"Site Math"')
+
+
 def test_git_ignores_the_site():
     ignored = (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
     assert "/build/" in ignored

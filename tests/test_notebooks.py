@@ -3,8 +3,11 @@
 import ast
 import math
 import re
+import socket
+import subprocess
 import sys
 import time
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 
@@ -16,6 +19,7 @@ from cylcontact.plots import new_figure
 from cylcontact.reports import explore, notebook
 from cylcontact.reports.fit_figures import runs_drawing, runs_table
 from tests.paper_equations import e_star, johnson, johnson_end
+from tests.programs import require_package
 
 ROOT = Path(__file__).resolve().parents[1]
 SCRIPTS = sorted((ROOT / "notebooks").glob("*.py"))
@@ -244,6 +248,30 @@ def test_it_starts_with_the_explicit_law_and_without_a_housing(explorer):
     assert explorer["laws"][0].value == ("explicit",)
     assert explorer["housing, clamped"][0].value == "not known"
     assert "the housing, which is not known here" in explorer["answer"].value
+
+
+@pytest.mark.long
+def test_a_browser_shows_it_and_nothing_is_wider_than_a_telephone(browser):
+    require_package("voila")
+    with socket.socket() as free:
+        free.bind(("localhost", 0))
+        port = free.getsockname()[1]
+    command = [sys.executable, "-m", "voila", str(ROOT / "notebooks" / "3_explore_the_maps.ipynb")]
+    with subprocess.Popen([*command, "--no-browser", f"--port={port}"]) as server:
+        try:
+            page = browser.new_page(viewport={"width": 390, "height": 844})
+            for _ in range(60):
+                with suppress(import_module("playwright.sync_api").Error):
+                    page.goto(f"http://localhost:{port}/", timeout=180_000)
+                    break
+                time.sleep(1)
+            explored = page.locator(".explored")
+            explored.filter(has_text="the housing, which is not known").wait_for(timeout=180_000)
+            page.get_by_label("housing, clamped").select_option("whole rim")
+            explored.filter(has_text="times that by Johnson's datum").wait_for(timeout=60_000)
+            assert page.evaluate("document.documentElement.scrollWidth") == 390
+        finally:
+            server.terminate()
 
 
 def test_numbers_by_hand():
