@@ -31,8 +31,8 @@ WITH_CODE = [
     if page != README and any(b.language in ("python", "bash") for b in blocks(page))
 ]
 SLOW = {
-    "science.md", "fitter.md", "add-a-claim.md", "mechanism.md", "fit-my-data.md", "cluster.md",
-    "map-my-material.md", "figures-for-a-paper.md", "reproduce-the-paper.md", "add-a-figure.md",
+    "science.md", "calibration.md", "extend.md", "mechanism.md", "fit-my-data.md", "cluster.md",
+    "choose-a-law.md", "other-codes.md", "export.md", "reproduce-the-paper.md", "write-a-paper.md",
 }  # fmt: skip
 each_page = pytest.mark.parametrize(
     "page",
@@ -69,7 +69,7 @@ def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeyp
 @pytest.mark.slow
 def test_a_material_of_ones_own_changes_no_figure_of_the_paper(tmp_path, figures):
     copy_bench(tmp_path)
-    (table,) = [b for b in blocks(ROOT / "docs/how-to/map-my-material.md") if b.language == "csv"]
+    (table,) = [b for b in blocks(ROOT / "docs/how-to/choose-a-law.md") if b.language == "csv"]
     (tmp_path / table.title).write_text(table.text, encoding="utf-8")
     bench = Bench(tmp_path)
     assert "gunmetal" in bench.materials()
