@@ -11,7 +11,9 @@ from importlib import import_module
 
 import pandas as pd
 import pytest
+import typer
 
+from cylcontact.cli import app
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw
 from tests.browser import chromium, opened
@@ -260,3 +262,9 @@ def test_outputs_can_be_written_anew(tmp_path, monkeypatch):
     right = '# Page\n\n```python\nprint("one\\ntwo")\n```\n\n```text\none\ntwo\n```\n\nEnd.\n'
     page.write_text(right.replace("one\ntwo\n```", "three\n```"), encoding="utf-8")
     assert rewritten(page, tmp_path / "bench", monkeypatch) == right
+
+
+def test_every_command_is_in_the_reference():
+    text = (ROOT / "docs/reference/command-line.md").read_text(encoding="utf-8")
+    commands = typer.main.get_command(app).commands
+    assert set(re.findall(r"^\| `([a-z-]+)", text, re.MULTILINE)) == set(commands)
