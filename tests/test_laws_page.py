@@ -198,13 +198,20 @@ def test_the_table_to_choose_from():
     assert table(CHOICE, "| law | hole, to Johnson |") == expected
 
 
-def test_what_limits_the_law_for_rollers():
-    """The root mean square with K* free and one n, from the slopes of ln δ over ln f/E*."""
+def test_what_limits_the_enhanced_law():
+    """For rollers: the root mean square with K* free and one n, from the slopes of ln δ."""
     moments, _ = reduce_grid(read_grid(ROOT / "datasets/external.toml"))
     weight = moments.ss / moments.total
     excess = weight * (moments.slope - np.average(moments.slope, weights=weight)) ** 2
     least = np.sqrt(moments.unexplained.sum() / moments.total + excess.sum())
     assert f"at every clearance ({least:.4f})" in CALIBRATION
+    four, six, rollers = (
+        Bench(ROOT).result(f"power-clearance{kind}").objective.value
+        for kind in ("", "-six", "-external")
+    )
+    words = " ".join(CALIBRATION.split())
+    assert f"({four:.4f} and {six:.4f} over the paper's ranges; for" in words
+    assert f"for rollers four reach {rollers:.4f})" in words
 
 
 def test_constants_are_those_of_the_fits():
