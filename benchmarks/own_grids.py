@@ -1,7 +1,7 @@
 """How many runs reach the best on grids that a user might make, by way of ending the search.
 
-`python -m benchmarks.own_grids` prints the table of docs/fitter.md (some minutes). All settings
-of the search are the defaults, and the seconds are those of the processor, for all sixteen runs.
+`python -m benchmarks.own_grids` prints the table of docs/calibration.md (some minutes). All
+settings of the search are the defaults; the seconds are those of the processor, for all runs.
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ cc.reports.laws_table.departures(steel).round(2)
 #
 # The table compares the penetration of every law with Persson's, in percent. Its columns are values
 # of the load number φ = f/(E*·ΔR). `explicit` follows conformal contact everywhere, without
-# iteration. The page `docs/laws.md` helps to choose.
+# iteration. The page `docs/how-to/choose-a-law.md` helps to choose.
 
 # %%
 cc.reports.laws_table.deviations(pair).round(2)

@@ -11,7 +11,9 @@ from importlib import import_module
 
 import pandas as pd
 import pytest
+import typer
 
+from cylcontact.cli import app
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw
 from tests.browser import chromium, opened
@@ -31,8 +33,8 @@ WITH_CODE = [
     if page != README and any(b.language in ("python", "bash") for b in blocks(page))
 ]
 SLOW = {
-    "science.md", "fitter.md", "add-a-claim.md", "mechanism.md", "fit-my-data.md", "cluster.md",
-    "map-my-material.md", "figures-for-a-paper.md", "reproduce-the-paper.md", "add-a-figure.md",
+    "science.md", "calibration.md", "extend.md", "mechanism.md", "fit-my-data.md", "cluster.md",
+    "choose-a-law.md", "other-codes.md", "export.md", "reproduce-the-paper.md", "write-a-paper.md",
 }  # fmt: skip
 each_page = pytest.mark.parametrize(
     "page",
@@ -69,7 +71,7 @@ def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeyp
 @pytest.mark.slow
 def test_a_material_of_ones_own_changes_no_figure_of_the_paper(tmp_path, figures):
     copy_bench(tmp_path)
-    (table,) = [b for b in blocks(ROOT / "docs/how-to/map-my-material.md") if b.language == "csv"]
+    (table,) = [b for b in blocks(ROOT / "docs/how-to/choose-a-law.md") if b.language == "csv"]
     (tmp_path / table.title).write_text(table.text, encoding="utf-8")
     bench = Bench(tmp_path)
     assert "gunmetal" in bench.materials()
@@ -269,3 +271,9 @@ def test_outputs_can_be_written_anew(tmp_path, monkeypatch):
     right = '# Page\n\n```python\nprint("one\\ntwo")\n```\n\n```text\none\ntwo\n```\n\nEnd.\n'
     page.write_text(right.replace("one\ntwo\n```", "three\n```"), encoding="utf-8")
     assert rewritten(page, tmp_path / "bench", monkeypatch) == right
+
+
+def test_every_command_is_in_the_reference():
+    text = (ROOT / "docs/reference/command-line.md").read_text(encoding="utf-8")
+    commands = typer.main.get_command(app).commands
+    assert set(re.findall(r"^\| `([a-z-]+)", text, re.MULTILINE)) == set(commands)

@@ -473,11 +473,11 @@ def test_every_phrase_that_results_must_support_is_in_the_text():
 
 def test_references_are_cited_and_have_the_dois_of_the_documentation():
     library = (FOLDER / "references.bib").read_text("utf-8")
-    page = (ROOT / "docs/references.md").read_text("utf-8")
+    page = (ROOT / "docs/reference/literature.md").read_text("utf-8")
     text = OURS.read_text("utf-8")
     keys = re.findall(r"^@\w+\{(\w+),", library, re.MULTILINE)
     assert [key for key in keys if f"@{key}" not in text] == []
-    listed = set(re.findall(r"doi:(10\.[^\]]+)\]", page))
+    listed = set(re.findall(r"<https://doi\.org/(10\.[^>]+)>", page))
     shared = [doi for doi in re.findall(r"doi\s*=\s*\{(.+?)\}", library) if doi in listed]
     assert len(shared) >= 8
 

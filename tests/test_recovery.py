@@ -135,7 +135,7 @@ def test_a_bench_without_the_readings_says_how_to_make_them(tmp_path):
 
 
 def test_what_is_said_of_the_readings(figures):
-    """In README and on the page about the fitter."""
+    """In README and on the page that reproduces the paper."""
     table = figures["fig_readings"].drawing.table
     away = table.set_index(["search", "coefficient"])["difference_percent"].abs()
     refined = away[(table["changed"] == "points per axis").to_numpy()]
