@@ -29,11 +29,11 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.tether import tethered
 from cylcontact.datasets.finite_element import Setup, read_study, read_table, write_table
 from cylcontact.datasets.finite_element.mesh import Body, Mesh
 from cylcontact.datasets.finite_element.solver import LOCKS_FROM, clamped_nodes, node_shares
 from cylcontact.laws import Conformal
-from cylcontact.tether import tethered
 
 TABLES = Path(__file__).parents[1] / "datasets/finite_element"
 # Overlap at the start, as a fraction of the reference law's penetration.

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.tether import tethered
+from benchmarks.tether import tethered
 
 ROOT = Path(__file__).resolve().parents[1]
 CAMPAIGNS = ("internal", "external", "internal-linear", "conformal", "recovered-internal")

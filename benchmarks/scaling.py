@@ -21,10 +21,10 @@ from statistics import median
 import numpy as np
 
 from benchmarks.harness import exit_interrupted
+from benchmarks.tether import tethered
 from cylcontact.datasets.sampling import BLOCK
 from cylcontact.files import replacing
 from cylcontact.fitting import calibrate, read_campaign
-from cylcontact.tether import tethered
 
 ROOT = Path(__file__).resolve().parents[1]
 CAMPAIGN = ROOT / "benchmarks" / "huge.toml"

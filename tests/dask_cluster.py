@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 
-from cylcontact.tether import tethered
+from benchmarks.tether import tethered
 
 
 class LoopbackCluster:

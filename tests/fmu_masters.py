@@ -1,16 +1,20 @@
 """Masters for FMUs of clearance joints, and what they move: a journal, and the slider-crank."""
 
 from ctypes import c_double
+from pathlib import Path
 
 import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from cylcontact.export.fmu import VARIABLES
+from cylcontact.export.fmu import model_of
+from cylcontact.export.joint import element_of
+from cylcontact.mechanism import read_joint
 from cylcontact.mechanism.joint import JointState
 from cylcontact.mechanism.linkage import assemble, closure, constraint_table
 
-REALS = [name for name, quantity, *_ in VARIABLES if quantity]
+JOINT = Path(__file__).resolve().parents[1] / "datasets/joint.toml"
+REALS = [v.name for v in model_of(element_of(read_joint(JOINT))).variables if v.unit]
 INPUTS, OUTPUTS = list(range(12)), list(range(12, len(REALS)))
 
 

@@ -16,7 +16,7 @@ import time
 import uuid
 from pathlib import Path
 
-from cylcontact.tether import tethered
+from benchmarks.tether import tethered
 
 ROOT = Path(__file__).resolve().parents[1]
 

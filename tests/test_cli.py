@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import cylcontact
+from benchmarks.tether import tethered
 from cylcontact import cli
 from cylcontact.fitting import FitResult, calibrate
-from cylcontact.tether import tethered
 from tests.spec_files import CAMPAIGN, GRID, changed, tree, write_bench, write_toml
 
 ROOT = Path(__file__).resolve().parents[1]

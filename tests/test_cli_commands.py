@@ -1,4 +1,4 @@
-"""The commands as a whole: their groups, options, examples, former names, and tables."""
+"""The commands as a whole: their groups, options, examples and tables."""
 
 import re
 import shlex
@@ -113,67 +113,6 @@ def test_one_meaning_has_one_option():
 def test_no_option_has_a_plural_twin():
     known = {name for _, names, _ in options() for name in names}
     assert {f"{name}s" for name in known} & known == PLURALS
-
-
-# --- former names ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        *(
-            (
-                (study, "spec.toml", *others),
-                f"{study}: is now simulate --study {new}; write: cylcontact simulate SPEC --study "
-                f"{new} -o TABLE",
-            )
-            for study, new in (
-                ("sweep", "cases"), ("tolerances", "tolerances"), ("bifurcation", "bifurcation")
-            )
-            for others in ((), ("--help",), ("-o", "t.csv", "--clearances", "1"))
-        ),
-        (
-            ("animate", "spec.toml", "-o", "x.gif"),
-            "animate: is now simulate -o FILM.gif; write: cylcontact simulate SPEC -o FILM.gif",
-        ),
-        (
-            ("optimizers", "fitting/internal.toml"),
-            "optimizers: is now fit --optimizer all; write: cylcontact fit CAMPAIGN --optimizer "
-            "all -o TABLE.csv",
-        ),
-        (
-            ("uncertainty", "result.json"),
-            "uncertainty: is now fit RESULT.json; write: cylcontact fit RESULT.json",
-        ),
-        (
-            ("report", "fig10", "fig11"),
-            "report fig10: is now figure; write: cylcontact figure fig10 fig11",
-        ),
-        (("report", "--html"), "report --html: is now report; write: cylcontact report"),
-        *(
-            (
-                ("report", "fig10", option, "9"),
-                f"report {option}: is now figure {option}; write: cylcontact figure NAME {option} "
-                "VALUE",
-            )
-            for option in ("--style", "--format", "--font-size")
-        ),
-        *(
-            (
-                ("simulate", "spec.toml", f"{option}s", "1,2"),
-                f"simulate {option}s: is now {option}; write: cylcontact simulate SPEC --study "
-                f"{study} {option} VALUE,VALUE -o TABLE",
-            )
-            for option, study in (
-                ("--law", "cases"), ("--clearance", "cases"), ("--restitution", "cases"),
-                ("--friction", "cases"), ("--tolerance", "tolerances"),
-                ("--impact-rate", "bifurcation"),
-            )
-        ),
-    ],
-)  # fmt: skip
-def test_a_former_name_answers_with_the_present_one(run, arguments, line):
-    assert run(*arguments) == (2, "", f"cylcontact: {line}\n")
 
 
 # --- one command, several ways to use it -------------------------------------------------------

@@ -12,7 +12,7 @@ import cylcontact
 PACKAGE = Path(cylcontact.__file__).parent
 # Each layer may import those before it, and its own.
 LAYERS = (
-    {"errors", "plain_text", "tether"},
+    {"errors", "plain_text"},
     {
         "arrays",
         "choices",

@@ -42,18 +42,7 @@ _SAME_VERSIONS = ("cylcontact", "numpy", "scipy", "numba", "pygad")
 
 @dataclass(frozen=True)
 class Cluster:
-    """A running Dask cluster.
-
-    Parameters
-    ----------
-    address : str
-        That of its scheduler, for example tcp://192.168.1.5:8786.
-
-    Raises
-    ------
-    InputError
-        If there is no address, or the extra `distributed` is not installed.
-    """
+    """A running Dask cluster, by the address of its scheduler, e.g. tcp://192.168.1.5:8786."""
 
     address: str
 
@@ -116,10 +105,9 @@ def run_recorded(
 ) -> dict[Case, Result]:
     """Run the calls whose results a journal lacks, and record each as it is done.
 
-    Each call is that of the cases it solves together, and returns a dict of their results; see
-    `call_for` for a call for one case. `entry` returns what the journal holds of a case and its
-    result, None if it is to be tried again; `parse` is its inverse. Without `resume` the journal
-    starts anew. `progress` takes the number of cases done and their total.
+    Each call solves some cases and returns a dict of their results; `call_for` makes one for a
+    single case. `entry` returns what the journal holds of a case, None if it is to be tried again;
+    `parse` is its inverse. Without `resume` the journal starts anew.
     """
     cases = list(chain.from_iterable(calls))
     recorded = dict(journal.load(parse)) if journal and resume else {}
@@ -183,9 +171,8 @@ def _in_folder(folder: Path, function: Callable[..., Any], arguments: Any, named
 def _end_with(parent: int) -> None:
     """Let this worker process end with its parent, and leave Ctrl-C to it.
 
-    Otherwise it would wait for calls: the workers hold each other's queues open, so none of them
-    reads an end of file. Linux could send a signal, but does so when the thread that started the
-    worker ends, and workers outlive that thread.
+    Otherwise it would wait for calls: the workers hold each other's queues open. A signal of Linux
+    would come when the thread that started the worker ends, and workers outlive that thread.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 

@@ -19,7 +19,6 @@ from pathlib import Path
 import typer
 
 from cylcontact.cli.app import app
-from cylcontact.cli.renamed import refuse_former_command, refuse_former_option
 from cylcontact.cli.signals import stopped_by_signals
 from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
@@ -60,7 +59,12 @@ def main() -> None:
     except Exception as error:
         if not hasattr(error, "format_message"):
             raise
-        status = _fail(_usage(error, error.format_message()))
+        # A mistake on the command line, as typer tells it, and the remedy.
+        rule, context = (
+            " ".join(error.format_message().split()).rstrip("."),
+            getattr(error, "ctx", None),
+        )
+        status = _fail(f"{rule}; see {context.command_path if context else 'cylcontact'} --help")
     sys.exit(status)
 
 
@@ -90,25 +94,13 @@ def _run(arguments: Sequence[str]) -> int:
     if "" in arguments:  # typer takes an empty path for the current folder
         rule, remedy = "an argument is empty", "fill it in; a variable of the shell may be unset"
         raise InputError("command line", "", None, rule, remedy)
-    refuse_former_command(arguments)
     command = typer.main.get_command(app)
     try:
         with command.make_context("cylcontact", list(arguments)) as context:
             command.invoke(context)
     except typer.Exit as stop:
         return stop.exit_code
-    except Exception as error:
-        if hasattr(error, "option_name") and arguments:
-            refuse_former_option(arguments[0], error.option_name)
-        raise
     return 0
-
-
-def _usage(error: Exception, message: str) -> str:
-    """Return typer's message about a mistake on the command line, and the remedy, on one line."""
-    rule = " ".join(message.split()).rstrip(".")
-    context = getattr(error, "ctx", None)
-    return f"{rule}; see {context.command_path if context else 'cylcontact'} --help"
 
 
 def _fail(message: str, status: int = 2) -> int:

@@ -16,8 +16,6 @@ from cylcontact.cli import (
 )
 from cylcontact.cli.options import keep_inputs
 
-__all__ = ["app"]
-
 
 def _version(wanted: bool) -> None:
     """Print the version and exit."""

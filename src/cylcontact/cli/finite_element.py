@@ -12,8 +12,6 @@ from cylcontact.cli.terminal import cores, noting, progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.files import require_suffix, require_writable
 
-__all__ = ["finite_element"]
-
 
 def finite_element(
     spec: Annotated[

@@ -16,8 +16,6 @@ from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
 from cylcontact.files import replacing_all, require_writable, shipped_bench
 
-__all__ = ["FOLDERS", "copy_files", "init", "shipped_files"]
-
 FOLDERS = ("datasets", "fitting", "notebooks", "reports")
 # Files that commands and users add to a checkout; a wheel has none of them.
 _NOT_SHIPPED = (
@@ -53,20 +51,7 @@ def shipped_files(source: Path) -> list[Path]:
 
 
 def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
-    """Copy files with their folders; none appears before all are copied, or if one cannot.
-
-    Parameters
-    ----------
-    source, folder : path
-        Where to copy from and to.
-    names : iterable of path
-        The files, relative to both.
-
-    Raises
-    ------
-    InputError
-        If they cannot be written.
-    """
+    """Copy files with their folders; none appears before all are copied, or if one cannot."""
     names = list(names)
     with replacing_all(folder / name for name in names) as temporaries:
         for temporary, name in zip(temporaries, names, strict=True):
@@ -76,21 +61,15 @@ def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
 def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
     """Return the files missing in a folder; refuse a folder with other files of these names."""
     require_writable(folder / "any")
-    present = [name for name in names if os.path.lexists(folder / name)]
-    taken = [str(name) for name in present if not _is_copy(folder / name, source / name)]
+    missing, taken = [], []
+    for name in names:
+        file = folder / name
+        if not os.path.lexists(file):
+            missing.append(name)
+        elif not (file.is_file() and filecmp.cmp(file, source / name, shallow=False)):
+            taken.append(str(name))
     if taken:
-        raise InputError(
-            str(folder),
-            "",
-            None,
-            f"has other files named {first_of(taken, 3)}, and nothing is overwritten",
-            "choose an empty folder, or move these away",
-        )
-    missing = [name for name in names if name not in present]
+        rule = f"has other files named {first_of(taken, 3)}, and nothing is overwritten"
+        raise InputError(str(folder), "", None, rule, "choose an empty folder, or move these away")
     require_writable(*(folder / name for name in missing))
     return missing
-
-
-def _is_copy(file: Path, original: Path) -> bool:
-    """Return whether a file has the same contents as the original."""
-    return file.is_file() and filecmp.cmp(file, original, shallow=False)

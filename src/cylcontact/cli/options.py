@@ -93,23 +93,9 @@ def option_of(name: str) -> str:
 def require_taken(
     source: str, way: str, takes: Mapping[str, Collection[str]], given: Mapping[str, object]
 ) -> None:
-    """Refuse options that one way to use a command does not take.
+    """Refuse options that one way to use a command, a key of `takes`, does not take.
 
-    Parameters
-    ----------
-    source : str
-        What the message begins with.
-    way : str
-        The way chosen, one of the keys of `takes`.
-    takes : mapping of str to collection of str
-        The options of each way.
-    given : mapping of str to object
-        The options with their values: None, False or an empty list if not given.
-
-    Raises
-    ------
-    InputError
-        With the ways that take the option.
+    Options that are not `given` are None, False or an empty list.
 
     Examples
     --------
@@ -190,50 +176,28 @@ def keep_inputs(command: Callable[..., None]) -> Callable[..., None]:
 def resumable(out: Path, part: str) -> Iterator[Path]:
     """Give the path of the journal beside an output, and remove the journal in the end.
 
-    If the block fails, the journal stays. An interruption says how many parts it holds. A journal
-    that cannot be removed is told of, and is no failure, for the output is complete.
-
-    Parameters
-    ----------
-    out : Path
-        The output.
-    part : str
-        What a part is called: "run" or "case".
-
-    Yields
-    ------
-    Path
-        The journal's path.
+    If the block fails, the journal stays. An interruption says how many parts it holds, each
+    called "run" or "case". A journal that cannot be removed is no failure: the output is complete.
     """
     journal = out.with_name(out.name + ".partial")
     try:
         yield journal
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(_interrupted(journal, part)) from None
+        # The first line is the header.
+        count = journal.read_bytes().count(b"\n") - 1 if journal.is_file() else 0
+        text = f"interrupted before a {part} was complete; nothing is kept"
+        if count > 0:
+            parts = f"{part} is" if count == 1 else f"{part}s are"
+            text = (
+                f"interrupted; {count} complete {parts} kept in {journal}; "
+                "the same command with --resume goes on from there"
+            )
+        raise KeyboardInterrupt(text) from None
     try:
         journal.unlink(missing_ok=True)
     except OSError as error:
         text = f"{journal}: cannot be removed ({error.strerror}), and is no longer needed"
         say(f"cylcontact: {text}", err=True)
-
-
-def _interrupted(journal: Path, part: str) -> str:
-    """Return what an interrupted command says about its journal.
-
-    Examples
-    --------
-    >>> _interrupted(Path("no such.partial"), "run")
-    'interrupted before a run was complete; nothing is kept'
-    """
-    # The first line is the header.
-    count = journal.read_bytes().count(b"\n") - 1 if journal.is_file() else 0
-    if count < 1:
-        return f"interrupted before a {part} was complete; nothing is kept"
-    parts = f"{part} is" if count == 1 else f"{part}s are"
-    return (
-        f"interrupted; {count} complete {parts} kept in {journal}; "
-        "the same command with --resume goes on from there"
-    )
 
 
 def _existing_folder(folder: Path) -> Path:

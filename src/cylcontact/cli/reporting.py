@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -22,7 +22,6 @@ from cylcontact.cli.options import (
     split,
 )
 from cylcontact.cli.pair import PairOptions, constants_of, housing_of, pair_of
-from cylcontact.cli.renamed import renamed
 from cylcontact.cli.terminal import cores, progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.export import CODES, JOINT_TARGETS, TARGETS
@@ -39,11 +38,6 @@ from cylcontact.limits import yield_warning
 from cylcontact.materials import known_materials, own_table
 from cylcontact.pair import CylinderPair, unusual_lengths
 from cylcontact.plain_text import brief
-
-if TYPE_CHECKING:
-    from cylcontact.reports.bench import Bench
-
-__all__ = ["claims", "export", "figure", "laws", "manuscript", "report"]
 
 # Characters of a warning, which may list many words of a text.
 LONGEST_NOTE = 500
@@ -124,31 +118,22 @@ def report(
 
     bench = Bench(Path(), results, jobs or cores())
     if tables is not None:
-        _write_tables(bench, names or (), tables, out or bench.recipes_folder / "tables")
+        from cylcontact.reports.tables import write_tables
+
+        folder = out or bench.recipes_folder / "tables"
+        count = len(write_tables(bench, names or (), tables, folder))
+        say(f"{count} {'file' if count == 1 else 'files'} in {folder}")
         return
     if names:
-        raise renamed(f"report {names[0]}", "figure", f"figure {' '.join(names)}")
-    _build_site(bench, out or bench.recipes_folder / "html")
-
-
-def _build_site(bench: Bench, folder: Path) -> None:
-    """Build the report for a browser and print what is missing in it."""
+        rule, remedy = "is for --tables", f"draw figures with cylcontact figure {' '.join(names)}"
+        raise InputError("report", "RECIPE", names[0], rule, remedy)
     from cylcontact.reports.html import build_site
 
     with progress_bars() as progress:
-        site = build_site(bench, folder, progress)
+        site = build_site(bench, out or bench.recipes_folder / "html", progress)
     for reason in site.missing:
         say(f"missing, {reason}", err=True)
     say(f"open {site.index}")
-
-
-def _write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -> None:
-    """Write the tables for a paper and the captions of the figures."""
-    from cylcontact.reports.tables import write_tables
-
-    written = write_tables(bench, names, kind, folder)
-    count = len(written)
-    say(f"{count} {'file' if count == 1 else 'files'} in {folder}")
 
 
 def claims(

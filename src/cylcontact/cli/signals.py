@@ -9,8 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["stopped_by_signals"]
-
 # Seconds after which a lost interruption is raised again.
 _REPEAT_AFTER = 1.0
 

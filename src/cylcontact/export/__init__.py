@@ -195,23 +195,26 @@ def export_joint(
         not stem or re.fullmatch(r"[\w+-][\w.+ -]*", stem, re.ASCII) is not None, "export", "--out",
         stem, "is not plain text", "name the file with ASCII letters, digits, spaces, - and _",
     )  # fmt: skip
-    from cylcontact.export.fmu import joint_source
-    from cylcontact.export.joint import source
+    from cylcontact.export import element, fmu
+    from cylcontact.export.joint import element_of
 
-    return joint_source(joint, stem) if target == "fmu" else source(joint, target, stem)
+    chosen = element_of(joint)
+    if target == "fmu":
+        return fmu.joint_source(chosen, stem)
+    return element.source(chosen, target, stem)
 
 
 def _named(what: str, contact: Contact | None) -> tuple[ContactLaw, Contact | None, str]:
-    """Return a law by its name or the path of a fit result, its contact, and its origin in words.
-
-    Raises `InputError` if it is neither, or the result is for the other contact.
-    """
+    """Return a law by its name or the path of a fit result, its contact, and its origin."""
     if what in LAWS:
         return LAWS[what](), contact, ""
     if what.startswith("power"):
         rule, remedy = "has no coefficients of its own", "name a fit result of it"
         raise InputError("export", "law", what, rule, remedy)
-    if Path(what).suffix == ".json" or _exists(what):
+    is_path = Path(what).suffix == ".json"
+    with suppress(OSError):  # of a name that is too long
+        is_path = is_path or Path(what).exists()
+    if is_path:
         return _of_result(what, contact)
     if ":" in what:
         return user_law(what, Path.cwd()), contact, "a function of the user's own"
@@ -219,13 +222,6 @@ def _named(what: str, contact: Contact | None) -> tuple[ContactLaw, Contact | No
     names = ", ".join(EXPORTABLE)
     remedy = f"choose {names}, module:function of your own, or the path of a result"
     raise InputError("export", "law", what, rule, remedy)
-
-
-def _exists(path: str) -> bool:
-    """Return whether the file exists; False for a name that is too long."""
-    with suppress(OSError):
-        return Path(path).exists()
-    return False
 
 
 def _of_result(path: str, contact: Contact | None) -> tuple[ContactLaw, Contact, str]:
@@ -247,7 +243,6 @@ def _of_result(path: str, contact: Contact | None) -> tuple[ContactLaw, Contact,
 
 
 def _require_target(target: str, targets: Collection[str] = TARGETS) -> None:
-    """Raise `InputError` for an unknown target."""
     if target not in targets:
         raise InputError(
             "export", "--to", target, "is not a known target", f"choose {listed(targets)}"
@@ -255,12 +250,9 @@ def _require_target(target: str, targets: Collection[str] = TARGETS) -> None:
 
 
 def _contact(contact: str | None) -> Contact | None:
-    """Return the contact; raise `InputError` if it is neither internal nor external."""
-    for known in CONTACTS:
-        if contact == known:
-            return known
-    if contact is None:
-        return None
+    known: tuple[Contact | None, ...] = (*CONTACTS, None)
+    if contact in known:
+        return known[known.index(contact)]
     raise InputError(
         "export", "--contact", contact, "is not a contact", f"choose {listed(CONTACTS)}"
     )

@@ -205,6 +205,29 @@ class ExportedLaw:
         return own | factors
 
 
+def _names_in_c(name: str, in_cpp: bool) -> dict[str, str]:
+    """Return what differs between C and C++, which has a namespace in a header."""
+    if in_cpp:
+        return {
+            "standard": "C++11: load, stiffness, and evaluate for both, in a namespace.",
+            "guard": name.upper(),
+            "declared": "",
+            "inline": "inline ",
+            "both": "evaluate",
+            "of_load": "load",
+            "of_stiffness": "stiffness",
+        }
+    return {
+        "standard": "C99; link with -lm.",
+        "guard": "",
+        "declared": "functions",
+        "inline": "",
+        "both": name,
+        "of_load": f"{name}_load",
+        "of_stiffness": f"{name}_stiffness",
+    }
+
+
 def source(law: ExportedLaw, target: str) -> str:
     """Return a law as the text of a file in a language."""
     dialect, names = DIALECTS[target], law.arguments
@@ -214,7 +237,7 @@ def source(law: ExportedLaw, target: str) -> str:
     parts = {
         "comment": law.comment(dialect.comment),
         "name": law.name,
-        "guard": law.name.upper(),
+        **_names_in_c(law.name, target == "cpp"),
         "arguments": ", ".join(names),
         "parameters": ", ".join(f"double {name}" for name in names),
         "pair": ", ".join(names[1:]),
@@ -231,9 +254,7 @@ def source(law: ExportedLaw, target: str) -> str:
         "at_depth": dialect.statements(law.at_depth),
     }
     parts["helpers"] = dialect.helpers_of(parts["at_pair"] + parts["at_depth"])
-    if target in ("c", "cpp"):
-        parts["body"] = filled_template("law.body", parts).rstrip("\n")
-    text = filled_template(f"law.{target}", parts)
+    text = filled_template(f"law.{'c' if target == 'cpp' else target}", parts)
     return text.replace("\nstatic ", "\ninline ") if target == "cpp" else text
 
 
@@ -371,26 +392,21 @@ def table(rows: Mapping[str, tuple[str, str]]) -> list[str]:
 
 
 def require_contact_law(law: ContactLaw, contact: Contact | None) -> None:
-    """Refuse a law whose load is negative or decreases for some pair, or exists for none.
-
-    Raises `InputError` with the penetration and the pair where it fails.
-    """
+    """Refuse a law whose load is negative or decreases for some pair, or exists for none."""
     has_load = False
     for each in CONTACTS if contact is None else (contact,):
         try:
             pair, depth, loads = _loads(law, each, _MODULI)
         except InputError:  # some laws are for steel alone
             pair, depth, loads = _loads(law, each, (_STEEL,))
-        before = np.fmax.accumulate(np.nan_to_num(loads, nan=-np.inf), axis=0)[:-1]
-        falls = loads[1:] < before * (1 - _ROUNDING)
-        wrong = np.concatenate([loads[:1] < 0, (loads[1:] < 0) | falls])
-        if wrong.any():
-            at = tuple(np.argwhere(wrong)[0])
-            dR = float(np.broadcast_to(pair.dR, loads.shape)[at])
-            E = float(np.broadcast_to(pair.material_i.E, loads.shape)[at])
-            what = "is negative" if loads[at] < 0 else "decreases"
+        before = np.fmax.accumulate(np.nan_to_num(loads, nan=-np.inf), axis=0)
+        wrong = loads < 0
+        wrong[1:] |= loads[1:] < before[:-1] * (1 - _ROUNDING)
+        for at in map(tuple, np.argwhere(wrong)):
+            dR, E, _ = (x[at] for x in np.broadcast_arrays(pair.dR, pair.material_i.E, loads))
             rule = (
-                f"is no contact law with these coefficients: its load {what} at {depth[at]:.3g} mm "
+                "is no contact law with these coefficients: its load "
+                f"{'is negative' if loads[at] < 0 else 'decreases'} at {depth[at]:.3g} mm "
                 f"for ΔR = {dR:.3g} mm and E = {E:g} MPa"
             )
             raise InputError("export", "law", law.name, rule, "correct them, or redo the fit")
@@ -403,10 +419,10 @@ def require_contact_law(law: ContactLaw, contact: Contact | None) -> None:
 def _loads(
     law: ContactLaw, contact: Contact, moduli: tuple[float, ...]
 ) -> tuple[CylinderPair, FloatArray, FloatArray]:
-    """Return pairs of many clearances and moduli, and loads over many penetrations."""
+    """Return pairs of many clearances and moduli, and penetrations and loads for them."""
     dR = np.geomspace(*_DR[contact], 13)[:, None]
-    material = Material("any", np.array(moduli), 0.3)
     R_i = 20 * dR if contact == "internal" else dR / 2
+    material = Material("any", np.array(moduli), 0.3)
     pair = CylinderPair.from_dR(contact, dR, material, length=10.0, R_i=R_i)
     with np.errstate(all="ignore"):
         loads = law.load(_DEPTHS * dR, pair)

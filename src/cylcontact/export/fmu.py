@@ -1,4 +1,4 @@
-"""FMUs by FMI 2.0, of a law and of a joint, around their C: archive, library and description."""
+"""FMUs by FMI 2.0, of a law and of an element, around their C: archive, library and description."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import subprocess
 import sys
 import uuid
 import zipfile
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,10 +18,13 @@ from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from cylcontact.errors import InputError
-from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw
+from cylcontact.export.dialects import DIALECTS
+from cylcontact.export.element import BODIES, UNITS, Element
+from cylcontact.export.element import source as element_text
+from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw, expression
 from cylcontact.export.exported_law import source as law_text
-from cylcontact.export.joint import source as joint_text
-from cylcontact.mechanism.joint import ClearanceJoint
+from cylcontact.export.render import filled_template
+from cylcontact.impact import IMPACT_RATE_FLOOR
 from cylcontact.plain_text import comment
 
 # What pip cannot install, and the folder, suffix and flags of a shared library.
@@ -30,6 +33,9 @@ _LIBRARIES = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32"
 _FLAGS = ("-shared", "-fPIC", "-O2", "-std=c99")
 # The earliest time that a zip archive can hold, so that equal contents make equal files.
 _EPOCH = (1980, 1, 1, 0, 0, 0)
+# At an event, bodies that approach each other within this distance in mm touch: whoever locates
+# the root of the penetration leaves a small error on either side.
+_TOUCH = 1e-6
 
 
 class Variable(NamedTuple):
@@ -42,8 +48,7 @@ class Variable(NamedTuple):
     start: float = 0.0
 
 
-@dataclass(frozen=True)
-class Model:
+class Model(NamedTuple):
     """What an FMU says of its model.
 
     `units` has the exponents of kg, m and s, and a factor, by the units of the variables, whose
@@ -53,7 +58,7 @@ class Model:
     name: str
     title: str
     text: str
-    variables: tuple[Variable, ...]
+    variables: Sequence[Variable]
     units: Mapping[str, Mapping[str, float]]
     indicators: int = 0
 
@@ -68,6 +73,10 @@ class Model:
         sources = f"    <SourceFiles>\n{files}    </SourceFiles>\n"
         outputs = [k for k, v in enumerate(self.variables, 1) if v.causality == "output"]
         unknowns = "".join(f'      <Unknown index="{index}"/>\n' for index in outputs)
+        units = ""
+        for unit, exponents in self.units.items():
+            base = " ".join(f'{name}="{power}"' for name, power in exponents.items())
+            units += f'    <Unit name="{unit}"><BaseUnit {base}/></Unit>\n'
         return f"""\
 <?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName={quoteattr(self.title)} guid="{guid}"
@@ -79,7 +88,7 @@ class Model:
       canHandleVariableCommunicationStepSize="true">
 {sources}  </CoSimulation>
   <UnitDefinitions>
-{self._units()}  </UnitDefinitions>
+{units}  </UnitDefinitions>
   <LogCategories>
     <Category name="logStatusError"/>
   </LogCategories>
@@ -93,14 +102,6 @@ class Model:
   </ModelStructure>
 </fmiModelDescription>
 """
-
-    def _units(self) -> str:
-        """Return the units in terms of those of the SI."""
-        lines = []
-        for unit, exponents in self.units.items():
-            base = " ".join(f'{name}="{power}"' for name, power in exponents.items())
-            lines.append(f'    <Unit name="{unit}"><BaseUnit {base}/></Unit>\n')
-        return "".join(lines)
 
     def _variables(self) -> str:
         """Return the variables; the order is that of the indices in the model's structure."""
@@ -121,29 +122,34 @@ class Model:
             reals += bool(v.unit)
         return "".join(lines)
 
+    def fmu(self, sources: Mapping[str, str], parts: Mapping[str, str]) -> bytes:
+        """Return an FMU, the same for the same sources, version and compiler.
 
-def fmu(model: Model, sources: Mapping[str, str], definitions: str, hooks: str) -> bytes:
-    """Return an FMU, the same for the same sources, version and compiler.
-
-    `definitions`, with $guid, and `hooks` come before the text of fmi2.c.
-    """
-    wrapper = hooks + (Path(__file__).parent / "fmi2.c").read_text(encoding="ascii")
-    parts = (*sources.values(), definitions, wrapper, model.description(""))
-    content = hashlib.sha256("\0".join(parts).encode()).digest()
-    guid = f"{{{uuid.UUID(bytes=content[:16])}}}"
-    texts = {**sources, f"{model.name}_fmi2.c": definitions.replace("$guid", guid) + wrapper}
-    folder, suffix = _platform()
-    return _archive({
-        "modelDescription.xml": model.description(guid).encode(),
-        **{f"sources/{file}": text.encode() for file, text in texts.items()},
-        f"binaries/{folder}/{model.name}{suffix}": _library(texts, model.name + suffix),
-    })  # fmt: skip
-
-
-def _platform() -> tuple[str, str]:
-    """Return FMI's name of this platform, and the suffix of its libraries."""
-    system, suffix = _LIBRARIES.get(sys.platform, _LIBRARIES["linux"])
-    return f"{system}{64 if sys.maxsize > 2**32 else 32}", suffix
+        `parts` are what the model has for the template fmi2.c. Raises `InputError` if there is no
+        C compiler, or it fails.
+        """
+        inputs = [v for v in self.variables if v.causality in ("input", "parameter")]
+        parts = {
+            **dict.fromkeys(("law", "contacts"), ""),
+            **parts,
+            "name": self.name,
+            "inputs": str(len(inputs)),
+            "reals": str(sum(bool(v.unit) for v in self.variables)),
+            "first": ", ".join(repr(v.start) for v in inputs),
+        }
+        wrapper = filled_template("fmi2.c", {**parts, "guid": ""})
+        content = "\0".join((*sources.values(), wrapper, self.description("")))
+        hashed = hashlib.sha256(content.encode()).digest()
+        guid = f"{{{uuid.UUID(bytes=hashed[:16])}}}"
+        wrapper = filled_template("fmi2.c", {**parts, "guid": guid})
+        texts = {**sources, f"{self.name}_fmi2.c": wrapper}
+        system, suffix = _LIBRARIES.get(sys.platform, _LIBRARIES["linux"])
+        library = f"binaries/{system}{64 if sys.maxsize > 2**32 else 32}/{self.name}{suffix}"
+        return _archive({
+            "modelDescription.xml": self.description(guid).encode(),
+            **{f"sources/{file}": text.encode() for file, text in texts.items()},
+            library: _library(texts, self.name + suffix),
+        })  # fmt: skip
 
 
 def _library(sources: Mapping[str, str], file: str) -> bytes:
@@ -162,16 +168,10 @@ def _library(sources: Mapping[str, str], file: str) -> bytes:
         command = [compiler, *_FLAGS, "-o", file, *units, "-lm"]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode:
-            raise InputError(
-                "export", "--to", "fmu", f"{compiler} failed: {_first_line(done.stderr)}",
-                "check that it compiles a C program",
-            )  # fmt: skip
+            first = next(iter(done.stderr.splitlines()), "it said nothing")
+            rule, remedy = f"{compiler} failed: {first}", "check that it compiles a C program"
+            raise InputError("export", "--to", "fmu", rule, remedy)
         return (folder / file).read_bytes()
-
-
-def _first_line(text: str) -> str:
-    """Return the first line of a compiler's errors."""
-    return next(iter(text.splitlines()), "it said nothing")
 
 
 def _archive(files: Mapping[str, bytes]) -> bytes:
@@ -188,184 +188,96 @@ def _archive(files: Mapping[str, bytes]) -> bytes:
 # --- of a law ---
 
 # Where nothing else is given, a steel pin in a hole of 10 mm.
-_LAW_START = {
-    "penetration": 0.0, "E_star": 113736.26, "dR": 0.05, "R_i": 10.0, "R_j": 9.95, "length": 10.0,
-}  # fmt: skip
+_LAW_START = {"E_star": 113736.26, "dR": 0.05, "R_i": 10.0, "R_j": 9.95, "length": 10.0}
 _LAW_UNITS = {
     "mm": {"m": 1, "factor": 1e-3},
     "MPa": {"kg": 1, "m": -1, "s": -2, "factor": 1e6},
     "N/mm": {"kg": 1, "s": -2, "factor": 1e3},
     "N/mm2": {"kg": 1, "m": -1, "s": -2, "factor": 1e6},
 }
-_LAW_DEFINITIONS = """\
-#define GUID "$guid"
-
-"""
-_LAW_HOOKS = """\
-/* The law for fmi2.c: its arguments, then load and stiffness. */
-#include <string.h>
-
-void {name}({parameters}, double *load, double *stiffness);
-
-enum {{ INPUTS = {count}, REALS = {count} + 2, INDICATORS = 0 }};
-
-typedef struct {{
-    double input[INPUTS], ahead;
-}} Memory;
-
-static void start(Memory *memory)
-{{
-    const double first[INPUTS] = {{{first}}};
-    memcpy(memory->input, first, sizeof first);
-    memory->ahead = 0.0;
-}}
-
-static int settle(Memory *memory, int at_event)
-{{
-    (void)memory, (void)at_event;
-    return 0;
-}}
-
-static void reals_of(const Memory *memory, double all[REALS])
-{{
-    memcpy(all, memory->input, sizeof memory->input);
-    {name}({given}, &all[INPUTS], &all[INPUTS + 1]);
-}}
-
-static int integer_of(const Memory *memory, unsigned int which, int *value)
-{{
-    (void)memory, (void)which, (void)value;
-    return 0;
-}}
-
-static void indicators_of(const Memory *memory, double *indicators)
-{{
-    (void)memory, (void)indicators;
-}}
-
-"""
 
 
 def source(law: ExportedLaw) -> bytes:
-    """Return the FMU: the penetration is its input, the pair's arguments are its parameters.
-
-    Raises `InputError` if there is no C compiler, or it fails.
-    """
-    start = {name: _LAW_START.get(name, 0.0) for name in law.arguments}
-    kinds = ("input", *("parameter" for _ in law.arguments[1:]))
+    """Return the FMU: the penetration is its input, the pair's arguments are its parameters."""
+    kinds = {law.arguments[0]: "input", "load": "output", "stiffness": "output"}
     rows = {**{name: MEANINGS[name] for name in law.arguments}, **RESULTS}
-    variables = (
-        Variable(name, unit.replace("^", ""), kind, meaning, start.get(name, 0.0))
-        for (name, (unit, meaning)), kind in zip(
-            rows.items(), (*kinds, "output", "output"), strict=True
+    variables = [
+        Variable(
+            name, unit.replace("^", ""), kinds.get(name, "parameter"), meaning,
+            _LAW_START.get(name, 0.0),
         )
-    )
-    hooks = _LAW_HOOKS.format(
-        name=law.name,
-        parameters=", ".join(f"double {name}" for name in law.arguments),
-        count=len(start),
-        first=", ".join(map(repr, start.values())),
-        given=", ".join(f"all[{k}]" for k in range(len(start))),
-    )
-    text = f"The contact law '{comment(law.law.name)}': load and stiffness per unit of length"
-    model = Model(law.name, law.name, text, tuple(variables), _LAW_UNITS)
-    return fmu(model, {f"{law.name}.c": law_text(law, "c")}, _LAW_DEFINITIONS, hooks)
-
-
-# --- of a joint ---
-
-_MOTION = (
-    ("x", "length", "position of the reference point"),
-    ("y", "length", "position of the reference point"),
-    ("angle", "angle", "angle, anticlockwise"),
-    ("v_x", "speed", "velocity of the reference point"),
-    ("v_y", "speed", "velocity of the reference point"),
-    ("spin", "spin", "rate of the angle"),
-)
-_WRENCH = (
-    ("force_x", "force", "force of the contact"),
-    ("force_y", "force", "force of the contact"),
-    ("moment", "moment", "moment of the contact about the reference point"),
-)
-_BODIES = {"bearing": "of the body with the hole", "pin": "of the body with the pin"}
-# Name, quantity (empty for the integer), causality and description, in the order of the value
-# references; fmi2_joint.c has the same.
-VARIABLES: tuple[tuple[str, str, str, str], ...] = (
-    *(
-        (f"{body}.{name}", quantity, "input", f"{text} {of}")
-        for body, of in _BODIES.items()
-        for name, quantity, text in _MOTION
-    ),
-    *(
-        (f"{body}.{name}", quantity, "output", f"{text} {of.replace('of', 'on', 1)}")
-        for body, of in _BODIES.items()
-        for name, quantity, text in _WRENCH
-    ),
-    ("penetration", "length", "output", "negative where the bodies do not touch"),
-    ("penetration_rate", "speed", "output", "rate of the penetration"),
-    ("normal_force", "force", "output", "normal part of the force, not negative"),
-    ("friction_force", "force", "output", "tangential part of the force on the bearing"),
-    ("tangential_velocity", "speed", "output", "of the bearing against the pin"),
-    ("dissipated_power", "power", "output", "by damping and friction, not negative"),
-    ("impact_rate", "speed", "local", "penetration rate at first touch; 0: no contact"),
-    ("flag", "", "output", "1 above first yield, plus 2 beyond the law's domain"),
-)
-
-# Name of each quantity's unit, in SI or with mm, and its exponents of kg, m and s.
-_JOINT_UNITS: dict[str, tuple[str, str, dict[str, float]]] = {
-    "length": ("m", "mm", {"m": 1}),
-    "angle": ("rad", "rad", {"rad": 1}),
-    "speed": ("m/s", "mm/s", {"m": 1, "s": -1}),
-    "spin": ("rad/s", "rad/s", {"rad": 1, "s": -1}),
-    "force": ("N", "N", {"kg": 1, "m": 1, "s": -2}),
-    "moment": ("N.m", "N.mm", {"kg": 1, "m": 2, "s": -2}),
-    "power": ("W", "N.mm/s", {"kg": 1, "m": 2, "s": -3}),
-}
-
-# At an event, bodies that approach each other within this distance in mm touch: whoever locates
-# the root of the penetration leaves a small error on either side.
-_TOUCH = 1e-6
-
-_JOINT_DEFINITIONS = """\
-#include "{name}.h"
-
-#define JOINT(part) {name}_##part
-#define GUID "$guid"
-#define RATE_FLOOR {floor!r}
-#define TOUCH {touch!r}
-
-"""
-
-
-def joint_source(joint: ClearanceJoint, stem: str) -> dict[str, bytes]:
-    """Return the FMU by its file name, with sources and a library for this platform.
-
-    Raises `InputError` if there is no C compiler, or it fails.
-    """
-    name = joint.identifier
-    definitions = _JOINT_DEFINITIONS.format(
-        name=name, floor=joint.rate_floor, touch=_TOUCH / joint.in_mm
-    )
-    hooks = (Path(__file__).parent / "fmi2_joint.c").read_text(encoding="ascii")
-    return {
-        f"{stem or name}.fmu": fmu(model_of(joint), joint_text(joint, "c", ""), definitions, hooks)
+        for name, (unit, meaning) in rows.items()
+    ]  # fmt: skip
+    parts = {
+        "law": "a law",
+        "parameters": ", ".join(f"double {name}" for name in law.arguments),
+        "given": ", ".join(f"all[{k}]" for k in range(len(law.arguments))),
     }
+    text = f"The contact law '{comment(law.law.name)}': load and stiffness per unit of length"
+    model = Model(law.name, law.name, text, variables, _LAW_UNITS)
+    return model.fmu({f"{law.name}.c": law_text(law, "c")}, parts)
 
 
-def model_of(joint: ClearanceJoint) -> Model:
-    """Return what the FMU of a joint says of it."""
-    title, law = comment(joint.name), comment(joint.law.name)
-    in_units = {"": ""}
-    bases: dict[str, dict[str, float]] = {}
-    for quantity, (in_SI, in_mm, exponents) in _JOINT_UNITS.items():
-        unit = in_SI if joint.units == "SI" else in_mm
-        in_units[quantity] = unit
-        bases[unit] = exponents if unit == in_SI else {**exponents, "factor": 0.001}
+# --- of an element ---
+
+
+def joint_source(element: Element, stem: str) -> dict[str, bytes]:
+    """Return the FMU by its file name, with sources and a library for this platform."""
+    in_mm = 1.0 if element.units == "mm" else 1e3
+    one = "&" if element.contacts == 1 else ""
+    inputs = [
+        (body, each.name, each.ahead or each.name) for body in BODIES for each in element.motion
+    ]
+    dialect = DIALECTS["c"]
+    bodies = []
+    for k, (body, _, ahead) in enumerate(inputs):
+        names = {name: f"input[{n}]" for n, (of, name, _) in enumerate(inputs) if of == body}
+        text = replace(dialect, names={**dialect.names, **names}).render(expression(ahead))
+        bodies.append(f"bodies[{k}] = {text};")
+    reals = [
+        f"wrench.{each.name}" + (f"[{k}]" if each.is_vector else "")
+        for each in element.results if each.quantity for k in range(len(each.values))
+    ]  # fmt: skip
+    reals += [
+        "memory->contact.impact_rate" + ("" if one else f"[{k}]") for k in range(element.contacts)
+    ]
+    parts = {
+        "contacts": str(element.contacts),
+        "bodies": "\n".join(bodies),
+        "outputs": "\n".join(f"all[{k}] = {real};" for k, real in enumerate(reals, len(inputs))),
+        "rates": f"{one}memory->contact.impact_rate",
+        "accepted": f"{one}next.impact_rate",
+        "depths": f"{one}wrench.penetration",
+        "speeds": f"{one}wrench.penetration_rate",
+        "touch": repr(_TOUCH / in_mm),
+        "floor": repr(IMPACT_RATE_FLOOR / in_mm),
+    }
+    sources = element_text(element, "c", "")
+    return {f"{stem or element.name}.fmu": model_of(element).fmu(sources, parts)}
+
+
+def model_of(element: Element) -> Model:
+    """Return what the FMU of an element says of it."""
+    in_units, bases = {"": ""}, {}
+    for quantity, unit in UNITS.items():
+        name = in_units[quantity] = unit.with_m if element.units == "SI" else unit.with_mm
+        scaled = {} if name == unit.with_m else {"factor": 0.001}
+        bases[name] = {**unit.exponents, **scaled}
+    rows = [
+        (f"{body}.{each.name}", each.quantity, "input", f"{each.meaning} {of}")
+        for body, of in BODIES.items() for each in element.motion
+    ]  # fmt: skip
+    for each in element.results:
+        what, _, body = each.name.rpartition("_")
+        name = f"{body}.{what}" if body in BODIES else each.name
+        rows += ((name + part, each.quantity, "output", each.meaning) for part in each.parts)
+    rate = "penetration rate at first touch; 0: no contact"
+    rows[-1:-1] = [(name, "speed", "local", rate) for name in element.numbered("impact_rate")]
     return Model(
-        joint.identifier,
-        title,
-        f"The clearance joint '{title}': law {law}, clearance {float(joint.pair.dR):.6g} mm",
-        tuple(Variable(n, in_units[q], causality, text) for n, q, causality, text in VARIABLES),
+        element.name,
+        comment(element.title),
+        f"The clearance joint '{comment(element.title)}': law {element.law_text}",
+        [Variable(name, in_units[q], causality, text) for name, q, causality, text in rows],
         bases,
-        indicators=1,
+        element.contacts,
     )

@@ -241,7 +241,7 @@ class Body:
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """The m pairs of nodes that may touch: the first of both surfaces."""
+    """The pairs of nodes that may touch: the first `count` of both surfaces."""
 
     count: int
     normals: FloatArray  # (m, 2), unit vectors out of the pin, from the hole's centre

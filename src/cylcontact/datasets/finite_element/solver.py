@@ -102,7 +102,7 @@ class Solution:
     def stress(self, of: BodyName) -> Stress:
         """Return the stresses at the middle of each cell of a body."""
         E, nu = self.setup.equivalent(of)
-        basis = _displacement_basis(getattr(self.mesh, of), quadrature=_MIDDLE)
+        basis = _basis(getattr(self.mesh, of), quadrature=_MIDDLE)
         gradient = np.asarray(basis.interpolate(getattr(self, of).ravel()).grad)[..., 0]
         xx, yy = gradient[0, 0], gradient[1, 1]
         mu, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
@@ -112,7 +112,7 @@ class Solution:
         return Stress(volume + 2 * mu * xx, volume + 2 * mu * yy, shear, zz)
 
     def stress_below(self, of: BodyName) -> tuple[FloatArray, Stress]:
-        """Return the stresses below the middle of the contact, by depth.
+        """Return depths below the middle of the contact in mm, increasing, and stresses there.
 
         Parameters
         ----------
@@ -122,9 +122,8 @@ class Solution:
         Returns
         -------
         depth : array of float, shape (k,)
-            Distance from the contact surface along the line of the load in mm, increasing.
-        stress : Stress
-            Shape (k,), at the middles of the cells that touch this line.
+        stress : Stress, shape (k,)
+            At the middles of the cells along the line of the load.
 
         Examples
         --------
@@ -221,19 +220,14 @@ def solve(setup: Setup, dR: float, loads: Sequence[float] | FloatArray) -> list[
 # --- elasticity ----------------------------------------------------------------------------------
 
 
-def _mesh_of(body: Body) -> Any:
-    """Return scikit-fem's mesh of a body."""
+def _basis(body: Body, vector: bool = True, **quadrature: Any) -> Any:
+    """Return scikit-fem's basis of bilinear displacements, or of a number, with a quadrature."""
     import skfem
 
     points, quads = (np.ascontiguousarray(array.T) for array in (body.points, body.quads))
-    return skfem.MeshQuad(points, quads)
-
-
-def _displacement_basis(body: Body, **quadrature: Any) -> Any:
-    """Return scikit-fem's basis of bilinear displacements with a quadrature."""
-    import skfem
-
-    return skfem.Basis(_mesh_of(body), skfem.ElementVector(skfem.ElementQuad1()), **quadrature)
+    element = skfem.ElementQuad1()
+    element = skfem.ElementVector(element) if vector else element
+    return skfem.Basis(skfem.MeshQuad(points, quads), element, **quadrature)
 
 
 def _stiffness(body: Body, E: float, nu: float) -> Any:
@@ -248,11 +242,11 @@ def _stiffness(body: Body, E: float, nu: float) -> Any:
     from skfem.models.elasticity import lame_parameters, linear_elasticity
 
     lame, mu = lame_parameters(E, nu)
-    full = _displacement_basis(body, intorder=3)
+    full = _basis(body, intorder=3)
     if nu <= LOCKS_FROM:
         return asm(linear_elasticity(lame, mu), full).tocsc()
     volumetric = BilinearForm(lambda u, v, _: lame * div(u) * div(v))
-    shear, volume = linear_elasticity(0.0, mu), _displacement_basis(body, quadrature=_MIDDLE)
+    shear, volume = linear_elasticity(0.0, mu), _basis(body, quadrature=_MIDDLE)
     return (asm(shear, full) + asm(volumetric, volume)).tocsc()
 
 
@@ -302,7 +296,7 @@ def node_shares(setup: Setup, dR: float, mesh: Mesh) -> FloatArray:
     def inside(v: Any, w: Any) -> Any:
         return v * (np.hypot(w.x[0] - x, w.x[1] - y) <= radius)
 
-    basis = skfem.Basis(_mesh_of(mesh.pin), skfem.ElementQuad1(), intorder=4)
+    basis = _basis(mesh.pin, vector=False, intorder=4)
     shares = np.asarray(skfem.LinearForm(inside).assemble(basis), dtype=np.float64)
     return as_floats(shares / shares.sum())
 
@@ -312,23 +306,19 @@ def node_shares(setup: Setup, dR: float, mesh: Mesh) -> FloatArray:
 
 def _pair_forces(mesh: Mesh, body: Body, sign: float) -> FloatArray:
     """Return the forces on a body of a unit force in each pair, and none: shape (2N, m + 1)."""
-    pairs = mesh.pairs
-    nodes, each = body.surface[: pairs.count], np.arange(pairs.count)
-    forces = np.zeros((2 * len(body.points), pairs.count + 1))
-    forces[2 * nodes, each] = sign * pairs.normals[:, 0]
-    forces[2 * nodes + 1, each] = sign * pairs.normals[:, 1]
-    return forces
+    count = mesh.pairs.count
+    forces = np.zeros((len(body.points), 2, count + 1))
+    forces[body.surface[:count], :, np.arange(count)] = sign * mesh.pairs.normals
+    return forces.reshape(-1, count + 1)
 
 
 def _opening(mesh: Mesh, plate: FloatArray, pin: FloatArray) -> FloatArray:
     """Return by how much columns of displacements open the pairs, shape (m, k)."""
-    pairs = mesh.pairs
-    opened = np.zeros((pairs.count, pin.shape[1]))
-    for axis in (0, 1):
-        on_plate = plate[2 * mesh.plate.surface[: pairs.count] + axis]
-        on_pin = pin[2 * mesh.pin.surface[: pairs.count] + axis]
-        opened += pairs.normals[:, axis, None] * (on_plate - on_pin)
-    return opened
+    on_plate, on_pin = (
+        moved.reshape(-1, 2, moved.shape[1])[body.surface[: mesh.pairs.count]]
+        for body, moved in ((mesh.plate, plate), (mesh.pin, pin))
+    )
+    return as_floats((mesh.pairs.normals[:, :, None] * (on_plate - on_pin)).sum(axis=1))
 
 
 def touch(

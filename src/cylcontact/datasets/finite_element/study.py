@@ -1,9 +1,8 @@
 """Files of set-ups, their solutions in parallel, and the tables of these.
 
-A table is CSV with a header that records its provenance. Its lines begin with "# " and hold, as
-KEY: VALUE, the version of the format, the study, a hash of its set-up file, what solved it, the
-calibrated constant, and a hash of the rows. A table edited by hand does not match the hash and is
-refused.
+A table is CSV below lines "# KEY: VALUE" with the version of the format, the study, a hash of its
+set-up file, what solved it, the calibrated constant, and a hash of the rows, which a table edited
+by hand does not match.
 """
 
 from __future__ import annotations
@@ -21,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
+from cylcontact.arrays import require
 from cylcontact.datasets.finite_element.mesh import Setup, SetupKeys
 from cylcontact.datasets.finite_element.solver import solve
 from cylcontact.errors import InputError
@@ -38,9 +38,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Origin = Literal["paper", "derived", "assumed"]
-# A case in its study: variant, clearance in mm and load in N/mm.
+# A case in its study: variant, clearance in mm and load in N/mm. Its row, or why there is none.
 _Case = tuple[str, float, float]
-_Row = dict[str, str | float]
+_Result = dict[str, str | float] | str
 
 COLUMNS = (
     *("variant", "E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm", "half_width_mm"),
@@ -50,10 +50,6 @@ COLUMNS = (
 PIN_COLUMNS = ("pin_E_GPa", "pin_nu")
 _ALL_COLUMNS = (*COLUMNS, *PIN_COLUMNS)
 _KEYS = ("study", "set-up", "engine", "calibrated", "sha256")
-# More digits than the error of the solver, fewer than the rounding of different processors.
-_DIGITS = 7
-# The outer ratios among which one is sought, and the accuracy of its logarithm.
-_RATIOS, _XTOL = (2.0, 10.0), 2e-3
 
 
 # --- files of set-ups ----------------------------------------------------------------------------
@@ -143,7 +139,7 @@ def read_study(path: Path | str) -> Study:
     Raises
     ------
     InputError
-        If the file is not a set-up; the message has key, value, rule and remedy.
+        If the file is not a set-up.
     """
     return study_from(read_toml(path), Path(path).stem, str(path))
 
@@ -154,17 +150,15 @@ def study_from(data: dict[str, Any], name: str, source: str) -> Study:
     setups = {"base": spec.setup()}
     for number, variant in enumerate(spec.variants):
         where, changes = f"{source}, variants.{number}", dict(variant)
-        label = changes.pop("name", None)
-        if not isinstance(label, str) or not label:
-            raise InputError(where, "name", label, "is required", "give the variant a name")
-        if not label.isprintable() or set(label) & set(',"#'):
-            rule = "must not contain commas, quotes or #"
-            raise InputError(where, "name", label, rule, "rename it")
-        if label in setups:
-            raise InputError(where, "name", label, "is used twice", "rename it")
-        for key in ("dR", "load", "origin", "variants"):
-            if key in changes:
-                raise InputError(where, key, changes[key], "cannot vary", "use a file of its own")
+        label = changes.pop("name", "")
+        named = isinstance(label, str) and bool(label)
+        require(named, where, "name", label, "is required", "give the variant a name")
+        plain = label.isprintable() and not set(label) & set(',"#')
+        rule = "must not contain commas, quotes or #"
+        require(plain, where, "name", label, rule, "rename it")
+        require(label not in setups, where, "name", label, "is used twice", "rename it")
+        for key in {"dR", "load", "origin", "variants"} & changes.keys():
+            raise InputError(where, key, changes[key], "cannot vary", "use a file of its own")
         # The changes are our assumptions, even where the set-up has the paper's numbers.
         origin = data["origin"] | dict.fromkeys(changes, "assumed")
         whole = {**data, **changes, "variants": [], "origin": origin}
@@ -224,24 +218,21 @@ def run_study(
         for variant, setup in study.setups.items()
         for dR in study.dR
     }
+
+    def entry(_: _Case, result: _Result) -> dict[str, str | float] | None:
+        return result if isinstance(result, dict) else None
+
     key = f"{study.key} {solver_name()}"
     journal = Journal(checkpoint, "study", key) if checkpoint else None
     stage = partial(progress, "solving")
-    solved = run_recorded(calls, journal, _case_from, _entry, resume, jobs, stage).values()
+    solved = run_recorded(calls, journal, _case_from, entry, resume, jobs, stage).values()
     rows = [result for result in solved if isinstance(result, dict)]
     failures = dict.fromkeys(result for result in solved if isinstance(result, str))
     return pd.DataFrame(rows, columns=list(_ALL_COLUMNS)), list(failures)
 
 
-def _entry(_: _Case, result: _Row | str) -> _Row | None:
-    """Return what the journal records of a case, nothing of one without a solution."""
-    return result if isinstance(result, dict) else None
-
-
-def _solve(
-    variant: str, setup: Setup, dR: float, loads: tuple[float, ...]
-) -> dict[_Case, _Row | str]:
-    """Solve one clearance of a variant in a worker; return each case's row, or why it has none."""
+def _solve(variant: str, setup: Setup, dR: float, loads: tuple[float, ...]) -> dict[_Case, _Result]:
+    """Solve one clearance of a variant in a worker."""
     from threadpoolctl import threadpool_limits
 
     try:
@@ -263,7 +254,7 @@ def _solve(
     return dict(_case_from(dict(zip(_ALL_COLUMNS, row, strict=True))) for row in rows)
 
 
-def _case_from(entry: Any) -> tuple[_Case, _Row | str]:
+def _case_from(entry: Any) -> tuple[_Case, _Result]:
     """Return the case and the row that an entry of the journal holds."""
     row = {column: entry[column] for column in _ALL_COLUMNS}
     return (row["variant"], row["dR_mm"], row["load_N_per_mm"]), row
@@ -274,9 +265,8 @@ def outer_ratio_like_johnson(
 ) -> float:
     """Return the outer ratio at which finite elements agree with Johnson's law on average.
 
-    A plane body has no absolute approach: the outer radius sets the additive constant of the
-    penetration, −c·f/(πE*), and the paper does not state it. That of `recommended.toml` is from
-    here.
+    The outer radius sets the additive constant of the penetration, −c·f/(πE*), because a plane body
+    has no absolute approach. That of `recommended.toml` is from here.
 
     Parameters
     ----------
@@ -314,11 +304,10 @@ def outer_ratio_like_johnson(
                 offsets.append(above * np.pi * float(pair.E_star) / case.load)
         return float(np.mean(offsets))
 
-    low, high = map(float, np.log(_RATIOS))
     try:
-        return float(np.exp(brentq(mean_offset, low, high, xtol=_XTOL)))
+        return float(np.exp(brentq(mean_offset, np.log(2.0), np.log(10.0), xtol=2e-3)))
     except ValueError as error:
-        rule = "between {:g} and {:g} never gives Johnson's penetration".format(*_RATIOS)
+        rule = "between 2 and 10 never gives Johnson's penetration"
         remedy = "choose clearances and loads outside the conformal range, the load on the pin"
         raise InputError("finite elements", "outer_ratio", None, rule, remedy) from error
 
@@ -342,7 +331,7 @@ class FiniteElementTable(NamedTuple):
 
 
 def write_table(path: Path | str, study: Study, solver: str, rows: pd.DataFrame) -> None:
-    """Write solved cases to a table; the file is complete or not written at all.
+    """Write solved cases to a table.
 
     Parameters
     ----------
@@ -362,7 +351,8 @@ def write_table(path: Path | str, study: Study, solver: str, rows: pd.DataFrame)
     """
     other_pin = any(setup.pin_E or setup.pin_nu is not None for setup in study.setups.values())
     columns = [*COLUMNS, *(PIN_COLUMNS if other_pin else ())]
-    body = rows[columns].to_csv(index=False, float_format=f"%.{_DIGITS}g", lineterminator="\n")
+    # More digits than the error of the solver, fewer than the rounding of different processors.
+    body = rows[columns].to_csv(index=False, float_format="%.7g", lineterminator="\n")
     base = study.setups["base"]
     calibrated = (
         f"outer_radius_mm = {base.outer_radius:g} ({base.outer_ratio:g} hole radii, "
@@ -376,13 +366,21 @@ def write_table(path: Path | str, study: Study, solver: str, rows: pd.DataFrame)
 
 
 def read_table(path: Path | str) -> FiniteElementTable:
-    """Read a table and check its hash.
+    """Read a table.
+
+    Parameters
+    ----------
+    path : path
+        A file from `write_table`.
+
+    Returns
+    -------
+    FiniteElementTable
 
     Raises
     ------
     InputError
-        If the file cannot be read, is not such a table or one of a newer format, or does not match
-        its hash.
+        If the file cannot be read, is not such a table, or was edited by hand.
     """
     import io
 
@@ -397,14 +395,12 @@ def read_table(path: Path | str) -> FiniteElementTable:
     header = unmarked(contents, str(path))
     body = "".join(lines[len(head) :])
     columns = tuple(body.partition("\n")[0].split(","))
-    if tuple(header) != _KEYS or columns not in (COLUMNS, _ALL_COLUMNS):
-        rule = "is not a table of finite elements"
-        remedy = "name one that cylcontact finite-element has written"
-        raise InputError(str(path), "", None, rule, remedy)
-    if _hash(body) != header["sha256"]:
-        rule = f"does not match the rows, whose hash is {_hash(body)}: the table was edited by hand"
-        remedy = "restore it, or make it anew with cylcontact finite-element"
-        raise InputError(str(path), "sha256", header["sha256"], rule, remedy)
+    known = tuple(header) == _KEYS and columns in (COLUMNS, _ALL_COLUMNS)
+    rule, remedy = "is not a table of finite elements", "name one that finite-element has written"
+    require(known, str(path), "", None, rule, remedy)
+    rule = f"does not match the rows, whose hash is {_hash(body)}: the table was edited by hand"
+    remedy = "restore it, or make it anew with cylcontact finite-element"
+    require(_hash(body) == header["sha256"], str(path), "sha256", header["sha256"], rule, remedy)
     return FiniteElementTable(pd.read_csv(io.StringIO(body)), header)
 
 
@@ -418,9 +414,9 @@ def require_same_inputs(path: Path, study: Study) -> None:
     except InputError as error:
         rule = "exists and is not a readable table of finite elements"
         raise InputError(str(path), "", None, rule, remedy) from error
-    if before["set-up"] != study.key:
-        rule = f"holds a table that came from another set-up, not from {study.source} as it is now"
-        raise InputError(str(path), "set-up", before["set-up"], rule, remedy)
+    rule = f"holds a table that came from another set-up, not from {study.source} as it is now"
+    same = before["set-up"] == study.key
+    require(same, str(path), "set-up", before["set-up"], rule, remedy)
 
 
 def _hash(body: str) -> str:

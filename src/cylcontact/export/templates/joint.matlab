@@ -1,32 +1,31 @@
 function joint = $stem()
 $comment
 %
-% MATLAB or Octave.
-joint.start = @() 0;
+% MATLAB or Octave; this file is $stem.m.
+%
+%   joint = $stem();
+%   impact_rate = joint.start();                         (the state: 0, not in contact)
+%   wrench = joint.evaluate(impact_rate, bearing, pin);
+%   impact_rate = joint.accept(impact_rate, bearing, pin);
+joint.start = @start;
 joint.evaluate = @evaluate;
 joint.accept = @accept;
+end
+
+function impact_rate = start()
+$start
 end
 
 function wrench = evaluate(impact_rate, bearing, pin)
 $evaluate_constants
 $evaluate
-wrench.force_bearing = [force_x, force_y];
-wrench.moment_bearing = moment_b;
-wrench.force_pin = [-force_x, -force_y];
-wrench.moment_pin = moment_p;
-wrench.penetration = delta;
-wrench.penetration_rate = rate;
-wrench.normal_force = normal;
-wrench.friction_force = tangential;
-wrench.tangential_velocity = v_t;
-wrench.dissipated_power = power;
-wrench.flag = flag;
+$results
 end
 
 function impact_rate = accept(impact_rate, bearing, pin)
 $accept_constants
 $accept
-impact_rate = next_rate;
+$next
 end
 
 function f = law_load(penetration)

@@ -1,38 +1,68 @@
 $comment
 //
-// C99; link with -lm.
+// $standard
 
+$if guard
+#ifndef ${guard}_HPP
+#define ${guard}_HPP
+
+$end
 #include <math.h>
 
+$if guard
+namespace $name {
+$end
+$if declared
 // The declarations, for a header of your own.
-void $name(
+void $both(
     $parameters,
     double *load, double *stiffness);
-double ${name}_load(
+double $of_load(
     $parameters);
-double ${name}_stiffness(
+double $of_stiffness(
     $parameters);
+$end
 $helpers
 
-void $name(
+${inline}void $both(
     $parameters,
     double *load, double *stiffness)
 {
-    $body
+    *load = penetration < 0.0 ? 0.0 : (double)NAN;
+    *stiffness = *load;
+    if (!($domain)) {
+        return;
+    }
+    $constants
+    $at_pair
+    $if ends
+    if (!($ends)) {
+        return;
+    }
+    $end
+    $at_depth
+    *load = penetration > 0.0 || f >= 0.0 ? f : 0.0;
+    *stiffness = penetration > 0.0 || k >= 0.0 ? k : 0.0;
 }
 
-double ${name}_load(
+${inline}double $of_load(
     $parameters)
 {
-    double load, stiffness;
-    $name($arguments, &load, &stiffness);
-    return load;
+    double f, k;
+    $both($arguments, &f, &k);
+    return f;
 }
 
-double ${name}_stiffness(
+${inline}double $of_stiffness(
     $parameters)
 {
-    double load, stiffness;
-    $name($arguments, &load, &stiffness);
-    return stiffness;
+    double f, k;
+    $both($arguments, &f, &k);
+    return k;
 }
+$if guard
+
+} // namespace $name
+
+#endif
+$end
