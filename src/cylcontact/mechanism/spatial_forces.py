@@ -10,8 +10,8 @@ say all. The section at z has, with ψ = −a_xy/a_z, n = e/|e| and t = (−n_y,
 The term of q is there because a tilted pin is cut in an ellipse. Rims A and B are the ends of the
 length that hole and pin share.
 
-**Geometry.** In the hole's frame, from mid length with z along the axis, a point c of the axis of the
-its derivatives, so that the work around a closed path vanishes: with G = ∂δ/∂e and P = ∂δ/∂ψ,
+**Wall.** U = ∫ w(δ) dz, with w = ∫ f dδ of the plane law, over the part that touches. The forces
+are its derivatives, so that the work around a closed path vanishes: with G = ∂δ/∂e and P = ∂δ/∂ψ,
 
     F_xy = ∫ f·G dz,    F_z = ∫ f·∂δ/∂z dz,    K = ∫ f·((z − c_z)·G + P) dz,
     M_c = a × (K + (K·ψ)·k)/a_z.
@@ -195,6 +195,7 @@ def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Record) -> None
         w.tip_high = -joint.pin_low
         for k in range(3):
             w.a[k] = -w.a[k]
+    w.a[2] = max(w.a[2], 1e-9)
     for k in range(2):
         w.psi[k] = -w.a[k] / w.a[2]
     spin_z = cross(w.W, w.a, 2)
@@ -609,8 +610,8 @@ def finish(w: Record, joint: Record) -> None:
         w.flag += 1.0
     if max(w.penetration[0], w.penetration[1]) > joint.last_penetration:
         w.flag += 2.0
-    short = w.touched < LEAST_SHARE * 2.0 * joint.half
-    if short and w.touched > 0.0 and joint.edge == 0.0:
+    little = w.touched < LEAST_SHARE * 2.0 * joint.half
+    if little and w.touched > 0.0 and joint.edge == 0.0:
         w.flag += RIM_MISSING
     if w.psi[0] * w.psi[0] + w.psi[1] * w.psi[1] > MOST_TILT * MOST_TILT:
         w.flag += OUTSIDE
