@@ -38,7 +38,6 @@ from cylcontact.limits import yield_warning
 from cylcontact.materials import known_materials, own_table
 from cylcontact.pair import CylinderPair, unusual_lengths
 from cylcontact.plain_text import brief
-from cylcontact.spec import read_toml
 
 # Characters of a warning, which may list many words of a text.
 LONGEST_NOTE = 500
@@ -386,6 +385,7 @@ def _export_joint(
     """Write a joint as a force element, next to the file `out`."""
     from cylcontact.export import export_joint
     from cylcontact.mechanism import ClearanceJoint, SpatialJoint, read_joint
+    from cylcontact.spec import read_toml
 
     for key, value in others.items():
         if value is not None:
