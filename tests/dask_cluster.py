@@ -8,6 +8,8 @@ import subprocess
 import sys
 import time
 
+import distributed
+
 from benchmarks.tether import tethered
 
 
@@ -44,6 +46,9 @@ class LoopbackCluster:
         )
 
     def __enter__(self):
+        if self.workers:  # on a busy machine they take longer to start than commands wait
+            with distributed.Client(self.address, timeout=60, set_as_default=False) as client:
+                client.wait_for_workers(len(self.workers), timeout=120)
         return self
 
     def __exit__(self, *_):

@@ -608,12 +608,6 @@ def test_export_takes_a_name_with_a_space_materials_of_ones_own_and_warns_of_met
     assert "warning: metres.toml: the radius of the hole in mm is 0.01: lengths are in mm" in err
 
 
-def test_an_exported_module_may_be_named_joint():
-    joint = read_joint(ROOT / "datasets/joint.toml")
-    assert "import joint as" not in export_joint(joint, "python", "joint")["joint.py"]
-    assert "import pin as joint" in export_joint(joint, "python", "pin")["pin.py"]
-
-
 REFUSALS = {
     "no file": (("--to", "c"), "export: --out: is missing for a joint; name the file, e.g. -o wri"),
     "suffix": (("--to", "c", "-o", "x.f90"), "x.f90: is not a .c; name the output so that it is"),

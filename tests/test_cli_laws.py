@@ -8,8 +8,6 @@ import pytest
 
 import cylcontact as cc
 from cylcontact import laws
-from cylcontact.choices import listed
-from cylcontact.export import TARGETS
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -126,23 +124,6 @@ def test_export_writes_a_refit_to_a_file(run, tmp_path):
     assert (code, err) == (0, "")
     assert message == f"{result} written to {out}\n"
     assert json.loads(out.read_text(encoding="ascii"))["law"] == "enhanced"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("explicit", "--to", "c"), "give --contact internal or --contact external"),
-        (("explicit", "--to", "ada", "--contact", "internal"), f"choose {listed(TARGETS)}"),
-        (("nosuch", "--to", "c"), "neither a law that can be exported nor a fit result"),
-        (("johnson",), "--to"),
-    ],
-)
-def test_export_refuses_in_one_line_and_writes_nothing(run, tmp_path, arguments, message):
-    out = tmp_path / "law.c"
-    code, printed, err = run("export", *arguments, "-o", out)
-    assert (code, printed, err.count("\n")) == (2, "", 1)
-    assert message in err
-    assert not out.exists()
 
 
 @pytest.mark.parametrize("modulus", ["200000", "2e5", "200 GPa", "200000 MPa"])

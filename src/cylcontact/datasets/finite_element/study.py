@@ -150,7 +150,7 @@ def study_from(data: dict[str, Any], name: str, source: str) -> Study:
     setups = {"base": spec.setup()}
     for number, variant in enumerate(spec.variants):
         where, changes = f"{source}, variants.{number}", dict(variant)
-        label = changes.pop("name", "")
+        label = changes.pop("name", None)
         named = isinstance(label, str) and bool(label)
         require(named, where, "name", label, "is required", "give the variant a name")
         plain = label.isprintable() and not set(label) & set(',"#')
