@@ -395,7 +395,8 @@ def _export_joint(
 ) -> None:
     """Write a joint as a force element, next to the file `out`."""
     from cylcontact.export import export_joint
-    from cylcontact.mechanism import read_joint
+    from cylcontact.mechanism import ClearanceJoint, SpatialJoint, read_joint
+    from cylcontact.spec import read_toml
 
     for key, value in others.items():
         if value is not None:
@@ -403,17 +404,22 @@ def _export_joint(
             raise InputError("export", key, value, rule, "leave it out, or --joint")
     if out is not None:
         require_writable(out)
-    joint = read_joint(path, materials)
+    joint: SpatialJoint | ClearanceJoint
+    if read_toml(path).get("kind") == "spatial":
+        joint = SpatialJoint.read(path, materials)
+        planar = joint.planar
+    else:
+        joint = planar = read_joint(path, materials)
     texts = export_joint(joint, target, out.stem if out else "")
     suffix = JOINT_TARGETS[target]
     if out is None:
-        remedy = f"name the file, e.g. -o {joint.identifier}{suffix}"
+        remedy = f"name the file, e.g. -o {planar.identifier}{suffix}"
         raise InputError("export", "--out", None, "is missing for a joint", remedy)
     require_suffix(out, suffix)
     with replacing_all(out.with_name(name) for name in texts) as files:
         for file, name in zip(files, texts, strict=True):
             text = texts[name]
             file.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
-    say(f"{joint.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")
-    for warning in unusual_lengths(joint.pair):
+    say(f"{planar.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")
+    for warning in unusual_lengths(planar.pair):
         say(f"warning: {path}: {warning}", err=True)

@@ -19,7 +19,7 @@ from cylcontact.pair import CONTACTS, Contact
 
 if TYPE_CHECKING:
     from cylcontact.export.parameters import contact_parameters
-    from cylcontact.mechanism import ClearanceJoint
+    from cylcontact.mechanism import ClearanceJoint, SpatialJoint
 
 __all__ = [
     "CODES",
@@ -156,7 +156,7 @@ def export_named(what: str, contact: str | None, target: str) -> str | bytes:
 
 
 def export_joint(
-    joint: ClearanceJoint, target: str, stem: str = ""
+    joint: ClearanceJoint | SpatialJoint, target: str, stem: str = ""
 ) -> dict[str, str] | dict[str, bytes]:
     """Return a clearance joint as a force element in another language.
 
@@ -166,10 +166,10 @@ def export_joint(
 
     Parameters
     ----------
-    joint : ClearanceJoint
+    joint : ClearanceJoint or SpatialJoint
         The joint, of any law.
     target : str
-        The language, one of `JOINT_TARGETS`.
+        The language, one of `JOINT_TARGETS`; of a spatial joint not Fortran and MATLAB.
     stem : str, optional
         The name of the files without suffix; by default that of the joint.
 
@@ -195,10 +195,14 @@ def export_joint(
         not stem or re.fullmatch(r"[\w+-][\w.+ -]*", stem, re.ASCII) is not None, "export", "--out",
         stem, "is not plain text", "name the file with ASCII letters, digits, spaces, - and _",
     )  # fmt: skip
-    from cylcontact.export import element, fmu
+    from cylcontact.export import element, fmu, spatial
     from cylcontact.export.joint import element_of
+    from cylcontact.mechanism import SpatialJoint
 
-    chosen = element_of(joint)
+    if isinstance(joint, SpatialJoint):
+        chosen = spatial.element_of(joint, target)
+    else:
+        chosen = element_of(joint)
     if target == "fmu":
         return fmu.joint_source(chosen, stem)
     return element.source(chosen, target, stem)

@@ -29,6 +29,7 @@ from cylcontact.export.exported_law import (
     renamed,
     safe_names,
 )
+from cylcontact.export.program import Program
 from cylcontact.export.render import WIDTH, Dialect, filled_template
 from cylcontact.laws.formula import Step, names_in, needed, steps_of
 from cylcontact.laws.kernels import TABLE, Kernel
@@ -55,6 +56,8 @@ UNITS: Mapping[str, Unit] = {
     "force": Unit("N", "N", {"kg": 1, "m": 1, "s": -2}),
     "moment": Unit("N.m", "N.mm", {"kg": 1, "m": 2, "s": -2}),
     "power": Unit("W", "N.mm/s", {"kg": 1, "m": 2, "s": -3}),
+    "energy": Unit("J", "N.mm", {"kg": 1, "m": 2, "s": -2}),
+    "number": Unit("-", "-", {}),
 }
 
 
@@ -143,7 +146,7 @@ class Element:
     (impact_rate, or impact_rate_1 and so on) to the numbers of the results, and to the next impact
     rates (next_rate, or next_rate_1 and so on). They call `law`. `checks` are impact rates, motions
     and wrenches, whose attributes are the results; results named penetration and penetration_rate
-    have one number for each contact.
+    have one number for each contact. A `program` takes the place of steps.
     """
 
     name: str
@@ -159,6 +162,7 @@ class Element:
     assumptions: Sequence[str]
     checks: Sequence[tuple[Any, Sequence[float], Sequence[float], Any]]
     contacts: int = 1
+    program: Program | None = None
 
     @cached_property
     def evaluate(self) -> tuple[Step, ...]:
@@ -334,16 +338,26 @@ def source(element: Element, target: str, stem: str) -> dict[str, str]:
     return files
 
 
-def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
-    """Return what the templates of a language ask for."""
-    name, form, dialect = element.name, _NOTATIONS[target], JOINT_DIALECTS[target]
-    names = {"law": form.law.format(name=name)}
+def _names(element: Element, form: _Notation) -> dict[str, str]:
+    """Return what a language calls the law, the motion, the impact rates, and `w` of a program."""
+    names = {"law": form.law.format(name=element.name)}
     for body in BODIES:
         for k, each in enumerate(element.motion, form.first):
             names[f"{body}_{each.name}"] = form.item.format(name=body, k=k)
     for k, rate in enumerate(element.numbered("impact_rate"), form.first):
         several = element.contacts > 1
         names[rate] = form.item.format(name=form.rates, k=k) if several else form.rates
+    if element.program is not None:
+        for result in element.results:
+            for k, value in enumerate(result.values):
+                names[value] = f"w.{result.name}[{k}]" if result.is_vector else f"w.{result.name}"
+    return names
+
+
+def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
+    """Return what the templates of a language ask for."""
+    name, form, dialect = element.name, _NOTATIONS[target], JOINT_DIALECTS[target]
+    names = _names(element, form)
     dialect = replace(dialect, names={**dialect.names, **names})
     count = {"count": element.contacts}
     parts = {
@@ -368,6 +382,7 @@ def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
             {n: x for n, x in element.law.constants.items() if n not in dialect.names}
         ),
         "table": "",
+        "program": "",
     }
     zeros = [dialect.number(0.0)] * element.contacts
     for function, values in (("start", zeros), ("next", element.numbered("next_rate"))):
@@ -375,6 +390,8 @@ def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
     for function, steps in (("evaluate", element.evaluate), ("accept", element.accept)):
         parts[function] = dialect.statements(steps)
         parts[f"{function}_constants"] = dialect.constants(element.numbers(steps))
+    if element.program is not None:
+        parts |= element.program.parts(target, names["law"], parts["static"])
     parts["helpers"] = dialect.helpers_of(parts["law"])
     has_nan = "ieee_value" in parts["law"]
     parts["nan_module"] = "use, intrinsic :: ieee_arithmetic" if has_nan else ""

@@ -259,10 +259,15 @@ def joint_source(element: Element, stem: str) -> dict[str, bytes]:
 def model_of(element: Element) -> Model:
     """Return what the FMU of an element says of it."""
     in_units, bases = {"": ""}, {}
+    quantities = {each.quantity for each in element.motion}
+    quantities |= {each.quantity for each in element.results}
     for quantity, unit in UNITS.items():
+        if quantity not in quantities:
+            continue
         name = in_units[quantity] = unit.with_m if element.units == "SI" else unit.with_mm
         scaled = {} if name == unit.with_m else {"factor": 0.001}
-        bases[name] = {**unit.exponents, **scaled}
+        if unit.exponents:
+            bases[name] = {**unit.exponents, **scaled}
     rows = [
         (f"{body}.{each.name}", each.quantity, "input", f"{each.meaning} {of}")
         for body, of in BODIES.items() for each in element.motion

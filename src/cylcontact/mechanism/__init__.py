@@ -11,6 +11,7 @@ from cylcontact.mechanism.joint import (
 from cylcontact.mechanism.joint_motion import JointMotion
 from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
 from cylcontact.mechanism.run import Interrupted, LawDomainError, RunError, Settings, simulate
+from cylcontact.mechanism.spatial import SpatialJoint, SpatialState, SpatialWrench
 from cylcontact.mechanism.statistics import Statistics
 from cylcontact.mechanism.study import (
     Case,
@@ -37,6 +38,9 @@ __all__ = [
     "Plan",
     "RunError",
     "Settings",
+    "SpatialJoint",
+    "SpatialState",
+    "SpatialWrench",
     "Statistics",
     "Trajectory",
     "bifurcation",

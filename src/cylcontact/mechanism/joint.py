@@ -496,6 +496,10 @@ def build_joint(
     data: dict[str, Any], source: str, own: Path | None = None, law: ContactLaw | None = None
 ) -> ClearanceJoint:
     """Return the joint of a file's data, with another law if one is given."""
+    require(
+        data.get("kind") != "spatial", source, "kind", "spatial", "is a spatial joint",
+        "read it with SpatialJoint.read",
+    )  # fmt: skip
     spec = parse_spec(ClearanceJointSpec, data, source)
     hole, pin = (
         body.named(key, own, source, f"{key}.material")

@@ -1,0 +1,187 @@
+"""The joint in space in other languages: as the library's own, in all kinds of contact."""
+
+import ctypes
+from collections import Counter
+from ctypes import c_double
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from cylcontact import InputError
+from cylcontact.export import export_joint
+from cylcontact.mechanism import SpatialJoint
+from tests.export_runners import C_FLAGS, CPP_FLAGS, compile_with
+from tests.fmu_masters import export_fmu
+from tests.spatial_cases import FIXED, joint_for, motions, run_library
+
+THRUST = {"play": 0.2, "radius": 12.0, "stiffness": 2e5, "restitution": 0.5}
+KINDS = {
+    "example": {"thrust": THRUST},
+    "ends, in mm": {
+        "pin.ends": [-9.5, 9.0], "edge": {"c": 0.1, "b": 0.5}, "units": "mm", "law": "johnson",
+        "thrust": THRUST,
+        "bearing.yield_stress": 300.0, "pin.yield_stress": 300.0,
+    },
+    "crown and table": {"pin.crown": 0.004, "law": "conformal"},
+}  # fmt: skip
+C = """
+#include "{header}"
+{linkage} void run(int rows, const double *x, double *y);
+void run(int rows, const double *x, double *y)
+{{
+    for (int k = 0; k < rows; k++, x += 30, y += 29) {{
+        {name}_state state = {{{{x[0], x[1], x[2], x[3]}}}};
+        {name}_wrench w;
+        const double *const parts[] = {{w.force_bearing, w.moment_bearing, w.force_pin,
+            w.moment_pin, w.penetration, w.penetration_rate}};
+        const int sizes[] = {{3, 3, 3, 3, 4, 4}};
+        int at = 0;
+        {name}_evaluate(&state, x + 4, x + 17, &w);
+        for (int i = 0; i < 6; i++)
+            for (int j = 0; j < sizes[i]; j++)
+                y[at++] = parts[i][j];
+        y[20] = w.normal_force; y[21] = w.dissipated_power; y[22] = w.elastic_energy;
+        y[23] = w.touched; y[24] = w.flag;
+        {name}_accept(&state, x + 4, x + 17);
+        for (int i = 0; i < 4; i++)
+            y[25 + i] = state.impact_rate[i];
+    }}
+}}
+"""
+
+
+def run_compiled(joint, rows, folder, target):
+    texts = export_joint(joint, target, "element")
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="ascii")
+    name = joint.planar.identifier
+    plus = target == "cpp"
+    driver, library = folder / f"run.{target}", folder / "run.so"
+    text = C.format(
+        header="element.hpp" if plus else "element.h", name=name,
+        linkage='extern "C"' if plus else "",
+    )  # fmt: skip
+    if plus:
+        text = text.replace("extern", f"using namespace cylcontact_{name};\nextern", 1)
+    driver.write_text(text, encoding="ascii")
+    sources = [] if plus else [folder / "element.c"]
+    flags = CPP_FLAGS if plus else C_FLAGS
+    compile_with("g++" if plus else "gcc", *flags, *sources, driver, "-o", library, "-lm")
+    given, answers = np.ascontiguousarray(rows), np.empty((len(rows), 29))
+    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (given, answers)]
+    ctypes.CDLL(str(library)).run(ctypes.c_int(len(rows)), *pointers)
+    return answers
+
+
+def run_python(joint, rows, _folder, _target):
+    names = {}
+    exec(export_joint(joint, "python", "element")["element.py"], names)
+    answers = []
+    for row in rows.tolist():
+        given = (row[:4], row[4:17], row[17:])
+        wrench = names["evaluate"](*given)
+        answers.append(np.hstack([*map(np.atleast_1d, wrench), names["accept"](*given)]))
+    return np.array(answers)
+
+
+def rows_of(joint, rows, seed=11):
+    rates, pins = motions(joint, rows, seed)
+    return np.hstack([rates, np.tile(FIXED, (rows, 1)), pins])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("target", ["c", "cpp", "python"])
+def test_exports_agree_with_the_library_in_all_kinds_of_contact(target, kind, tmp_path):
+    """To 1e-12 of the peak of each part of the wrench, and of each accepted rate."""
+    joint = joint_for(**KINDS[kind])
+    rows = rows_of(joint, 2000)
+    answers = (run_python if target == "python" else run_compiled)(joint, rows, tmp_path, target)
+    wanted = run_library(joint, rows[:, :4], rows[:, 4:17], rows[:, 17:])
+    touching = wanted[:, 12:16] > 0
+    kinds = {(*map(bool, row[:2]), bool(row[2:].any())) for row in touching}
+    assert len(kinds) >= 4
+    at = 0
+    for size in (3, 3, 3, 3, 4, 4, 1, 1, 1, 1, 1, 4):
+        part, own = answers[:, at : at + size], wanted[:, at : at + size]
+        np.testing.assert_allclose(part, own, rtol=0, atol=1e-12 * np.abs(own).max())
+        at += size
+
+
+@pytest.mark.parametrize("target", ["fortran", "matlab"])
+def test_languages_that_are_missing_are_refused(target):
+    with pytest.raises(InputError, match="is no language of a spatial joint yet; choose c, cpp"):
+        export_joint(joint_for(), target)
+
+
+def test_the_fmu_has_its_numbers_and_gives_those_of_the_library(tmp_path):
+    """At events of random motions, and at the end of a step in which the pin turns and flies."""
+    fmpy = pytest.importorskip("fmpy")
+    from fmpy.fmi2 import FMU2Model, FMU2Slave
+    from fmpy.validation import validate_fmu
+
+    joint = joint_for(**KINDS["example"])
+    path = export_fmu(joint, tmp_path)
+    assert not validate_fmu(str(path))
+    description = fmpy.read_model_description(path)
+    count = Counter(v.causality for v in description.modelVariables)
+    assert (count["input"], count["output"], count["local"]) == (26, 25, 4)
+    assert description.numberOfEventIndicators == 4
+    folder = fmpy.extract(str(path), str(tmp_path))
+
+    def instance(kind):
+        made = kind(
+            guid=description.guid, unzipDirectory=folder, instanceName="joint",
+            modelIdentifier=description.modelExchange.modelIdentifier,
+        )  # fmt: skip
+        made.instantiate()
+        made.setupExperiment(startTime=0.0)
+        made.enterInitializationMode()
+        made.setReal(range(26), [*FIXED, *FIXED])
+        made.exitInitializationMode()
+        return made
+
+    model, state, rows = instance(FMU2Model), joint.start(), rows_of(joint, 300)
+    for row in rows:
+        wrench = joint.evaluate(state, row[4:17], row[17:])
+        if np.abs(wrench.penetration).min() < 1e-8:
+            continue
+        state = joint.accept(state, row[4:17], row[17:])
+        wrench = joint.evaluate(state, row[4:17], row[17:])
+        model.setReal(range(26), list(row[4:]))
+        model.newDiscreteStates()
+        answers = np.array(model.getReal(range(26, 54)))
+        wanted = np.hstack([*map(np.atleast_1d, wrench[:-1]), state.impact_rate])
+        np.testing.assert_allclose(answers, wanted, rtol=1e-9, atol=1e-9)
+        assert model.getInteger([0]) == [wrench.flag]
+        indicators = (c_double * 4)()
+        model.getEventIndicators(indicators, 4)
+        np.testing.assert_allclose(list(indicators), wrench.penetration, rtol=0, atol=1e-15)
+    slave, pin = instance(FMU2Slave), rows[0, 17:].copy()
+    pin[10:] *= 100.0
+    slave.setReal(range(26), [*FIXED, *pin])
+    slave.doStep(0.0, 1e-4)
+    later = pin.copy()
+    later[:3] += 1e-4 * pin[7:10]
+    turned = Rotation.from_rotvec(1e-4 * pin[10:]) * Rotation.from_quat(pin[3:7], scalar_first=True)
+    later[3:7] = turned.as_quat(scalar_first=True)
+    state = joint.accept(joint.start(), FIXED, later)
+    wrench = joint.evaluate(state, FIXED, later)
+    answers = slave.getReal(range(38, 46))
+    np.testing.assert_allclose(
+        answers, [*wrench.penetration, *wrench.penetration_rate], rtol=1e-6, atol=1e-9
+    )
+
+
+def test_the_command_writes_a_spatial_joint(run, tmp_path):
+    out = tmp_path / "hinge.c"
+    file = Path(__file__).resolve().parents[1] / "datasets/spatial_joint.toml"
+    code, printed, err = run("export", "--joint", file, "--to", "c", "-o", out)
+    assert (code, err) == (0, "")
+    assert printed == f"hinge-pin written to {out}, {out.with_suffix('.h')}\n"
+    texts = export_joint(SpatialJoint.read(file), "c", "hinge")
+    assert {p.name: p.read_text(encoding="ascii") for p in tmp_path.iterdir()} == texts
+    code, _, err = run("export", "--joint", file, "--to", "matlab", "-o", tmp_path / "hinge.m")
+    assert code == 2
+    assert "--to = 'matlab': is no language of a spatial joint yet; choose c, cpp, python" in err
