@@ -151,13 +151,13 @@ def study_from(data: dict[str, Any], name: str, source: str) -> Study:
     for number, variant in enumerate(spec.variants):
         where, changes = f"{source}, variants.{number}", dict(variant)
         label = changes.pop("name", None)
-        named = isinstance(label, str) and bool(label)
-        require(named, where, "name", label, "is required", "give the variant a name")
+        if not isinstance(label, str) or not label:
+            raise InputError(where, "name", label, "is required", "give the variant a name")
         plain = label.isprintable() and not set(label) & set(',"#')
         rule = "must not contain commas, quotes or #"
         require(plain, where, "name", label, rule, "rename it")
         require(label not in setups, where, "name", label, "is used twice", "rename it")
-        for key in {"dR", "load", "origin", "variants"} & changes.keys():
+        for key in [key for key in ("dR", "load", "origin", "variants") if key in changes]:
             raise InputError(where, key, changes[key], "cannot vary", "use a file of its own")
         # The changes are our assumptions, even where the set-up has the paper's numbers.
         origin = data["origin"] | dict.fromkeys(changes, "assumed")
