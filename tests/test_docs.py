@@ -240,7 +240,7 @@ def test_nothing_is_cut_off(site, width):
 
 
 def test_equations_have_a_font_of_the_site(site):
-    with chromium() as browser, opened(browser, site / "laws.html") as page:
+    with chromium() as browser, opened(browser, site / "reference" / "formulas.html") as page:
         page.wait_for_function("document.fonts.status === 'loaded'")
         loaded = page.evaluate("[...document.fonts].map((each) => each.family + each.status)")
         assert '"Site Math"loaded' in loaded or "Site Mathloaded" in loaded
