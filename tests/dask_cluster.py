@@ -8,8 +8,6 @@ import subprocess
 import sys
 import time
 
-import distributed
-
 from benchmarks.tether import tethered
 
 
@@ -46,8 +44,10 @@ class LoopbackCluster:
         )
 
     def __enter__(self):
+        from distributed import Client
+
         if self.workers:  # on a busy machine they take longer to start than commands wait
-            with distributed.Client(self.address, timeout=60, set_as_default=False) as client:
+            with Client(self.address, timeout=60, set_as_default=False) as client:
                 client.wait_for_workers(len(self.workers), timeout=120)
         return self
 

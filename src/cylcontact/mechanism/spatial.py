@@ -196,8 +196,8 @@ class SpatialJoint:
     >>> wrench = joint.evaluate(
     ...     joint.start(), [0, 0, 0, 1, 0, 0, 0, *still], [0, 0, 0, 1, 0.003, 0, 0, *still]
     ... )
-    >>> print(1e6 * wrench.penetration[:2].round(9), f"{1e3 * wrench.touched:.2f} mm")
-    [10.179 10.179] 3.39 mm
+    >>> print(f"{1e6 * wrench.penetration[0]:.2f} µm along {1e3 * wrench.touched:.2f} mm")
+    10.18 µm along 3.39 mm
     """
 
     planar: ClearanceJoint
