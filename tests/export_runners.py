@@ -4,8 +4,6 @@ Each runner returns load and stiffness of every row.
 """
 
 import ctypes
-import json
-import math
 import subprocess
 
 import numpy as np
@@ -149,28 +147,8 @@ def require_jax():
     return jax
 
 
-def run_json(case, _folder):
-    """Follow the steps of a JSON export, as its readers would."""
-    document = json.loads(export(case.law, case.contact, "json"))
-    names = ("log", "log1p", "exp", "sqrt", "sin", "cos", "pi", "nan", "inf")
-    vocabulary = {name: getattr(np, name) for name in names} | {"atan": np.arctan, "max": max}
-    steps = compile("\n".join(document["steps"]), "steps", "exec")
-    answers = []
-    with np.errstate(all="ignore"):
-        for row in case.each_row():
-            values = dict(zip(document["arguments"], map(np.float64, row), strict=True))
-            known = vocabulary | document["constants"] | values
-            f = k = 0.0 if row[0] < 0 else math.nan
-            if all(eval(condition, known) for condition in document["conditions"]):
-                exec(steps, known)
-                f, k = known["f"], known["k"]
-            answers.append((f, k))
-    return np.array(answers).T
-
-
 RUNNERS = {
     "c": run_c, "cpp": run_cpp, "fortran": run_fortran, "python": run_python, "jax": run_jax,
-    "json": run_json,
 }  # fmt: skip
 
 

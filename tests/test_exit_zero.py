@@ -77,8 +77,6 @@ CASES = [
         (("export", "r.json", "--to", to, "-o", f"law.{to}"), f"law.{to}", READERS.get(to, text))
         for to in TARGETS
     ),
-    (("export", "explicit", "--contact", "internal", "--to", "json", "-o", "e.json"), "e.json",
-     of_json),
     (("simulate", CRANK, *SHORT), None, None),
     (("simulate", CRANK, *SHORT, "-o", "run.parquet"), "run.parquet", Trajectory.load),
     (("simulate", CRANK, *SHORT, "--table", "n.csv"), "n.csv", rows),

@@ -621,12 +621,15 @@ def test_options_for_tables_are_refused_beside_a_campaign(run):
 
 def test_the_fitted_law_is_exported_with_its_constants(tmp_path, example, run):
     example.save(tmp_path / "r.json")
-    code, said, _ = run("export", tmp_path / "r.json", "--to", "json")
+    code, said, _ = run("export", tmp_path / "r.json", "--to", "python")
     assert code == 0
-    exported = json.loads(said)["coefficients"]
-    B, D = exported["load_factor"], exported["penetration_factor"]  # δ = D·δ₀(f/B)
-    assert exported["kappa"] * D / B == pytest.approx(example.coefficients["kappa"], rel=1e-14)
-    assert exported["c"] + np.log(B) == pytest.approx(example.coefficients["c"], rel=1e-14)
+    names = {}
+    exec(said, names)
+    kappa, c = (example.coefficients[name] for name in ("kappa", "c"))
+    f = names["load"](1e-3, 1e5, 0.05)  # Johnson's law with both of its constants
+    assert kappa * f / (np.pi * 1e5) * (np.log(4 * np.pi * 1e5 * 0.05 / f) + c) == pytest.approx(
+        1e-3, rel=1e-12
+    )
 
 
 def test_what_cannot_be_exported_says_so(tmp_path, run):
@@ -691,9 +694,14 @@ def test_the_rig_is_not_exported(tmp_path, run):
         objective="rms-penetration",
     )
     fit_table(campaign).save(tmp_path / "r.json")
-    code, said, _ = run("export", tmp_path / "r.json", "--to", "json")
+    code, said, _ = run("export", tmp_path / "r.json", "--to", "python")
     assert code == 0
-    assert json.loads(said)["coefficients"] == pytest.approx(TRUTHS["power", "internal"])
+    names = {}
+    exec(said, names)
+    law = laws.PowerLaw(**TRUTHS["power", "internal"])
+    pair = CylinderPair.internal(10.0, 9.95, cc.Material("steel", E=207e3, nu=0.3))
+    f = names["load"](1e-3, float(pair.E_star), 0.05)
+    assert f == pytest.approx(float(law.load(1e-3, pair)), rel=1e-6)
 
 
 @pytest.mark.parametrize(

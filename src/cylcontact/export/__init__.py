@@ -54,7 +54,6 @@ TARGETS = {
     "matlab": ".m",
     "python": ".py",
     "jax": ".py",
-    "json": ".json",
     "fmu": ".fmu",
 }
 # With the suffix of the file that is named.
@@ -85,7 +84,7 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     contact : {"internal", "external"} or None
         The contact; may be None if the law or its coefficients determine it, or if it makes no
         difference.
-    target : {"c", "cpp", "fortran", "matlab", "python", "jax", "json", "fmu"}
+    target : {"c", "cpp", "fortran", "matlab", "python", "jax", "fmu"}
         The language.
     origin : str, optional
         Where user-defined coefficients come from, for the comments.
@@ -116,10 +115,11 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     _require_target(target)
     chosen = exported(law, _contact(contact), origin)
     require_contact_law(law, chosen.contact)
-    if target not in ("json", "fmu"):
+    if target != "fmu":
         return source(chosen, target)
-    text: str | bytes = import_module(f"{__name__}.{target}").source(chosen)
-    return text
+    from cylcontact.export import fmu
+
+    return fmu.source(chosen)
 
 
 def export_named(what: str, contact: str | None, target: str) -> str | bytes:
@@ -131,7 +131,7 @@ def export_named(what: str, contact: str | None, target: str) -> str | bytes:
         A law's name, e.g. "johnson", "module:function" of your own, or the path of a fit result.
     contact : {"internal", "external"} or None
         The contact; a result knows its own.
-    target : {"c", "cpp", "fortran", "matlab", "python", "jax", "json", "fmu"}
+    target : {"c", "cpp", "fortran", "matlab", "python", "jax", "fmu"}
         The language.
 
     Returns
