@@ -169,7 +169,7 @@ def export_joint(
     joint : ClearanceJoint or SpatialJoint
         The joint, of any law.
     target : str
-        The language, one of `JOINT_TARGETS`; of a spatial joint not Fortran and MATLAB.
+        The language, one of `JOINT_TARGETS`.
     stem : str, optional
         The name of the files without suffix; by default that of the joint.
 
@@ -181,8 +181,8 @@ def export_joint(
     Raises
     ------
     InputError
-        If the target is unknown, the file's name is not one that the language can import, or an
-        FMU finds no C compiler.
+        If the target is unknown, the file's name is not one that the language can import, the
+        joint's name is that of a function in its Fortran, or an FMU finds no C compiler.
 
     Examples
     --------
@@ -199,10 +199,7 @@ def export_joint(
     from cylcontact.export.joint import element_of
     from cylcontact.mechanism import SpatialJoint
 
-    if isinstance(joint, SpatialJoint):
-        chosen = spatial.element_of(joint, target)
-    else:
-        chosen = element_of(joint)
+    chosen = spatial.element_of(joint) if isinstance(joint, SpatialJoint) else element_of(joint)
     if target == "fmu":
         return fmu.joint_source(chosen, stem)
     return element.source(chosen, target, stem)

@@ -275,6 +275,7 @@ class _Notation(NamedTuple):
     next_rates: str
     whole: str = "{value}"  # a number as an integer
     vector: str = ""  # where there is none, each item is assigned
+    program: str = "w."  # before the name of a result of a program
 
     def returned(self, form: str, name: str, values: Sequence[str]) -> Iterator[str]:
         """Yield the statements, of a form, that return one or several values."""
@@ -300,6 +301,7 @@ _NOTATIONS = {
         declared=("real(wp) :: {name}", "real(wp) :: {name}({count})", "integer :: {name}"),
         result="wrench%{name} = {value}", rates="state%impact_rate",
         next_rates="state%{name} = {value}", whole="nint({value})", vector="[{}]",
+        program="w%",
     ),
     "matlab": _Notation(
         item="{name}({k})", first=1, line_end=", ...\n        ", law="law_load",
@@ -319,7 +321,7 @@ _NODES = 800
 def source(element: Element, target: str, stem: str) -> dict[str, str]:
     """Return the texts of the files of an element in a language, by their names.
 
-    Raises `InputError` if the file's name is not one that the language can import.
+    Raises `InputError` if the language cannot have a file or a module of that name.
     """
     stem = stem or element.name
     if target in ("matlab", "python"):
@@ -327,6 +329,12 @@ def source(element: Element, target: str, stem: str) -> dict[str, str]:
             stem.isascii() and stem.isidentifier() and stem not in RESERVED, "export", "--out",
             stem, "cannot be called by its name",
             "name the file with letters, digits and underscores",
+        )  # fmt: skip
+    if target == "fortran":
+        taken = {"law", *(element.program.names if element.program else ())}
+        require(
+            element.name.lower() not in taken, "export", "name", element.name,
+            "is that of a function in the module", "give the joint another name",
         )  # fmt: skip
     parts = _parts(element, target, stem)
     if target in ("c", "cpp"):
@@ -350,7 +358,9 @@ def _names(element: Element, form: _Notation) -> dict[str, str]:
     if element.program is not None:
         for result in element.results:
             for k, value in enumerate(result.values):
-                names[value] = f"w.{result.name}[{k}]" if result.is_vector else f"w.{result.name}"
+                field = f"{form.program}{result.name}"
+                at = k + form.first
+                names[value] = form.item.format(name=field, k=at) if result.is_vector else field
     return names
 
 
@@ -382,6 +392,7 @@ def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
             {n: x for n, x in element.law.constants.items() if n not in dialect.names}
         ),
         "table": "",
+        "types": "",
         "program": "",
     }
     zeros = [dialect.number(0.0)] * element.contacts
@@ -393,7 +404,7 @@ def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
     if element.program is not None:
         parts |= element.program.parts(target, names["law"], parts["static"])
     parts["helpers"] = dialect.helpers_of(parts["law"])
-    has_nan = "ieee_value" in parts["law"]
+    has_nan = "ieee_value" in parts["law"] + parts["program"]
     parts["nan_module"] = "use, intrinsic :: ieee_arithmetic" if has_nan else ""
     if element.law.table is not None:
         nodes = element.law.table[0].size

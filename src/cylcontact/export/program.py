@@ -1,4 +1,4 @@
-"""Compiled functions of the package in C, C++ and Python, read from their own source.
+"""Compiled functions of the package in other languages, read from their own source.
 
 The functions keep to assignments, choices, loops, calls, numbers, arrays of numbers, and one record
 `w` that they change. The numbers of the record `joint` become constants; the law, a call.
@@ -13,18 +13,18 @@ import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from textwrap import indent
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
-_C_NAMES = {"max": "fmax", "min": "fmin", "abs": "fabs", "int": "(int)"}
-_SYMBOLS: Mapping[type[ast.AST], str] = {
-    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "/", ast.Mod: "%",
-    ast.Gt: ">", ast.GtE: ">=", ast.Lt: "<", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!=",
-    ast.And: "&&", ast.Or: "||", ast.Not: "!", ast.USub: "-",
-}  # fmt: skip
-_C_NUMBERS = {"inf": "(double)INFINITY", "nan": "(double)NAN", "pi": repr(math.pi)}
+from cylcontact.export.function import (
+    CFunction,
+    FortranFunction,
+    Function,
+    MatlabFunction,
+    c_number,
+    fortran_number,
+)
 
 
 @dataclass(frozen=True)
@@ -55,13 +55,39 @@ class Program:
                 "accept": f"{made}\nimpact_rate = list(impact_rate)\nnext_rates{given}",
                 "next": "return tuple(impact_rate)",
             }
+        if target == "fortran":
+            made, given = "type(work) :: w", "(state%impact_rate, bearing, pin, w)"
+            return {
+                "types": self._fortran_types(),
+                "program": "\n\n".join(self._texts(FortranFunction, law)),
+                "evaluate_variables": made,
+                "evaluate": f"call wrench_of{given}",
+                "accept_variables": made,
+                "accept": f"call next_rates{given}",
+                "next": "",
+            }
+        if target == "matlab":
+            given = "(impact_rate, bearing, pin, work());"
+            return {
+                "program": "\n\n".join([self._matlab_work(), *self._texts(MatlabFunction, law)]),
+                "evaluate": f"w = wrench_of{given}",
+                "accept": f"impact_rate = next_rates{given}",
+                "next": "",
+            }
         given = "(state->impact_rate, bearing, pin, &w);"
+        functions = [f"{static} {text}" for text in self._texts(CFunction, law)]
         return {
-            "program": self.c(law, static),
+            "types": "",
+            "program": "\n\n".join([self._c_types(), *functions]),
             "evaluate": f"work w;\nwrench_of{given}",
             "accept": f"work w;\nnext_rates{given}",
             "next": "",
         }
+
+    @property
+    def names(self) -> set[str]:
+        """The names that it takes in the file."""
+        return {"work", *(tree.name for tree in self._trees)}
 
     @cached_property
     def _trees(self) -> list[ast.FunctionDef]:
@@ -90,36 +116,58 @@ class Program:
         used = {n.id for tree in self._trees for n in ast.walk(tree) if isinstance(n, ast.Name)}
         return {name: value for name, value in {**own, **arrays}.items() if name in used}
 
-    def c(self, law: str, static: str) -> str:
-        """Return types, constants and functions in C."""
-        fields = []
+    @cached_property
+    def _changes(self) -> dict[str, list[int]]:
+        """The places of the arrays and of `w` among a function's arguments that it changes."""
+        changes: dict[str, list[int]] = {}
+        for tree in self._trees:
+            names = [a.arg for a in tree.args.args]
+            stored = {_root(node) for node in ast.walk(tree) if _is_stored_part(node)}
+            for node in ast.walk(tree):
+                if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                    stored |= {_root(node.args[k]) for k in changes.get(node.func.id, ())}
+            changes[tree.name] = [k for k, name in enumerate(names) if name in stored]
+        return changes
+
+    def _texts(self, kind: type[Function], law: str) -> Iterator[str]:
+        """Yield the functions in a language."""
+        for tree in self._trees:
+            yield kind(tree, self._changes, law, self._constants).text()
+
+    def _fields(self) -> Iterator[tuple[str, int]]:
+        """Yield the names of the numbers of `w` and how many there are of each, 0 for no array."""
         for name in self.work.names or ():
-            size = self.work[name].shape
-            fields.append(f"    double {name}{f'[{size[0]}]' if size else ''};")
+            yield name, (*self.work[name].shape, 0)[0]
+
+    def _c_types(self) -> str:
+        """Return the type of `w` and the constants in C."""
+        fields = [f"    double {n}{f'[{size}]' if size else ''};" for n, size in self._fields()]
         lines = ["typedef struct {", *fields, "} work;", ""]
         for name, value in self._constants.items():
             if np.ndim(value):
-                numbers = ",\n    ".join(map(_c_number, value))
+                numbers = ",\n    ".join(map(c_number, value))
                 lines.append(f"static const double {name}[{len(value)}] = {{\n    {numbers}}};")
             else:
-                lines.append(f"static const double {name} = {_c_number(value)};")
-        for tree in self._trees:
-            lines += ["", _Function(tree, self._changes, law).text(static)]
+                lines.append(f"static const double {name} = {c_number(value)};")
         return "\n".join(lines)
 
-    @cached_property
-    def _changes(self) -> dict[str, set[int]]:
-        """The places of the arrays that each function changes among its arguments."""
-        changes: dict[str, set[int]] = {}
-        for tree in self._trees:
-            names = [a.arg for a in tree.args.args]
-            stored = {
-                n.value.id for n in ast.walk(tree)
-                if isinstance(n, ast.Subscript) and isinstance(n.ctx, ast.Store)
-                and isinstance(n.value, ast.Name)
-            }  # fmt: skip
-            changes[tree.name] = {names.index(name) for name in stored if name in names}
-        return changes
+    def _fortran_types(self) -> str:
+        """Return the type of `w` and the constants in Fortran."""
+        fields = [f"    real(wp) :: {n}{f'({size})' if size else ''}" for n, size in self._fields()]
+        lines = ["type :: work", *fields, "end type work", ""]
+        for name, value in self._constants.items():
+            if np.ndim(value):
+                numbers = ", &\n    ".join(map(fortran_number, value))
+                head = f"real(wp), parameter :: {name}({len(value)}) = [ &"
+                lines.append(f"{head}\n    {numbers}]")
+            else:
+                lines.append(f"real(wp), parameter :: {name} = {fortran_number(value)}")
+        return "\n".join(lines)
+
+    def _matlab_work(self) -> str:
+        """Return a function that gives `w` in MATLAB."""
+        fields = [f"w.{n} = {f'zeros(1, {size})' if size else '0'};" for n, size in self._fields()]
+        return "\n".join(["function w = work()", *fields, "end"])
 
     def python(self) -> str:
         """Return the class of `w`, constants and functions in Python."""
@@ -187,133 +235,16 @@ def _name(function: str) -> str:
     return {"evaluate": "wrench_of", "accept": "next_rates"}.get(function, function)
 
 
-class _Function:
-    """A function in C."""
-
-    def __init__(self, tree: ast.FunctionDef, changes: Mapping[str, set[int]], law: str) -> None:
-        self.tree, self.changes, self.law = tree, changes[tree.name], law
-        self.whole: set[str] = set()
-
-    def text(self, static: str) -> str:
-        """Return the function."""
-        tree, arguments = self.tree, []
-        for k, argument in enumerate(tree.args.args):
-            kind = ast.unparse(argument.annotation) if argument.annotation else ""
-            form = {"float": "double {}", "int": "int {}", "Record": "work *{}"}.get(kind)
-            if form is None:
-                form = "double *{}" if k in self.changes else "const double *{}"
-            if kind == "int":
-                self.whole.add(argument.arg)
-            arguments.append(form.format(argument.arg))
-        values: dict[str, list[ast.expr]] = {}
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Assign | ast.AugAssign):
-                target = node.targets[0] if isinstance(node, ast.Assign) else node.target
-                if isinstance(target, ast.Name):
-                    values.setdefault(target.id, []).append(node.value)
-            elif isinstance(node, ast.For) and isinstance(node.target, ast.Name):
-                values.setdefault(node.target.id, [])
-        for (
-            name,
-            given_values,
-        ) in values.items():  # in the order of first use, so that one may rest on those before
-            if all(map(self._is_whole, given_values)):
-                self.whole.add(name)
-        given = {a.arg for a in tree.args.args}
-        locals_ = {
-            kind: [n for n in values if n not in given and (n in self.whole) == (kind == "int")]
-            for kind in ("double", "int")
-        }
-        declared = [f"{kind} {', '.join(names)};" for kind, names in locals_.items() if names]
-        returned = (
-            "double" if tree.returns is not None and ast.unparse(tree.returns) != "None" else "void"
-        )
-        body = indent("\n".join([*declared, *self._lines(tree.body)]), "    ")
-        return f"{static} {returned} {tree.name}({', '.join(arguments)})\n{{\n{body}\n}}"
-
-    def _is_whole(self, node: ast.expr) -> bool:
-        match node:
-            case ast.Constant(value=value):
-                return isinstance(value, int)
-            case ast.Name(id=name) | ast.Call(func=ast.Name(id=name)):
-                return name in self.whole or name == "int"
-            case ast.BinOp(left=left, op=op, right=right):
-                whole = self._is_whole(left) and self._is_whole(right)
-                return whole and not isinstance(op, ast.Div)
-            case ast.IfExp(body=yes, orelse=no):
-                return self._is_whole(yes) and self._is_whole(no)
-        return isinstance(node, ast.Compare | ast.BoolOp)
-
-    def _lines(self, body: Sequence[ast.stmt]) -> Iterator[str]:
-        for node in body:
-            match node:
-                case ast.Assign(targets=[target], value=value):
-                    yield f"{self._text(target)} = {self._text(value)};"
-                case ast.AugAssign(target=target, op=op, value=value):
-                    yield f"{self._text(target)} {_SYMBOLS[type(op)]}= {self._text(value)};"
-                case ast.Expr(value=value):
-                    yield f"{self._text(value)};"
-                case ast.Return(value=value):
-                    yield f"return {self._text(value)};" if value else "return;"
-                case ast.Break():
-                    yield "break;"
-                case ast.If(test=test, body=inside, orelse=other):
-                    yield f"if ({self._text(test)}) {{"
-                    yield from self._block(inside)
-                    if other:
-                        yield "} else {"
-                        yield from self._block(other)
-                    yield "}"
-                case ast.For(target=ast.Name(id=k), iter=ast.Call(args=[count]), body=inside):
-                    yield f"for ({k} = 0; {k} < {self._text(count)}; {k}++) {{"
-                    yield from self._block(inside)
-                    yield "}"
-                case _:
-                    raise NotImplementedError(ast.unparse(node))
-
-    def _block(self, body: Sequence[ast.stmt]) -> Iterator[str]:
-        yield from (indent(line, "    ") for line in self._lines(body))
-
-    def _text(self, node: ast.expr) -> str:
-        """Return an expression."""
-        match node:
-            case ast.Constant(value=value):
-                return _c_number(value) if isinstance(value, float) else str(int(value))  # type: ignore[arg-type]
-            case ast.Name(id=name):
-                return name
-            case ast.Attribute(value=ast.Name(id="math"), attr=name):
-                return _C_NUMBERS.get(name, name)
-            case ast.Attribute(value=value, attr=name):
-                return f"{self._text(value)}->{name}"
-            case ast.Subscript(value=value, slice=at):
-                return f"{self._text(value)}[{self._text(at)}]"
-        return self._operation(node)
-
-    def _operation(self, node: ast.expr) -> str:
-        """Return a call or an operation."""
-        match node:
-            case ast.Call(func=function, args=args):
-                name, given = self._text(function), ", ".join(map(self._text, args))
-                return f"{_C_NAMES.get(name, name)}({given})".replace("law_of(", f"{self.law}(")
-            case ast.BinOp(left=left, op=op, right=right):
-                text = f"{self._text(left)} {_SYMBOLS[type(op)]} {self._text(right)}"
-            case ast.UnaryOp(op=unary, operand=operand):
-                text = f"{_SYMBOLS[type(unary)]}{self._text(operand)}"
-            case ast.BoolOp(op=either, values=values):
-                text = f" {_SYMBOLS[type(either)]} ".join(map(self._text, values))
-            case ast.Compare(left=left, ops=[comparison], comparators=[right]):
-                text = f"{self._text(left)} {_SYMBOLS[type(comparison)]} {self._text(right)}"
-            case ast.IfExp(test=test, body=yes, orelse=no):
-                text = f"{self._text(test)} ? {self._text(yes)} : {self._text(no)}"
-            case _:
-                raise NotImplementedError(ast.unparse(node))
-        return f"({text})"
+def _root(node: ast.expr) -> str:
+    """Return the name of the array or record of which a node is a part."""
+    while isinstance(node, ast.Attribute | ast.Subscript):
+        node = node.value
+    return node.id if isinstance(node, ast.Name) else ""
 
 
-def _c_number(value: float) -> str:
-    if math.isinf(value):
-        return "(double)INFINITY" if value > 0 else "-(double)INFINITY"
-    return repr(float(value))
+def _is_stored_part(node: ast.AST) -> TypeGuard[ast.Attribute | ast.Subscript]:
+    """Whether a number of an array or record is assigned."""
+    return isinstance(node, ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store)
 
 
 def _python_number(value: float) -> str:

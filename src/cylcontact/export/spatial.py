@@ -8,15 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.arrays import require
 from cylcontact.export.element import Element, Motion, Result
 from cylcontact.export.joint import element_of as planar_element
 from cylcontact.export.program import Program
 from cylcontact.mechanism import contact, spatial_forces
 from cylcontact.mechanism.spatial import SpatialJoint, SpatialState
-
-# Languages into which `Program` translates; an FMU is around the C.
-TARGETS = ("c", "cpp", "python", "fmu")
 
 # q + tan(x)/x*(ahead/2)*spin*q, x = ahead*abs(spin)/2: a turn, but for the quaternion's length.
 _HALF = "0.5*ahead*(1 + ahead*ahead*(spin_x*spin_x + spin_y*spin_y + spin_z*spin_z)/12)"
@@ -50,7 +46,7 @@ _FUNCTIONS = (
         "load_at", "energy_at", "rotate", "resolve", "cross", "move", "section", "seek",
         "reach_faces", "reach", "slide", "rub", "press", "slowness_at", "press_piece",
         "free_distance", "press_straight", "first_touch", "press_crowned", "press_rims",
-        "press_faces", "finish", "clear", "evaluate", "accept",
+        "press_faces", "finish", "reset", "evaluate", "accept",
     )),
 )  # fmt: skip
 
@@ -66,12 +62,8 @@ _ASSUMPTIONS = (
 )
 
 
-def element_of(joint: SpatialJoint, target: str) -> Element:
-    """Return the element of a spatial joint for a language."""
-    require(
-        target in TARGETS, "export", "--to", target, "is no language of a spatial joint yet",
-        f"choose {', '.join(TARGETS)}",
-    )  # fmt: skip
+def element_of(joint: SpatialJoint) -> Element:
+    """Return a spatial joint as functions, lists of names and words."""
     plane = planar_element(joint.planar)
     results = tuple(
         Result(

@@ -30,8 +30,8 @@ with s the slope of the penetration out of the hole; see `spatial.EdgeSpec` for 
 
 **Faces.** A ring on each collar is an elastic foundation against the face of the bush.
 
-Lengths are in mm, forces in N. The functions keep to assignments, choices, loops and calls, because
-`cylcontact.export` translates them.
+Lengths are in mm, forces in N. The functions keep to assignments, choices, loops and calls, and to
+names that differ in more than their case, because `cylcontact.export` translates them.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ RESULTS = (
 )  # fmt: skip
 WORK = np.dtype(
     [
-        *((name, np.float64, 3) for name in ("x", "y", "k", "arm_b", "arm_p", "axis")),
+        *((name, np.float64, 3) for name in ("x", "y", "z", "arm_b", "arm_p", "axis")),
         *((name, np.float64, 3) for name in ("away", "moving", "turning", "c", "a", "V", "W")),
         *((name, np.float64, 2) for name in ("psi", "psi_rate", "K")),
         *((name, np.float64) for name in ("low", "high", "tip_low", "tip_high", "deepest_at")),
@@ -147,11 +147,13 @@ def rotate(body: FloatArray, vector: FloatArray, out: FloatArray) -> None:
 
 
 @inlined
-def resolve(vector: FloatArray, w: Record, out: FloatArray) -> None:
-    """Write a vector of the world in the hole's frame."""
-    out[0] = w.x[0] * vector[0] + w.x[1] * vector[1] + w.x[2] * vector[2]
-    out[1] = w.y[0] * vector[0] + w.y[1] * vector[1] + w.y[2] * vector[2]
-    out[2] = w.k[0] * vector[0] + w.k[1] * vector[1] + w.k[2] * vector[2]
+def resolve(
+    vector: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray, out: FloatArray
+) -> None:
+    """Write a vector of the world in a frame of these axes."""
+    out[0] = x[0] * vector[0] + x[1] * vector[1] + x[2] * vector[2]
+    out[1] = y[0] * vector[0] + y[1] * vector[1] + y[2] * vector[2]
+    out[2] = z[0] * vector[0] + z[1] * vector[1] + z[2] * vector[2]
 
 
 @inlined
@@ -167,7 +169,7 @@ def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Record) -> None
     """Write the motion of the pin in the hole's frame, and what the two share of the length."""
     rotate(bearing, joint.x_b, w.x)
     rotate(bearing, joint.y_b, w.y)
-    rotate(bearing, joint.z_b, w.k)
+    rotate(bearing, joint.z_b, w.z)
     rotate(bearing, joint.point_b, w.arm_b)
     rotate(pin, joint.point_p, w.arm_p)
     rotate(pin, joint.axis_p, w.axis)
@@ -184,10 +186,10 @@ def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Record) -> None
             - bearing[10 + i] * (w.arm_b[j] + w.away[j])
             + bearing[10 + j] * (w.arm_b[i] + w.away[i])
         )
-    resolve(w.away, w, w.c)
-    resolve(w.axis, w, w.a)
-    resolve(w.moving, w, w.V)
-    resolve(w.turning, w, w.W)
+    resolve(w.away, w.x, w.y, w.z, w.c)
+    resolve(w.axis, w.x, w.y, w.z, w.a)
+    resolve(w.moving, w.x, w.y, w.z, w.V)
+    resolve(w.turning, w.x, w.y, w.z, w.W)
     w.tip_low = joint.pin_low
     w.tip_high = joint.pin_high
     if w.a[2] < 0.0:
@@ -264,7 +266,8 @@ def reach(w: Record, joint: Record) -> None:
             if joint.crown > 0.0:
                 middle = 0.5 * (w.low + w.high)
                 upper = w.deepest_at > middle
-                section(w.deepest_at if upper == (side == 0) else middle, w, joint)
+                z = w.deepest_at if upper == (side == 0) else middle
+                section(z, w, joint)
                 if w.delta > w.penetration[side]:
                     w.penetration[side] = w.delta
                     w.penetration_rate[side] = w.rate
@@ -563,29 +566,30 @@ def press_faces(w: Record, joint: Record) -> None:
             half_arc = math.pi
             if mean < swing:
                 half_arc = math.acos(-mean / swing)
-            for k in range(16):
-                phi = half_arc * ARC[k // 2]
-                cosine = math.cos(phi)
-                sine = math.sin(phi) if k % 2 == 0 else -math.sin(phi)
-                delta = mean + swing * cosine
-                out = joint.face_radius * sine
-                along = -sign * joint.face_radius * cosine
-                x = sign * joint.face_gap * w.a[0] - along * to_x * w.a[2] + out * to_y
-                y = sign * joint.face_gap * w.a[1] - along * to_y * w.a[2] - out * to_x
-                z = sign * joint.face_gap * w.a[2] + along * lean
-                v_x = w.V[0] + w.W[1] * z - w.W[2] * y
-                v_y = w.V[1] + w.W[2] * x - w.W[0] * z
-                rate = -sign * (w.V[2] + w.W[0] * y - w.W[1] * x)
-                elastic = joint.face_stiffness * half_arc * ARC_WEIGHT[k // 2] * delta
-                ratio = bounded_ratio(rate * w.slowness[2 + side])
-                load = elastic * max(1.0 + joint.face_chi * ratio, 0.0)
-                w.force[2] += sign * load
-                w.moment[0] += sign * y * load
-                w.moment[1] -= sign * x * load
-                w.dissipated_power += (load - elastic) * rate
-                w.elastic_energy += 0.5 * elastic * delta
-                if joint.friction > 0.0:
-                    slide(load, x, y, z, v_x, v_y, 0.0, w, joint)
+            for node in range(8):
+                for turn in range(2):
+                    phi = half_arc * ARC[node]
+                    cosine = math.cos(phi)
+                    sine = math.sin(phi) if turn == 0 else -math.sin(phi)
+                    delta = mean + swing * cosine
+                    out = joint.face_radius * sine
+                    along = -sign * joint.face_radius * cosine
+                    x = sign * joint.face_gap * w.a[0] - along * to_x * w.a[2] + out * to_y
+                    y = sign * joint.face_gap * w.a[1] - along * to_y * w.a[2] - out * to_x
+                    z = sign * joint.face_gap * w.a[2] + along * lean
+                    v_x = w.V[0] + w.W[1] * z - w.W[2] * y
+                    v_y = w.V[1] + w.W[2] * x - w.W[0] * z
+                    rate = -sign * (w.V[2] + w.W[0] * y - w.W[1] * x)
+                    elastic = joint.face_stiffness * half_arc * ARC_WEIGHT[node] * delta
+                    ratio = bounded_ratio(rate * w.slowness[2 + side])
+                    load = elastic * max(1.0 + joint.face_chi * ratio, 0.0)
+                    w.force[2] += sign * load
+                    w.moment[0] += sign * y * load
+                    w.moment[1] -= sign * x * load
+                    w.dissipated_power += (load - elastic) * rate
+                    w.elastic_energy += 0.5 * elastic * delta
+                    if joint.friction > 0.0:
+                        slide(load, x, y, z, v_x, v_y, 0.0, w, joint)
 
 
 @compiled
@@ -596,9 +600,9 @@ def finish(w: Record, joint: Record) -> None:
     w.moment[1] += (w.a[2] * w.K[0] - w.a[0] * lever) / w.a[2]
     w.moment[2] += (w.a[0] * w.K[1] - w.a[1] * w.K[0]) / w.a[2]
     for k in range(3):
-        w.force_pin[k] = w.force[0] * w.x[k] + w.force[1] * w.y[k] + w.force[2] * w.k[k]
+        w.force_pin[k] = w.force[0] * w.x[k] + w.force[1] * w.y[k] + w.force[2] * w.z[k]
         w.force_bearing[k] = -w.force_pin[k]
-        w.moment_pin[k] = w.moment[0] * w.x[k] + w.moment[1] * w.y[k] + w.moment[2] * w.k[k]
+        w.moment_pin[k] = w.moment[0] * w.x[k] + w.moment[1] * w.y[k] + w.moment[2] * w.z[k]
         w.moment_bearing[k] = -w.moment_pin[k]
         w.away[k] += w.arm_b[k]
     for k in range(3):
@@ -619,7 +623,7 @@ def finish(w: Record, joint: Record) -> None:
 
 
 @compiled
-def clear(w: Record) -> None:
+def reset(w: Record) -> None:
     """Set the sums to zero."""
     for k in range(3):
         w.force[k] = 0.0
@@ -649,7 +653,7 @@ def evaluate(
     law: FloatArray,
 ) -> None:
     """Write the wrench of bodies that move so, with these impact rates of rims and faces."""
-    clear(w)
+    reset(w)
     move(bearing, pin, w, joint)
     reach(w, joint)
     touching = False

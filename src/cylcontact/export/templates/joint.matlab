@@ -28,6 +28,10 @@ $accept
 $next
 end
 
+$if program
+$program
+
+$end
 function f = law_load(penetration)
 % The law: N/mm at a penetration in mm.
 $if table
