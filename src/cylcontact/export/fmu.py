@@ -134,6 +134,7 @@ class Model(NamedTuple):
             **parts,
             "name": self.name,
             "inputs": str(len(inputs)),
+            "indicators": str(self.indicators),
             "reals": str(sum(bool(v.unit) for v in self.variables)),
             "first": ", ".join(repr(v.start) for v in inputs),
         }

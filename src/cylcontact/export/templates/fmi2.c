@@ -39,7 +39,7 @@ $end
 #endif
 
 /* Value references as in modelDescription.xml: what can be set, and all of the real variables. */
-enum { INPUTS = $inputs, REALS = $reals, INDICATORS = $contacts + 0 };
+enum { INPUTS = $inputs, REALS = $reals, INDICATORS = $indicators };
 
 /* All that a saved state of the FMU holds. */
 typedef struct {
