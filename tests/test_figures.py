@@ -85,7 +85,8 @@ class TestFiles:
     ) -> None:
         width, height = page_mm(figures[name].paths[0])
         assert min(abs(width - journal) for journal in WIDTHS_MM.values()) < 0.01
-        assert height < 120
+        # Sixteen orbits take most of a page.
+        assert height < (180 if name in ("fig18", "fig19") else 120)
 
     @each_figure(NAMES)
     def test_fonts_are_embedded_as_type_42(self, figures: DrawnFigures, name: str) -> None:
