@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from textwrap import indent, wrap
 from typing import Any, ClassVar
 
 import numpy as np
+
+from cylcontact.export.dialects import JOINT_DIALECTS
+from cylcontact.export.render import Dialect
 
 _SYMBOLS: Mapping[type[ast.AST], str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Mod: "%",
@@ -17,34 +20,13 @@ _SYMBOLS: Mapping[type[ast.AST], str] = {
 }  # fmt: skip
 
 
-def c_number(value: float) -> str:
-    """Return a number in C."""
-    if math.isinf(value):
-        return "(double)INFINITY" if value > 0 else "-(double)INFINITY"
-    return repr(float(value))
-
-
-def fortran_number(value: float) -> str:
-    """Return a number in Fortran; infinity, which is no constant there, as the largest number."""
-    if math.isinf(value):
-        return f"{'-' if value < 0 else ''}huge(1.0_wp)"
-    return f"{float(value)!r}_wp"
-
-
-def matlab_number(value: float) -> str:
-    """Return a number in MATLAB."""
-    if math.isinf(value):
-        return f"{'-' if value < 0 else ''}Inf"
-    return repr(float(value)).removesuffix(".0")
-
-
 class Function:
     """A function in a language; subclasses have what differs."""
 
     symbols: ClassVar[Mapping[type[ast.AST], str]] = _SYMBOLS
     names: ClassVar[Mapping[str, str]] = {}
     numbers: ClassVar[Mapping[str, str]]
-    number: Callable[[float], str]
+    dialect: ClassVar[Dialect]
     truths = ("false", "true")
     first, member, end = 0, "->", ""
     item = "{}[{}]"
@@ -76,6 +58,13 @@ class Function:
             for name in self.locals:
                 kinds = {self._kind(value) for value in values[name]}
                 self.kinds[name] = kinds.pop() if len(kinds) == 1 else "number"
+
+    @classmethod
+    def number(cls, value: float) -> str:
+        """Return a number."""
+        if math.isinf(value):
+            return f"{'-' if value < 0 else ''}{cls.numbers['inf']}"
+        return cls.dialect.number(float(value))
 
     def text(self) -> str:
         """Return the function."""
@@ -211,7 +200,7 @@ class CFunction(Function):
     numbers: ClassVar[Mapping[str, str]] = {
         "inf": "(double)INFINITY", "nan": "(double)NAN", "pi": repr(math.pi),
     }  # fmt: skip
-    number = staticmethod(c_number)
+    dialect = JOINT_DIALECTS["c"]
     truths = ("0", "1")
     end = ";"
 
@@ -269,11 +258,12 @@ class FortranFunction(_OneBasedFunction):
         **_SYMBOLS, ast.NotEq: "/=", ast.And: ".and.", ast.Or: ".or.", ast.Not: ".not. ",
     }  # fmt: skip
     names: ClassVar[Mapping[str, str]] = {"copysign": "sign"}
+    # Infinity is no constant there, and as good as the largest number.
     numbers: ClassVar[Mapping[str, str]] = {
         "inf": "huge(1.0_wp)", "nan": "ieee_value(1.0_wp, ieee_quiet_nan)",
         "pi": f"{math.pi!r}_wp",
     }  # fmt: skip
-    number = staticmethod(fortran_number)
+    dialect = JOINT_DIALECTS["fortran"]
     truths = (".false.", ".true.")
     member, leave = "%", "exit"
     if_, else_, end_if = "if ({}) then", "else", "end if"
@@ -337,7 +327,7 @@ class MatlabFunction(_OneBasedFunction):
     symbols: ClassVar[Mapping[type[ast.AST], str]] = {**_SYMBOLS, ast.NotEq: "~=", ast.Not: "~"}
     names: ClassVar[Mapping[str, str]] = {"int": "fix"}
     numbers: ClassVar[Mapping[str, str]] = {"inf": "Inf", "nan": "NaN", "pi": "pi"}
-    number = staticmethod(matlab_number)
+    dialect = JOINT_DIALECTS["matlab"]
     member, end = ".", ";"
     if_, else_, end_if = "if {}", "else", "end"
     for_, end_for = "for {k} = 0:{last}", "end"
@@ -350,7 +340,7 @@ class MatlabFunction(_OneBasedFunction):
         constants = []
         for name, value in self.constants.items():
             if name in used:
-                numbers = ", ".join(map(matlab_number, np.atleast_1d(value)))
+                numbers = ", ".join(map(self.number, np.atleast_1d(value)))
                 constants.append(f"{name} = {f'[{numbers}]' if np.ndim(value) else numbers};")
         left = self._given(names, "answer" if self.returns else "")
         lines = [*constants, *self._lines(self.tree.body)]

@@ -22,8 +22,6 @@ from cylcontact.export.function import (
     FortranFunction,
     Function,
     MatlabFunction,
-    c_number,
-    fortran_number,
 )
 
 
@@ -97,7 +95,7 @@ class Program:
             tree = ast.parse(textwrap.dedent(inspect.getsource(plain))).body[0]
             assert isinstance(tree, ast.FunctionDef)
             tree = ast.fix_missing_locations(_Names(vars(inspect.getmodule(plain))).visit(tree))
-            tree.decorator_list, tree.returns = [], tree.returns
+            tree.decorator_list = []
             trees.append(tree)
         return trees
 
@@ -145,10 +143,10 @@ class Program:
         lines = ["typedef struct {", *fields, "} work;", ""]
         for name, value in self._constants.items():
             if np.ndim(value):
-                numbers = ",\n    ".join(map(c_number, value))
+                numbers = ",\n    ".join(map(CFunction.number, value))
                 lines.append(f"static const double {name}[{len(value)}] = {{\n    {numbers}}};")
             else:
-                lines.append(f"static const double {name} = {c_number(value)};")
+                lines.append(f"static const double {name} = {CFunction.number(value)};")
         return "\n".join(lines)
 
     def _fortran_types(self) -> str:
@@ -157,11 +155,11 @@ class Program:
         lines = ["type :: work", *fields, "end type work", ""]
         for name, value in self._constants.items():
             if np.ndim(value):
-                numbers = ", &\n    ".join(map(fortran_number, value))
+                numbers = ", &\n    ".join(map(FortranFunction.number, value))
                 head = f"real(wp), parameter :: {name}({len(value)}) = [ &"
                 lines.append(f"{head}\n    {numbers}]")
             else:
-                lines.append(f"real(wp), parameter :: {name} = {fortran_number(value)}")
+                lines.append(f"real(wp), parameter :: {name} = {FortranFunction.number(value)}")
         return "\n".join(lines)
 
     def _matlab_work(self) -> str:
@@ -171,11 +169,16 @@ class Program:
 
     def python(self) -> str:
         """Return the class of `w`, constants and functions in Python."""
-        lines = ["class Work:", "    def __init__(self):"]
-        for name in self.work.names or ():
-            size = self.work[name].shape
-            lines.append(f"        self.{name} = {f'[0.0] * {size[0]}' if size else '0.0'}")
-        lines += ["", ""]
+        fields = [
+            f"self.{n} = {f'[0.0] * {size}' if size else '0.0'}" for n, size in self._fields()
+        ]
+        lines = [
+            "class Work:",
+            "    def __init__(self):",
+            *(f"        {f}" for f in fields),
+            "",
+            "",
+        ]
         for name, value in self._constants.items():
             if np.ndim(value):
                 numbers = ",\n    ".join(map(repr, value.tolist()))
