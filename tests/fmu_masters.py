@@ -28,26 +28,32 @@ def export_fmu(joint, folder):
     return path
 
 
+def started(path, folder, kind="ModelExchange", inputs=()):
+    """Return an FMU in FMPy after its initialisation with these inputs, the first of its reals."""
+    from fmpy import extract, read_model_description
+    from fmpy.fmi2 import FMU2Model, FMU2Slave
+
+    description = read_model_description(path)
+    fmu = {"ModelExchange": FMU2Model, "CoSimulation": FMU2Slave}[kind](
+        guid=description.guid,
+        unzipDirectory=extract(path, folder),
+        modelIdentifier=description.modelExchange.modelIdentifier,
+        instanceName="joint",
+    )
+    fmu.instantiate()
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    if len(inputs):
+        fmu.setReal(range(len(inputs)), list(inputs))
+    fmu.exitInitializationMode()
+    return fmu
+
+
 class Fmu:
     """An FMU in FMPy, in model exchange or co-simulation; several may come from one file."""
 
     def __init__(self, path, folder, kind="ModelExchange", motion=(0.0,) * 12):
-        from fmpy import extract, read_model_description
-        from fmpy.fmi2 import FMU2Model, FMU2Slave
-
-        description = read_model_description(path)
-        model = {"ModelExchange": FMU2Model, "CoSimulation": FMU2Slave}[kind]
-        self.fmu = model(
-            guid=description.guid,
-            unzipDirectory=extract(path, folder),
-            modelIdentifier=description.modelExchange.modelIdentifier,
-            instanceName="joint",
-        )
-        self.fmu.instantiate()
-        self.fmu.setupExperiment(startTime=0.0)
-        self.fmu.enterInitializationMode()
-        self.set(motion)
-        self.fmu.exitInitializationMode()
+        self.fmu = started(path, folder, kind, motion)
         if kind == "ModelExchange":
             self.event()
 

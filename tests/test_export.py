@@ -21,6 +21,7 @@ from cylcontact.laws.logarithmic import adjusted_logarithmic
 from cylcontact.laws.user import user_law
 from cylcontact.materials import material_in_MPa
 from tests.export_runners import RUNNERS, module_of, require_jax, run_octave
+from tests.fmu_masters import started
 from tests.programs import require_package, require_program
 
 RESULTS = Path(__file__).parents[1] / "fitting" / "results"
@@ -287,7 +288,6 @@ def test_the_fmu_of_a_law_is_the_law(name, tmp_path):
     path = tmp_path / "law.fmu"
     path.write_bytes(export(case.law, case.contact, "fmu"))
     assert validate_fmu(str(path)) == []
-    folder = fmpy.extract(path, tmp_path / "unpacked")
     description = fmpy.read_model_description(path)
     kinds = {v.name: v.causality for v in description.modelVariables}
     assert kinds["penetration"] == "input"
@@ -299,15 +299,8 @@ def test_the_fmu_of_a_law_is_the_law(name, tmp_path):
         )
         if k % 97 == 0
     ]
-    for kind, of in (("ModelExchange", fmpy.fmi2.FMU2Model), ("CoSimulation", fmpy.fmi2.FMU2Slave)):
-        unit = of(
-            guid=description.guid, unzipDirectory=folder, instanceName="law",
-            modelIdentifier=description.modelExchange.modelIdentifier,
-        )  # fmt: skip
-        unit.instantiate()
-        unit.setupExperiment(startTime=0.0)
-        unit.enterInitializationMode()
-        unit.exitInitializationMode()
+    for kind in ("ModelExchange", "CoSimulation"):
+        unit = started(path, tmp_path / kind, kind)
         for *given, f, k, of_f, of_k in rows:
             unit.setReal(range(len(given)), given)
             answers = unit.getReal([len(given), len(given) + 1])

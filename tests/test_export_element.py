@@ -15,6 +15,7 @@ from cylcontact.export.joint import element_of
 from cylcontact.laws.formula import steps_of
 from cylcontact.mechanism import read_joint
 from tests.export_runners import C_FLAGS, CPP_FLAGS, FORTRAN_FLAGS, compile_with, run_program
+from tests.fmu_masters import started
 from tests.joint_runners import run_octave
 from tests.programs import require_package, require_program
 
@@ -125,15 +126,7 @@ def test_the_fmu_has_an_event_for_each_contact(four, tmp_path):
     description = fmpy.read_model_description(path, validate=True)
     assert description.numberOfEventIndicators == 4
     references = {v.name: v.valueReference for v in description.modelVariables}
-    model = fmpy.fmi2.FMU2Model(
-        guid=description.guid, unzipDirectory=fmpy.extract(path, tmp_path / "unpacked"),
-        modelIdentifier="four", instanceName="four",
-    )  # fmt: skip
-    model.instantiate()
-    model.setupExperiment(startTime=0.0)
-    model.enterInitializationMode()
-    model.setReal(range(12), [*BEARING, *PIN])
-    model.exitInitializationMode()
+    model = started(path, tmp_path / "unpacked", inputs=[*BEARING, *PIN])
     names = [f"{name}_{k}" for name in ("impact_rate", "penetration") for k in range(1, 5)]
     answers = model.getReal([references[name] for name in names])
     np.testing.assert_allclose(answers, WANTED, rtol=1e-9)

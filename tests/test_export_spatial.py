@@ -14,7 +14,7 @@ from cylcontact import InputError
 from cylcontact.export import export_joint
 from cylcontact.mechanism import SpatialJoint
 from tests.export_runners import C_FLAGS, CPP_FLAGS, FORTRAN_FLAGS, compile_with
-from tests.fmu_masters import export_fmu
+from tests.fmu_masters import export_fmu, started
 from tests.joint_runners import run_octave
 from tests.programs import require_package
 from tests.spatial_cases import FIXED, body, joint_for, motions, run_library
@@ -186,8 +186,7 @@ def test_a_module_is_not_called_as_one_of_its_functions(name):
 
 def test_the_fmu_has_its_numbers_and_gives_those_of_the_library(tmp_path):
     """At events of random motions, and at the end of a step in which the pin turns and flies."""
-    fmpy = pytest.importorskip("fmpy")
-    from fmpy.fmi2 import FMU2Model, FMU2Slave
+    fmpy = require_package("fmpy")
     from fmpy.validation import validate_fmu
 
     joint = joint_for(**KINDS["example"])
@@ -197,21 +196,8 @@ def test_the_fmu_has_its_numbers_and_gives_those_of_the_library(tmp_path):
     count = Counter(v.causality for v in description.modelVariables)
     assert (count["input"], count["output"], count["local"]) == (26, 25, 4)
     assert description.numberOfEventIndicators == 4
-    folder = fmpy.extract(str(path), str(tmp_path))
-
-    def instance(kind):
-        made = kind(
-            guid=description.guid, unzipDirectory=folder, instanceName="joint",
-            modelIdentifier=description.modelExchange.modelIdentifier,
-        )  # fmt: skip
-        made.instantiate()
-        made.setupExperiment(startTime=0.0)
-        made.enterInitializationMode()
-        made.setReal(range(26), [*FIXED, *FIXED])
-        made.exitInitializationMode()
-        return made
-
-    model, state, rows = instance(FMU2Model), joint.start(), rows_of(joint, 300)
+    model = started(path, tmp_path / "model", inputs=[*FIXED, *FIXED])
+    state, rows = joint.start(), rows_of(joint, 300)
     for row in rows:
         wrench = joint.evaluate(state, row[4:17], row[17:])
         if np.abs(wrench.penetration).min() < 1e-8:
@@ -227,7 +213,8 @@ def test_the_fmu_has_its_numbers_and_gives_those_of_the_library(tmp_path):
         indicators = (c_double * 4)()
         model.getEventIndicators(indicators, 4)
         np.testing.assert_allclose(list(indicators), wrench.penetration, rtol=0, atol=1e-15)
-    slave, pin = instance(FMU2Slave), rows[0, 17:].copy()
+    slave = started(path, tmp_path / "slave", "CoSimulation", [*FIXED, *FIXED])
+    pin = rows[0, 17:].copy()
     pin[10:] *= 100.0
     slave.setReal(range(26), [*FIXED, *pin])
     slave.doStep(0.0, 1e-4)

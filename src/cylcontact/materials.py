@@ -250,14 +250,16 @@ def _plain(name: str) -> str:
     return " ".join(name.casefold().split())
 
 
-def own_table(given: str | None, folder: Path, source: str, key: str = "materials") -> Path | None:
+def own_table(
+    given: Path | str | None, folder: Path, source: str, key: str = "materials"
+) -> Path | None:
     """Return a user's table of materials: the one given, or the default one if there is any.
 
     Either is looked for in a folder, in the two above it, and here.
     """
     path = beside_or_above(folder, given or _OWN)
     if given is not None and path is None:
-        raise InputError(source, key, given, "no such file", "name a table of materials")
+        raise InputError(source, key, str(given), "no such file", "name a table of materials")
     return path
 
 

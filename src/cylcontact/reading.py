@@ -63,7 +63,7 @@ def _unreadable(path: Path | str, error: Exception, remedy: str) -> InputError:
     return InputError(str(path), "", None, f"cannot be read ({reason})", remedy)
 
 
-def beside_or_above(folder: Path, name: str) -> Path | None:
+def beside_or_above(folder: Path, name: Path | str) -> Path | None:
     """Return a file in a folder, in the two above, or here; None if there is none."""
     return first_file(near / name for near in (folder, folder / "..", folder / ".." / "..", Path()))
 

@@ -69,11 +69,11 @@ def plain_numbers(texts: Sequence[str]) -> list[float] | None:
 
 def numbers(option: str, texts: Sequence[str] | None) -> list[float]:
     """Return texts as numbers; none if the option is not given."""
-    found = plain_numbers(texts or ())
-    if found is None:
+    values = plain_numbers(texts or ())
+    if values is None:
         given, rule = ",".join(texts or ()), "must be numbers separated by commas"
         raise InputError(option, "", given, rule, "e.g. 0.5,0.02")
-    return found
+    return values
 
 
 def option_of(name: str) -> str:

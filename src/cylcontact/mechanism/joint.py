@@ -468,7 +468,7 @@ def read_joint(path: Path | str, materials: Path | str | None = None) -> Clearan
     >>> joint.law.name, round(joint.chi, 4), round(joint.first_yield)
     ('parametric', 0.1665, 33201)
     """
-    own = own_table(None if materials is None else str(materials), Path(path).parent, str(path))
+    own = own_table(materials, Path(path).parent, str(path))
     return joint_from(read_toml(path), str(path), own)
 
 

@@ -393,7 +393,7 @@ def read_mechanism(
     >>> [body.name for body in mechanism.bodies], mechanism.clearance.contact.law
     (['crank', 'rod', 'slider'], Johnson())
     """
-    own = own_table(None if materials is None else str(materials), Path(path).parent, str(path))
+    own = own_table(materials, Path(path).parent, str(path))
     return mechanism_from(read_toml(path), str(path), own, **changes)
 
 

@@ -222,7 +222,7 @@ class SpatialJoint:
         InputError
             With the first mistake in the file.
         """
-        own = own_table(None if materials is None else str(materials), Path(path).parent, str(path))
+        own = own_table(materials, Path(path).parent, str(path))
         return cls.from_data(read_toml(path), str(path), own)
 
     @classmethod
