@@ -11,11 +11,11 @@ from hypothesis import settings
 
 from cylcontact import CylinderPair, Material, cli
 from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
-from tests import programs
-from tests.browser import chromium
-from tests.drawn_figures import BENCH, DrawnFigures
-from tests.html_bench import build_small_site
-from tests.spec_files import write_bench
+from tests.support import programs
+from tests.support.browser import chromium
+from tests.support.drawn_figures import BENCH, DrawnFigures
+from tests.support.html_bench import build_small_site
+from tests.support.spec_files import write_bench
 
 # Makes the bench's own modules importable: from _cylcontact_bench.paper import MATERIALS.
 BENCH.module("paper")

@@ -1,0 +1,476 @@
+"""The command line as a user meets it: what it writes, what it says, its exit codes."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import cylcontact
+from benchmarks.tether import tethered
+from cylcontact import cli
+from cylcontact.fitting import FitResult, calibrate
+from tests.support.spec_files import CAMPAIGN, GRID, changed, tree, write_bench, write_toml
+
+ROOT = Path(__file__).resolve().parents[2]
+COMMAND = [sys.executable, "-m", "cylcontact.cli"]
+in_bench = pytest.mark.usefixtures("bench")
+posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals and pipes")
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch, small_result):
+    """A folder to work in: a grid, a campaign, a result, and all kinds of other files."""
+    write_bench(tmp_path)
+    small_result.save(tmp_path / "good.json")
+    variants = {
+        "nodata": {"dataset": "datasets/none.toml"},
+        "excluded": {"parameters.K_star": {"low": -2, "high": -1}},
+        "masked": {"dataset": "datasets/masked.toml"},
+    }
+    for name, changes in variants.items():
+        write_toml(tmp_path / f"fitting/{name}.toml", changed(CAMPAIGN, changes))
+    for name, changes in {
+        "masked": {"axes.load": {"values": [1e9]}},
+    }.items():
+        write_toml(tmp_path / f"datasets/{name}.toml", changed(GRID, changes))
+    data = json.loads((tmp_path / "good.json").read_text())
+    nan = changed(data, {"objective.value": float("nan")})
+    (tmp_path / "nan.json").write_text(json.dumps(nan))
+    (tmp_path / "half.json").write_bytes((tmp_path / "good.json").read_bytes()[:1000])
+    (tmp_path / "empty.json").touch()
+    (tmp_path / "table.csv").write_text("load_N_per_mm,penetration_um\n10,0.2\n")
+    (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n\0\0")
+    (tmp_path / "foreign.json.partial").write_text('{"format": 1, "campaign": "0"}\n')
+    (tmp_path / "folder").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def start(*arguments, **options):
+    """Start the command line as a process of its own, in a group of its own."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    return subprocess.Popen(
+        tethered([*COMMAND, *map(str, arguments)]), start_new_session=True, **(pipes | options)
+    )
+
+
+def finish(*arguments, **options):
+    """Return the exit code, the output and the errors of such a process."""
+    process = start(*arguments, **options)
+    said, errors = process.communicate(timeout=60)
+    return process.returncode, said, errors
+
+
+def finish_unread(*arguments):
+    """End such a process whose reader has gone; it must say nothing."""
+    process = start(*arguments)
+    process.stdout.close()
+    assert process.wait(timeout=60) == 141
+    assert process.stderr.read() == ""
+    process.stderr.close()
+
+
+# --- what works -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("out", ["samples.parquet", "new/folder/samples.csv"])
+def test_sample_writes_a_table_and_says_how_many(bench, run, out):
+    code, said, errors = run("sample", "datasets/small.toml", "-o", out)
+    assert (code, errors) == (0, "")
+    assert said == f"{out}: 96 samples, 0 masked by the domain of johnson\n"
+    assert (bench / out).stat().st_size > 0
+
+
+def test_fit_writes_the_result_beside_the_campaign(bench, run, small_result):
+    code, said, errors = run("fit", "fitting/small.toml", "--jobs", "1")
+    assert (code, errors) == (0, "")
+    path = bench / "fitting/results/small.json"
+    assert FitResult.read(path).repeatable() == small_result.repeatable()
+    assert said == f"{FitResult.read(path)}\n\nwritten to fitting/results/small.json\n"
+    assert [file.name for file in path.parent.iterdir()] == ["small.json"]
+
+
+def test_fit_from_the_campaigns_own_folder(bench, run, monkeypatch):
+    monkeypatch.chdir(bench / "fitting")
+    code, said, _ = run("fit", "small.toml", "-j", "1")
+    assert code == 0
+    assert said.endswith("written to results/small.json\n")
+
+
+def test_runs_and_seed_are_recorded_in_the_settings(bench, run):
+    arguments = ("--runs", "2", "--seed", "11", "--jobs", "1", "-o", "new/r.json")
+    assert run("fit", "fitting/small.toml", *arguments)[0] == 0
+    result = FitResult.read(bench / "new/r.json")
+    settings = result.settings["campaign"]
+    assert (settings["genetic"]["runs"], settings["seed"], len(result.runs)) == (2, 11, 2)
+    assert result.settings["dataset"] == GRID
+    assert run("verify", "new/r.json", "--jobs", "1")[0] == 0
+
+
+def test_the_same_seed_gives_the_same_file_but_for_times_and_provenance(bench, run):
+    for jobs in (1, 2):
+        assert run("fit", "fitting/small.toml", "--jobs", jobs, "-o", f"{jobs}.json")[0] == 0
+    one, two = ((bench / f"{jobs}.json").read_text() for jobs in (1, 2))
+    seconds = re.compile(r'"seconds": [0-9.e-]+')
+    assert seconds.sub("", one) == seconds.sub("", two)
+
+
+@in_bench
+def test_compare_shows_results_side_by_side(run):
+    external = ROOT / "fitting/results/external.json"
+    code, said, errors = run("compare", "good.json", external, "good.json")
+    assert (code, errors) == (0, "")
+    assert said.count("small") >= 3
+    assert "external" in said
+
+
+def test_version_is_shown(run):
+    assert run("--version") == (0, f"cylcontact {cylcontact.__version__}\n", "")
+
+
+# --- verify -----------------------------------------------------------------------------------
+
+
+def test_verify_redoes_a_fit_and_says_that_it_holds(bench, run):
+    before = tree(bench)
+    code, said, errors = run("verify", "good.json", "--jobs", "1")
+    assert (code, errors) == (0, "")
+    assert said.count(": holds\n") == said.count("good: ") == 4
+    assert said.endswith("1 results verified, 0 checks do not hold\n")
+    assert tree(bench) == before
+
+
+def test_verify_takes_the_committed_results_by_default(bench, run, small_result):
+    small_result.save(bench / "fitting/results/small.json")
+    code, said, _ = run("verify", "--jobs", "1")
+    assert code == 0
+    assert said.startswith("small: objective")
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"coefficients.n": 1.4}, "objective of the coefficients"),
+        ({"objective.value": 0.9}, "objective of the coefficients"),
+        ({"objective.value": 0.0}, "objective of the coefficients"),
+        ({"bound": 0.05}, "lower bound"),
+        ({"bound": 0.0}, "lower bound"),
+        ({"counts.samples": 95}, "samples"),
+        ({"settings.dataset.axes.E.max": 601.0}, "objective of the coefficients"),
+    ],
+)
+def test_verify_finds_out_a_tampered_result(bench, run, changes, what):
+    data = json.loads((bench / "good.json").read_text())
+    (bench / "good.json").write_text(json.dumps(changed(data, changes)))
+    code, said, errors = run("verify", "good.json", "--jobs", "1")
+    assert (code, errors) == (1, "")
+    failed = [line for line in said.splitlines() if line.endswith("DOES NOT HOLD")]
+    assert any(line.startswith(f"good: {what}: committed ") for line in failed)
+    assert said.endswith(f"1 results verified, {len(failed)} checks do not hold\n")
+
+
+# --- bad input --------------------------------------------------------------------------------
+
+FOLDER = "cannot be written (it is a folder); choose a file in a folder you may write to"
+FIT, SAMPLE = ("fit", "fitting/small.toml"), ("sample", "datasets/small.toml")
+TO_RESULT = ("-o", "r.json", "--jobs", "1")
+
+
+def test_a_result_from_other_inputs_is_replaced_only_when_asked(bench, run):
+    fit = ("fit", "fitting/small.toml", "--jobs", "1")
+    assert run(*fit)[0] == 0
+    path = bench / "fitting/results/small.json"
+    first = path.read_bytes()
+    assert run(*fit)[0] == 0  # the same inputs again
+    before = tree(bench)
+    code, out, err = run(*fit, "--seed", "11", "--runs", "2")
+    assert (code, out) == (2, "")
+    assert err == (
+        "cylcontact: fitting/results/small.json: holds a result that came from other inputs "
+        "(campaign.seed: 7 there, 11 now, campaign.genetic.runs: 3 there, 2 now); write elsewhere "
+        "with -o, or add --force to replace it\n"
+    )
+    assert tree(bench) == before
+    assert run(*fit, "--seed", "11", "--force")[0] == 0
+    assert path.read_bytes() != first
+    path.write_text("not a result")
+    assert run(*fit)[0] == 2
+    assert run(*fit, "-o", path)[0] == 0  # named, so meant
+
+
+@pytest.mark.slow
+def test_a_second_law_on_the_same_table_has_a_folder_of_its_own(bench, run):
+    (bench / "table.csv").write_text(
+        "load_N_per_mm,penetration_um,dR_um,E_GPa,nu\n10,.21,50,207,.3\n100,1.7,50,207,.3\n"
+        "500,7.2,50,207,.3\n1000,13.2,50,207,.3\n"
+    )
+    fit = ("fit", "table.csv", "--contact", "internal", "--law")
+    assert run(*fit, "power")[0] == 0
+    assert run(*fit, "hertz-cylinder")[0] == 0
+    assert run(*fit, "power")[0] == 0  # the first one again
+    laws = {
+        folder.name: json.loads((folder / "result.json").read_text("utf-8"))["law"]
+        for folder in (bench / "results").iterdir()
+    }
+    assert laws == {"table": "power", "table-hertz-cylinder": "hertz-cylinder"}
+    code, _, err = run(*fit, "hertz-cylinder", "--seed", 3)
+    assert code == 2
+    assert "hertz-cylinder/result.json: holds a result that came from other inputs" in err
+
+
+OUT = ("-o", "out.csv")
+NO_FILE, IS_FOLDER = "No such file or directory", "Is a directory"
+
+BAD_INPUT = [
+    # the command line itself
+    ((), "Missing command; see cylcontact --help"),
+    (("frobnicate",), "No such command 'frobnicate'; see cylcontact --help"),
+    (("fit",), "Missing argument 'CAMPAIGN|TABLE|RESULT'; see cylcontact fit --help"),
+    (SAMPLE, "Missing option '-o' / '--out'; see cylcontact sample --help"),
+    ((*FIT, "--xyzzy"), "No such option: --xyzzy; see cylcontact fit --help"),
+    *(
+        ((*FIT, "--runs", text), f"'--runs': '{text}' must be an integer of at least 1; see")
+        for text in ("0", "1.5")
+    ),
+    *(
+        ((*FIT, "--seed", text), f"'--seed': '{text}' must be an integer of at least 0; see")
+        for text in ("-1", "x")
+    ),
+    *(
+        ((*command, "--jobs", text), f"'{text}' must be an integer of at least 1; see cylcontact")
+        for command in (FIT, ("verify", "good.json"))
+        for text in ("0",)
+    ),
+    # what is read
+    (("fit", "no.toml"), f"no.toml: cannot be read ({NO_FILE}); check the path"),
+    (("fit", "folder"), f"folder: cannot be read ({IS_FOLDER}); check the path"),
+    *(
+        (command, "command line: an argument is empty; fill it in; a variable of the shell may be")
+        for command in (("fit", ""), (*FIT, "--runs", ""), (*FIT, "-o", ""), (*SAMPLE, "-o", ""))
+    ),
+    (("fit", "fitting/nodata.toml"), "dataset = 'datasets/none.toml': no such file beside the"),
+    (("fit", "fitting/masked.toml"), "datasets/masked.toml: axes: all 24 samples lie outside"),
+    (("fit", "fitting/excluded.toml"), "excluded.toml: parameters = {'K_star': [-2.0, -1.0], 'n'"),
+    (("sample", "datasets/masked.toml", *OUT), "axes: all 24 samples lie outside the domain of"),
+    *(
+        ((command, name), f"{name}: {message}")
+        for command in ("compare", "verify")
+        for name, message in (
+            ("no.json", f"cannot be read ({NO_FILE}); check the path"),
+            ("folder", f"cannot be read ({IS_FOLDER}); check the path"),
+            ("datasets/small.toml", "is a grid spec, not a fit result; name a"),
+            ("picture.png", "is not a text file; name a result, a JSON file"),
+            ("empty.json", "is not JSON ("),
+            ("half.json", "is not JSON ("),
+            ("nan.json", "objective.value = nan: must be a finite number; give a value that fits"),
+        )
+    ),
+    (("verify",), "fitting/results: has no results; name some, or lay out a bench with"),
+    # files of another kind
+    (("fit", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a campaign; name a"),
+    (
+        ("simulate", "fitting/small.toml"),
+        "fitting/small.toml: is a campaign, not a mechanism; name",
+    ),
+    (("fit", "good.json", "--runs", "2"), "good.json: --runs: is for a calibration or a compari"),
+    (("verify", "table.csv"), "table.csv: is a table, not a fit result; name a fit result"),
+    # folders of results
+    (("claims", "--results", "no"), "--results: 'no': is not a folder; name one that holds fit"),
+    (
+        ("figure", "fig12", "--results", "good.json"),
+        "--results: 'good.json': is not a folder; name",
+    ),
+    # what is written
+    ((*SAMPLE, "-o", "out.txt"), "out.txt: is neither .parquet nor .csv; name the output so that"),
+    *(
+        ((*command, "-o", out), f"{Path(out)}: {FOLDER}")
+        for command in (FIT, SAMPLE)
+        for out in ("folder/", "/")
+    ),
+    *(
+        ((*command, "-o", out), f"{out}: cannot be written (good.json is not a folder); choose")
+        for command in (FIT, SAMPLE)
+        for out in ("good.json/new/out.csv",)
+    ),
+    *(
+        ((*command, "-o", f"{'x' * 300}.csv"), "cannot be written (File name too long); choose")
+        for command in (FIT, SAMPLE)
+    ),
+    (
+        (*FIT, "--resume", "-o", "foreign.json"),
+        "foreign.json.partial: belongs to other work: its campaign or settings differ; run without",
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"), BAD_INPUT, ids=[" ".join(arguments) for arguments, _ in BAD_INPUT]
+)
+def test_bad_input_gets_one_line_and_exit_code_2_and_writes_nothing(bench, run, arguments, message):
+    before = tree(bench)
+    code, said, errors = run(*arguments)
+    assert code == 2
+    assert errors.startswith("cylcontact: ")
+    assert message in errors
+    assert len(errors.splitlines()) == 1
+    assert said == "" or not arguments  # without a command, help is shown as well
+    assert tree(bench) == before
+
+
+def test_a_fit_that_is_refused_leaves_the_old_result(bench, run):
+    before = tree(bench)
+    assert run("fit", "fitting/excluded.toml", "-o", "good.json")[0] == 2
+    assert tree(bench) == before
+
+
+def test_a_run_that_finds_no_defined_law_is_told_of(bench, run):
+    few = {"genetic.populations": [4], "genetic.generations": 1, "genetic.runs": 20}
+    bounds = {"parameters.K_star": {"low": -1000, "high": 1}, "parameters.n.low": -50}
+    write_toml(bench / "fitting/few.toml", changed(CAMPAIGN, few | bounds))
+    code, _, errors = run("fit", "fitting/few.toml", "--jobs", "1")
+    assert code == 2
+    assert re.fullmatch(
+        r"cylcontact: fitting/few\.toml: genetic\.populations = 4: run \d+ found no coefficients "
+        r"for which the law is defined; narrow the parameters' bounds, or raise populations and "
+        r"generations\n",
+        errors,
+    )
+
+
+def test_bounds_that_exclude_a_part_of_the_laws_domain_are_no_mistake(bench, run):
+    changes = {"parameters.K_star.low": -5, "genetic.generations": 20}
+    write_toml(bench / "fitting/partly.toml", changed(CAMPAIGN, changes))
+    assert run("fit", "fitting/partly.toml", "--jobs", "1", "-o", "partly.json")[0] == 0
+    profile = FitResult.read(bench / "partly.json").profiles["K_star"]
+    assert profile.values[0] > 0
+    assert profile.low > 0
+
+
+@in_bench
+def test_memory_that_is_short_is_told_in_one_line(run, monkeypatch):
+    def short(*_):
+        raise MemoryError
+
+    monkeypatch.setattr("cylcontact.datasets.write_samples", short)
+    code, said, errors = run(*SAMPLE, *OUT)
+    assert (code, said) == (2, "")
+    assert errors.startswith("cylcontact: memory is short; thin the grid")
+    assert len(errors.splitlines()) == 1
+
+
+def test_a_mistake_of_ours_is_not_hidden(bench, monkeypatch):
+    def broken(*_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("cylcontact.datasets.write_samples", broken)
+    monkeypatch.setattr(sys, "argv", ["cylcontact", *SAMPLE, *OUT])
+    with pytest.raises(ZeroDivisionError):
+        cli.main()
+    assert not (bench / "out.csv").exists()
+
+
+# --- interruption -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("runs", [0, 1, 2])
+def test_what_is_kept_is_counted(bench, run, monkeypatch, runs):
+    def interrupted(campaign, _, __, kept, resume):
+        def stop(stage, done, _):
+            if (stage, done) == ("searching", runs):
+                raise KeyboardInterrupt
+
+        return calibrate(campaign, 1, stop, kept, resume)
+
+    monkeypatch.setattr("cylcontact.fitting.calibrate", interrupted)
+    code, said, errors = run("fit", "fitting/small.toml", "-o", "new/r.json")
+    expected = {
+        0: "interrupted before a run was complete; nothing is kept",
+        1: "interrupted; 1 complete run is kept in new/r.json.partial; the same",
+        2: "interrupted; 2 complete runs are kept in new/r.json.partial; the same",
+    }
+    assert (code, said) == (130, "")
+    assert errors.startswith(f"cylcontact: {expected[runs]}")
+    assert len(errors.splitlines()) == 1
+    assert (bench / "new").exists() == (runs > 0)
+
+
+# --- pipes and terminals ----------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@posix
+@in_bench
+def test_a_reader_that_has_gone_is_no_mistake():
+    finish_unread("compare", *["good.json"] * 50)
+
+
+@pytest.mark.slow
+@posix
+def test_a_result_is_written_even_if_nobody_reads_the_report(bench):
+    finish_unread(*FIT, *TO_RESULT)
+    assert FitResult.read(bench / "r.json").name == "small"
+    assert not (bench / "r.json.partial").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device here")
+@in_bench
+def test_output_without_room_is_told_in_one_line():
+    with Path("/dev/full").open("w") as full:
+        code, _, errors = finish("compare", "good.json", stdout=full)
+    assert code == 2
+    assert errors.startswith("cylcontact: standard output: cannot be written (No space left")
+    assert len(errors.splitlines()) == 1
+
+
+@pytest.mark.slow
+@in_bench
+def test_there_is_no_progress_where_errors_are_no_terminal():
+    colourful = os.environ | {"FORCE_COLOR": "1", "TTY_COMPATIBLE": "1"}
+    code, said, errors = finish(*FIT, *TO_RESULT, env=colourful)
+    assert (code, errors) == (0, "")
+    assert "\x1b" not in said
+
+
+@pytest.mark.slow
+@posix
+@in_bench
+def test_there_is_progress_on_a_terminal():
+    master, terminal = os.openpty()
+    process = start(*FIT, *TO_RESULT, stderr=terminal)
+    os.close(terminal)
+    visible = b""
+    while True:
+        try:
+            visible += os.read(master, 4096)
+        except OSError:  # the other end is closed
+            break
+    os.close(master)
+    said, _ = process.communicate(timeout=60)
+    assert process.returncode == 0
+    for stage in (b"sampling", b"searching", b"profiling"):
+        assert stage in visible
+    assert "\x1b" not in said
+
+
+@pytest.mark.slow
+@in_bench
+def test_characters_that_the_output_has_no_room_for_are_replaced():
+    narrow = os.environ | {"PYTHONIOENCODING": "latin-1"}
+    code, said, errors = finish(*FIT, *TO_RESULT, env=narrow)
+    assert (code, errors) == (0, "")
+    assert " ? " in said
+
+
+@posix
+@pytest.mark.slow
+def test_output_that_is_closed_is_no_mistake(bench):
+    closing = ["sh", "-c", 'exec "$@" >&-', "sh", *COMMAND]
+    command = [*closing, "fit", "fitting/small.toml", "-o", "r.json", "--jobs", "2"]
+    finished = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (finished.returncode, finished.stderr) == (0, "")
+    assert FitResult.read(bench / "r.json").name == "small"

@@ -1,0 +1,362 @@
+"""Never lose work: killed, interrupted and resumed commands, and no process left."""
+
+import json
+import os
+import pickle
+import random
+import re
+import signal
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from cylcontact.mechanism import Trajectory
+from tests.support import killable
+from tests.support.killable import ROOT, family, wait_until
+from tests.support.spec_files import ELEMENTS, tree, write_bench, write_toml
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL"),
+]
+in_proc = pytest.mark.skipif(
+    not Path("/proc/self/environ").exists(), reason="processes are found in /proc"
+)
+
+# Quick but for the runs: a fit spends most of its time between the first and the last of them.
+FEW = {"parameters.n": {"value": 1.2, "fixed": True}}
+RUNS = FEW | {"genetic.runs": 12, "genetic.generations": 60, "genetic.populations": [16]}
+LONGER = RUNS | {"genetic.generations": 200}
+LONG = {"genetic.runs": 50, "genetic.generations": 3000, "genetic.populations": [16]}
+FIT = ("fit", "fitting/small.toml", "--jobs", "1")
+AS_USER = (sys.executable, "-m", "cylcontact.cli")
+RESULT = "fitting/results/small.json"
+SHARED = Path("/dev/shm")
+
+
+def bench(root, name="bench", campaign=RUNS):
+    folder = root / name
+    write_bench(folder, campaign)
+    write_toml(folder / "elements.toml", ELEMENTS)
+    return folder
+
+
+def repeatable(path):
+    """Return the text of a result file without the times and the provenance."""
+    data = json.loads(path.read_text(encoding="utf-8"))
+    del data["provenance"]
+    for run in data["runs"]:
+        del run["seconds"]
+    return json.dumps(data)
+
+
+def beside_result(folder):
+    """The names of what is in the folder of the result."""
+    return {path.name for path in (folder / RESULT).parent.iterdir()}
+
+
+def resume(folder, uninterrupted):
+    """Go on from what is kept: the uninterrupted result comes, and nothing else is left."""
+    assert killable.run(folder, *FIT, "--resume") == 0, killable.said(folder)
+    assert_complete(folder, uninterrupted)
+
+
+def assert_complete(folder, uninterrupted):
+    assert repeatable(folder / RESULT) == repeatable(uninterrupted / RESULT)
+    assert beside_result(folder) == {"small.json"}
+
+
+def one_line(folder):
+    """What the last command said, which is a single line."""
+    (line,) = killable.said(folder).splitlines()
+    return line
+
+
+# --- the commands -----------------------------------------------------------------------------
+
+
+class Command(NamedTuple):
+    """A command in a bench, where `out` is; it is in the middle once a part of it is kept."""
+
+    long: tuple[str, ...]  # has work for minutes
+    short: tuple[str, ...] = ()  # ends by itself within some seconds
+    output: str = ""
+    read: Callable[[Path], object] = Path.read_bytes  # what another run of it gives again
+
+    @property
+    def partial(self):
+        """The file that keeps the complete parts, from which it resumes."""
+        return f"{self.output}.partial"
+
+    def is_in_the_middle(self, folder):
+        """Whether a part is complete: a line after the first one."""
+        path = folder / self.partial
+        return path.exists() and path.read_bytes().count(b"\n") > 1
+
+
+CASES = ("simulate", f"{ROOT}/datasets/slider_crank.toml", "--study", "cases", "-o")
+STUDY = ("finite-element", f"{ROOT}/datasets/finite_element/convergence.toml", "-o")
+COMMANDS = {
+    "fit": Command(
+        ("fit", "{out}/fitting/small.toml", "-o", "{out}/fit.json"), FIT, RESULT, repeatable
+    ),
+    "cases": Command(
+        (*CASES, "{out}/cases.csv", "--law", "johnson,enhanced", "--friction", "0,0.1"),
+        (
+            *(*CASES, "cases.csv", "--revolutions", "40", "--law", "enhanced", "--jobs", "1"),
+            *("--restitution", "1,0.9", "--friction", "0,0.1"),
+        ),
+        "cases.csv",
+    ),
+    "finite-element": Command(
+        (*STUDY, "{out}/embedded.csv"),
+        ("finite-element", "elements.toml", "-o", "elements.csv", "--jobs", "1"),
+        "elements.csv",
+    ),
+    "optimizers": Command(
+        ("fit", "{out}/fitting/small.toml", "--optimizer", "all", "-o", "{out}/optimizers.csv")
+    ),
+    "figure": Command(("figure", "-o", "{out}/figures")),
+}
+RESUMABLE = [name for name, command in COMMANDS.items() if command.short]
+EXIT_CODES = {"SIGKILL": -signal.SIGKILL, "SIGINT": 130, "SIGTERM": 130, "SIGHUP": 130}
+
+
+# --- killed and resumed -----------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory):
+    """A bench in which the short commands ran through, and how many seconds the fit took."""
+    folder = bench(tmp_path_factory.mktemp("uninterrupted"))
+    for name in RESUMABLE:
+        assert killable.run(folder, *COMMANDS[name].short) == 0  # imports what is left to import
+    started = time.monotonic()
+    assert killable.run(folder, *FIT) == 0
+    folder.joinpath("seconds").write_text(str(time.monotonic() - started))
+    return folder
+
+
+@pytest.mark.parametrize("name", RESUMABLE)
+@pytest.mark.parametrize(
+    "how",
+    [
+        *("SIGKILL", "SIGINT"),
+        "SIGTERM",
+        "SIGHUP",
+    ],
+)
+def test_stopped_in_the_middle_and_resumed_it_gives_the_same(uninterrupted, tmp_path, name, how):
+    command = COMMANDS[name]
+    folder = bench(tmp_path)
+    before = tree(folder)
+    process = killable.start(folder, *command.short)
+    wait_until(lambda: command.is_in_the_middle(folder) or not process.is_alive())
+    os.kill(process.pid, getattr(signal, how))
+    process.join()
+    assert process.exitcode == EXIT_CODES[how], killable.said(folder)
+    if how != "SIGKILL":
+        line = rf"cylcontact: interrupted; \d+ complete .* kept in {command.partial}; "
+        line += "the same command with --resume goes on from there\n"
+        assert re.fullmatch(line, killable.said(folder))
+        assert written(folder, before) == {command.partial}
+    assert killable.run(folder, *command.short, "--resume") == 0, killable.said(folder)
+    assert command.read(folder / command.output) == command.read(uninterrupted / command.output)
+    assert written(folder, before) == {command.output}
+
+
+def written(folder, before):
+    """Return the files in a folder that were not there before."""
+    return {name for name in tree(folder).keys() - before.keys() if (folder / name).is_file()}
+
+
+def test_an_interrupted_simulation_keeps_its_revolutions(tmp_path):
+    out = tmp_path / "bench/run.parquet"
+    simulate = ("simulate", f"{ROOT}/datasets/slider_crank.toml", "-o", out, "--revolutions")
+    out.parent.mkdir()
+    seconds = 0.5
+    while not out.exists():  # until a revolution was complete
+        process = killable.start(out.parent, *simulate, 5000)
+        time.sleep(seconds)
+        os.kill(process.pid, signal.SIGINT)
+        process.join()
+        assert process.exitcode == 130
+        seconds *= 2
+    revolutions = Trajectory.load(out).revolutions
+    line = f"interrupted; complete revolutions kept in {out}: {revolutions}; "
+    assert line in killable.said(out.parent)
+    assert revolutions >= 1
+    assert list(tree(out.parent)) == ["run.parquet"]
+
+
+@pytest.mark.long
+def test_resume_after_kill_9_at_random_moments(uninterrupted, tmp_path):
+    trials = 20
+    seconds = float((uninterrupted / "seconds").read_text())
+    moments = random.Random(20150101)
+    killed = resumable = 0
+    for trial in range(trials):
+        folder = bench(tmp_path, f"trial{trial}")
+        killed += killable.run_and_kill(folder, *FIT, seconds=moments.uniform(0, seconds))
+        resumable += (folder / f"{RESULT}.partial").exists()
+        resume(folder, uninterrupted)
+    # Most are killed on the way, wherever this machine's load puts that.
+    assert killed >= trials / 2
+    assert resumable >= trials / 6
+
+
+@pytest.fixture(scope="module")
+def longer(tmp_path_factory):
+    """A bench whose fit took long enough for worker processes to start, and ran through."""
+    folder = bench(tmp_path_factory.mktemp("longer"), campaign=LONGER)
+    assert killable.run(folder, *FIT) == 0
+    return folder
+
+
+@pytest.mark.long
+@in_proc
+@pytest.mark.parametrize("how", ["SIGKILL", "SIGINT"])
+def test_stopped_with_worker_processes_under_way_it_resumes(longer, tmp_path, how):
+    """As a user runs it: processes of its own, and all of them gone soon after."""
+    folder = bench(tmp_path, campaign=LONGER)
+    with family([*AS_USER, *FIT[:2], "--jobs", "2"], tmp_path / "stderr", folder) as fit:
+        wait_until(lambda: COMMANDS["fit"].is_in_the_middle(folder))
+        fit.end(how)
+        fit.wait_until_gone()
+    complete = (folder / f"{RESULT}.partial").read_bytes().count(b"\n") - 1
+    assert 1 <= complete < 12
+    if how == "SIGINT":
+        assert_interrupted(
+            fit, f"interrupted; {complete} complete runs? .* kept in {RESULT}.partial; .*"
+        )
+        assert beside_result(folder) == {"small.json.partial"}
+    resume(folder, longer)
+
+
+def assert_interrupted(started, message):
+    """A command ended by Ctrl-C, and said so in one line.
+
+    Python itself ends by the signal, whatever code it was given, when Ctrl-C falls into the `exec`
+    of a string, as a dataclass is made. Rarely, joblib's tracker of resources warns of one that has
+    just been removed.
+    """
+    errors = started.said.read_text()
+    assert started.process.returncode in (130, -signal.SIGINT), errors
+    lines = re.sub(r".*resource_tracker.*\n( .*\n)?", "", errors)
+    assert re.fullmatch(rf"cylcontact: {message}\n", lines), errors
+
+
+# --- no process outlives its command ------------------------------------------------------------
+
+# Seconds after the first worker process is there; the first one is from the very start.
+MOMENTS = {"early": None, "first worker": 0.0, "workers start": 0.4, "under way": 2.0}
+
+
+def end_one(folder, name, how, moment):
+    """Start a command, end it at a moment, and return the seconds until nobody was left."""
+    out, scratch, said = folder / "out", folder / "scratch", folder / "stderr"
+    write_bench(out, LONG)
+    before, shared = set(tree(out)), set(SHARED.iterdir())
+    scratch.mkdir()
+    arguments = [part.format(out=out) for part in COMMANDS[name].long]
+    command = [*AS_USER, *arguments, "--jobs", "2"]
+    terminal = how == "closed terminal"
+    with family(command, said, terminal=terminal, TMPDIR=str(scratch)) as started:
+        if moment == "early":
+            time.sleep(random.uniform(0.1, 1.5))
+        else:
+            wait_until(started.has_workers)
+            time.sleep(MOMENTS[moment])
+        assert started.process.poll() is None, said.read_text()
+        numbers = [*started.members()]
+        started.end(how)
+        seconds = started.wait_until_gone()
+    assert shared_memory(numbers, shared) == []
+    if how != "SIGKILL":
+        assert [path for path in set(tree(out)) - before if is_half_written(path)] == []
+        assert tree(scratch) == {}
+    if how in ("SIGINT", "SIGTERM") and moment != "early":
+        assert_interrupted(started, "interrupted.*")
+    return seconds
+
+
+def is_half_written(path):
+    """Whether a file is none that a command completes, nor one that it keeps to resume from."""
+    return Path(path).name.startswith(".")
+
+
+def shared_memory(numbers, before):
+    """Return what processes left in shared memory: loky's semaphores, joblib's arrays."""
+    marks = [mark for n in numbers for mark in (f"loky-{n}-", f"_folder_{n}_")]
+    left = set(SHARED.iterdir()) - before  # of before may be those of a process with this number
+    return [path for path in left if any(mark in path.name for mark in marks)]
+
+
+@in_proc
+@pytest.mark.parametrize(
+    ("name", "how", "moment"),
+    [
+        pytest.param("fit", "SIGKILL", "first worker", marks=pytest.mark.long),
+        ("cases", "SIGKILL", "early"),
+        pytest.param("figure", "SIGTERM", "workers start", marks=pytest.mark.long),
+        ("fit", "closed terminal", "workers start"),
+    ],
+)
+def test_a_command_leaves_no_process(tmp_path, name, how, moment):
+    end_one(tmp_path, name, how, moment)
+
+
+@pytest.mark.long
+@in_proc
+@pytest.mark.parametrize("how", ["SIGKILL", "SIGINT", "SIGTERM", "closed terminal"])
+@pytest.mark.parametrize("moment", ["early", "workers start", "under way"])
+@pytest.mark.parametrize("name", COMMANDS)
+def test_no_command_leaves_a_process_whatever_ends_it_and_when(
+    tmp_path, name, how, moment, pytestconfig
+):
+    seconds = []
+    for number in range(pytestconfig.getoption("--trials")):
+        (tmp_path / str(number)).mkdir()
+        seconds.append(end_one(tmp_path / str(number), name, how, moment))
+    print(f"{name}, {how}, {moment}, {len(seconds)} times: nobody left after {max(seconds):.1f} s")
+
+
+# --- files are read, never run ----------------------------------------------------------------
+
+
+class Payload:
+    """Unpickled, it makes a file."""
+
+    def __init__(self, target):
+        self.target = target
+
+    def __reduce__(self):
+        return (Path.touch, (Path(self.target),))
+
+
+@pytest.mark.parametrize("kind", ["pickle", "python"])
+def test_no_file_of_the_users_is_unpickled_or_run(tmp_path, kind):
+    folder = bench(tmp_path)
+    mark = tmp_path / "was-run"
+    evil = {
+        "pickle": pickle.dumps(Payload(mark)),
+        "python": f"import pathlib; pathlib.Path({str(mark)!r}).touch()\n".encode(),
+    }[kind]
+    names = (
+        *("evil.toml", "evil.json", "evil.csv", "evil.parquet", "evil.pkl", "r.json.partial"),
+        *("numpy.py", "sitecustomize.py", "conftest.py", "evil.npy"),
+    )
+    for name in names:
+        (folder / name).write_bytes(evil)
+    for command in ("fit", "sample", "compare", "verify", "simulate"):
+        for name in ("evil.toml", "evil.json", "evil.csv", "evil.parquet", "evil.pkl"):
+            out = ("-o", "out.csv") if command == "sample" else ()
+            assert killable.run(folder, command, name, *out) == 2, killable.said(folder)
+            assert one_line(folder)
+    assert killable.run(folder, *FIT, "--resume", "-o", "r.json") == 2
+    assert killable.run(folder, *FIT, "-o", "r.json") == 0
+    assert not mark.exists()

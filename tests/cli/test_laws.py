@@ -1,0 +1,206 @@
+"""The commands that print laws: `cylcontact laws` and `cylcontact export`."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cylcontact as cc
+from cylcontact import laws
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_laws_lists_every_law_and_the_explicit_laws_error(run):
+    code, out, err = run("laws")
+    assert (code, err) == (0, "")
+    assert all(f"\n{name} " in out for name in laws.LAWS)
+    assert "internal load: 0.1156 % of persson's" in out
+
+
+def test_laws_leaves_out_what_is_not_for_rollers(run):
+    code, out, _ = run("laws", "--contact", "external")
+    assert code == 0
+    assert "johnson" in out
+
+
+def test_laws_advises_on_a_pin_and_a_hole_of_different_materials(run):
+    code, out, err = run("laws", "--pin", "high-strength steel", "--hole", "aluminium alloy")
+    assert (code, err) == (0, "")
+    pin, hole = (cc.Material.named(name) for name in ("high-strength steel", "aluminium alloy"))
+    pair = cc.CylinderPair.from_dR("internal", 0.05, hole, R_i=10.0, material_j=pin)
+    exact = cc.laws.Conformal().penetration(100.0, pair)
+    explicit, johnson = (
+        100 * (law.penetration(100.0, pair) / exact - 1)
+        for law in (cc.laws.Explicit(), cc.laws.Johnson())
+    )
+    assert f"α = {pair.alpha:.3f}, β = {pair.beta:.3f}" in out
+    assert f"is off by: explicit {explicit:+.2f} %, johnson {johnson:+.2f} %" in out
+    loads = np.array([1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0]) * pair.E_star * pair.dR
+    exact = cc.laws.Conformal().penetration(loads, pair)
+    for law, words in (
+        (cc.laws.Parametric(), "use parametric, at most {} % off at the φ below"),
+        (cc.laws.ExplicitPair(), "or explicit-pair where one line is wanted, {} %"),
+    ):
+        worst = 100 * np.abs(law.penetration(loads, pair) / exact - 1).max()
+        assert words.format(f"{worst:.2g}") in out
+    assert "all penetrations are by Johnson's datum" in out
+    at = cc.limits.first_yield(pair)
+    assert f"first yield at {at.load:,.0f} N/mm (von Mises, in the {at.body}, " in out
+    assert "penetration against conformal's at equal load" in out
+    assert "too low against persson's" not in out
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--pin", "ceramics"), "laws: --hole: is missing beside --pin; name the hole's material"),
+        (("--hole-E", "2e5", "--hole-nu", ".3"), "laws: --pin: is missing beside --hole-E; name"),
+        (("--pin", "PTFE", "--hole-E", "2e5"), "laws: --hole-nu: is missing beside --hole-E; add"),
+        (
+            ("--pin", "ceramics", "--hole", "soap"),
+            "laws: --hole = 'soap': is not in the tables of materials; choose ceramics, "
+            "high-strength steel, low-carbon steel, titanium alloy, aluminium alloy, bronze, PEEK, "
+            "PTFE, or name a table of your own with --materials",
+        ),
+        (
+            ("--pin", "PTFE", "--hole", "PTFE", "--pin-nu", ".3"),
+            "--pin-nu = 0.3: is given by --pin",
+        ),
+        (
+            ("--contact", "external", "--material-i", "PTFE"),
+            "laws: --material-j: is missing beside --material-i; name the roller j's material",
+        ),
+        (("--hole-diameter", "20", "--Ri", "10"), "--hole-diameter = 20.0: says the same as --Ri"),
+        (("--dR", ".1", "--Ri", "10", "--Rj", "9"), "laws: --dR = 0.1: follows from the radii"),
+        (
+            ("--pin", "ceramics", "--hole", "ceramics", "--contact", "external"),
+            "laws: --contact = 'external': has no pin and no hole; leave out --pin",
+        ),
+        (
+            ("--pin", "PTFE", "--hole", "bronze", "--E", "110e3"),
+            "laws: --E = 110000.0: is of both bodies, and --hole is of one; give each its own",
+        ),
+        (
+            ("--pin", "PTFE", "--hole", "bronze", "--nu", "0.46"),
+            "laws: --nu = 0.46: is of both bodies, and --hole is of one; give each its own",
+        ),
+    ],
+)
+def test_laws_refuses_half_a_pair_in_one_line(run, options, message):
+    code, out, err = run("laws", *options)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("--nu", "0.7", "nu = 0.7: Poisson's ratio must lie in [0, 0.5]"),
+        ("--dR", "-1", "dR = -1.0: must be positive"),
+        ("--contact", "sideways", "must be 'internal' or 'external'"),
+        ("--load", "many", "Invalid value for '--load'"),
+        ("--nu", "30", "laws: --nu = 30.0: Poisson's ratio must lie in [0, 0.5]"),
+        ("--E", "207e9", "laws: --E = '207e9': is beyond any material"),
+        ("--Rj", "-1", "laws: --Rj = -1.0: must be positive"),
+    ],
+)
+def test_laws_refuses_a_bad_pair_in_one_line(run, option, value, message):
+    code, out, err = run("laws", option, value)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+
+
+def test_export_prints_a_function(run):
+    code, out, err = run("export", "explicit", "--contact", "internal", "--to", "c")
+    assert (code, err) == (0, "")
+    assert "double cylcontact_explicit_internal_load(" in out
+
+
+def test_export_writes_a_refit_to_a_file(run, tmp_path):
+    result, out = ROOT / "fitting/results/external.json", tmp_path / "new" / "law.c"
+    code, message, err = run("export", result, "--to", "c", "-o", out)
+    assert (code, err) == (0, "")
+    assert message == f"{result} written to {out}\n"
+    assert "double cylcontact_enhanced_external" in out.read_text(encoding="ascii")
+
+
+@pytest.mark.parametrize("modulus", ["200000", "2e5", "200 GPa", "200000 MPa"])
+def test_a_modulus_is_in_mpa_or_has_a_unit(run, modulus):
+    asked = run("laws", "--E", modulus)
+    assert asked == run("laws", "--E", "200e3")
+    assert asked[0] == 0
+    assert asked != run("laws")
+
+
+def test_a_modulus_below_1000_needs_its_unit(run):
+    message = (
+        "cylcontact: laws: --E = '210': a bare number is in MPa; did you mean \"210 GPa\"? "
+        'For a material as soft as that write "210 MPa"\n'
+    )
+    assert run("laws", "--E", "210") == (2, "", message)
+    code, out, err = run("laws", "--E", "210 MPa", "--load", "0.1")
+    assert (code, err) == (0, "")
+    assert "\n\ninternal contact, ΔR = " in out
+
+
+@pytest.mark.slow
+def test_a_load_above_first_yield_is_warned_of_and_a_smaller_one_is_not(run):
+    bodies = ("laws", "--pin", "low-carbon steel", "--hole", "aluminium alloy", "--dR", "0.01")
+    code, out, err = run(*bodies, "--load", "9000")
+    assert (code, "warning" in out) == (0, False)
+    assert err.startswith("warning: the largest load, 9,000 N/mm, is above first yield at ")
+    assert err.endswith("(von Mises, in the hole, at its surface); all laws here are elastic\n")
+    assert run(*bodies, "--load", "900")[2] == ""
+
+
+def shown(run, *options):
+    code, out, err = run("laws", *options)
+    assert (code, err) == (0, "")
+    return out
+
+
+def test_a_pair_may_be_given_in_several_ways(run, tmp_path, monkeypatch):
+    own = tmp_path / "own.csv"
+    own.write_text("name;E_GPa;nu\nbrass;102,5;0,34\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    by_name = shown(
+        *(run, "--pin", "Brass", "--hole", "brass", "--materials", own),
+        *("--hole-diameter", "20", "--pin-diameter", "19.9"),
+    )
+    of_both = ("--E", "102.5 GPa", "--nu", "0.34")
+    end = "the laws; sources"
+    for radii in (("--Ri", "10", "--Rj", "9.95"), ("--Rj", "9.95"), ("--dR", "0.05"), ()):
+        assert shown(run, *of_both, *radii).partition(end)[0] == by_name.partition(end)[0]
+    (tmp_path / "datasets").mkdir()
+    own.rename(tmp_path / "datasets/materials.csv")
+    assert shown(run, "--material", "brass") == by_name
+    steel = ("--pin-E", "207 GPa", "--pin-nu", "0.3")
+    apart = shown(run, *steel, "--hole-E", "110e3", "--hole-nu", "0.34", "--load", "50")
+    bronze = cc.Material("bronze", 110e3, 0.34)
+    pair = cc.CylinderPair.internal(
+        10.0, 9.95, pin=cc.Material("steel", "207 GPa", 0.3), hole=bronze
+    )
+    assert f"α = {pair.alpha:.3f}, β = {pair.beta:.3f}" in apart
+
+
+@pytest.mark.parametrize(
+    ("options", "warning"),
+    [
+        (("--hole-diameter", "20", "--Rj", "5"), "the radial clearance over the hole's radius is"),
+        (("--Ri", "11", "--Rj", "9.97"), "the radial clearance over the hole's radius is 0.0936"),
+        (("--Ri", "0.01", "--dR", "3e-5", "--length", "0.02"), "the radius of the hole in mm is"),
+        (("--Ri", "10", "--dR", "0.00005"), "is a radius a diameter, or the clearance in metres?"),
+        (("--length", "0.15"), "the axial length over the radius of the hole is 0.015"),
+        (("--Ri", "10", "--Rj", "9.5"), ""),
+        (("--length", "1"), ""),
+        (("--length", "200"), ""),
+        (("--Ri", "10", "--Rj", "9.9965"), ""),
+        (("--contact", "external", "--Ri", "3", "--Rj", "300"), ""),
+    ],
+)
+def test_lengths_that_can_hardly_be_meant_are_warned_of(run, options, warning):
+    code, _, err = run("laws", "--load", "1e-3", *options)
+    assert code == 0
+    assert warning in err
+    assert bool(err) == bool(warning)

@@ -1,0 +1,411 @@
+"""The finite elements against Hertz, Persson, Michell's series, CalculiX and the reference law."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from benchmarks.calculix import read_results, run_case
+from cylcontact import InputError, laws, limits
+from cylcontact.datasets.finite_element import Setup, solve, solver
+from cylcontact.stress import in_pin, in_plate, pressure_along
+from cylcontact.yield_search import equivalent
+from tests.support.finite_element_series import PinInRing
+from tests.support.programs import fake_program, require_program
+
+STEEL, ALUMINIUM, PEEK, RUBBER = (207e3, 0.3), (70e3, 0.33), (3.6e3, 0.38), (5.0, 0.4999)
+R_I, DR = 10.0, 0.01
+# Pins and plates.
+PAIRS = {
+    "steel in aluminium": (STEEL, ALUMINIUM),
+    "aluminium in steel": (ALUMINIUM, STEEL),
+    "PEEK in steel": (PEEK, STEEL),
+    "steel in PEEK": (STEEL, PEEK),
+    "steel in steel": (STEEL, STEEL),
+}
+PAPERS = {"hole_radius": 2.245, "outer_ratio": 3.3, "E": 207e3, "nu": 0.3}
+SETUP, COARSE = Setup(**PAPERS), Setup(**PAPERS, cells=8)
+
+
+def changed(setup, **keys):
+    return Setup(**dict(setup) | keys)
+
+
+def joint(pin, plate, **keys):
+    """A set-up; in so wide a plate the law's datum lacks only 0.02 % of the penetration."""
+    of_pin = {"pin_E": f"{pin[0]} MPa", "pin_nu": pin[1]}
+    of_plate = {"hole_radius": R_I, "outer_ratio": 80.0, "E": f"{plate[0]} MPa", "nu": plate[1]}
+    return Setup(**of_plate | of_pin | {"clamp": "rim", "cells": 12} | keys)
+
+
+def at(setup, phi):
+    """The solution at a load over E*ΔR, that load, and the pair."""
+    pair = setup.pair(DR)
+    load = phi * float(pair.E_star) * DR
+    (case,) = solve(setup, DR, [load])
+    return case, load, pair
+
+
+class TestMesh:
+    @pytest.mark.parametrize("dR", [0.005, 0.1, 1.5, 2.2])
+    def test_cells_fill_both_bodies_without_gaps(self, dR):
+        mesh = SETUP.mesh(dR, [20.0, 100.0])
+        radii = {"plate": (SETUP.outer_radius, SETUP.hole_radius), "pin": (2.245 - dR, 0.0)}
+        for name, (outer, inner) in radii.items():
+            body = getattr(mesh, name)
+            corners = body.points[body.quads]
+            one, other = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+            areas = (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]) / 2
+            assert areas.min() > 0
+            # Straight sides cut a little off the circles.
+            assert areas.sum() == pytest.approx(np.pi / 2 * (outer**2 - inner**2), rel=2e-3)
+            sides = np.sort(np.stack([body.quads, np.roll(body.quads, -1, axis=1)], -1), axis=-1)
+            _, times = np.unique(sides.reshape(-1, 2), axis=0, return_counts=True)
+            assert set(times) == {1, 2}
+            assert np.all(body.points[body.axis, 0] == 0)
+        x, y = mesh.pin.points[mesh.pin.surface].T
+        assert np.hypot(x, y - dR) == pytest.approx(2.245 - dR, rel=1e-12)
+
+    def test_pairs_are_on_rays_from_the_holes_centre(self):
+        mesh = SETUP.mesh(0.3, [20.0])
+        pairs = mesh.pairs
+        hole = mesh.plate.points[mesh.plate.surface[: pairs.count]]
+        pin = mesh.pin.points[mesh.pin.surface[: pairs.count]]
+        assert hole - pin == pytest.approx(pairs.gap[:, None] * pairs.normals, abs=1e-12)
+        assert pairs.length.sum() == pytest.approx(pairs.arc[-1], rel=1e-3)
+
+
+class TestContact:
+    def test_complementarity(self):
+        rng = np.random.default_rng(1)
+        roots = rng.normal(size=(40, 40))
+        compliance = roots @ roots.T + 40 * np.eye(40)
+        cosines = np.linspace(1, 0.5, 40)
+        gap = 50 * np.linspace(0, 1, 40) ** 2 + rng.uniform(0, 0.8, 40)
+        forces, depth = solver.touch(compliance, gap, cosines, 8.0)
+        gaps = gap + compliance @ forces - depth * cosines
+        assert forces.min() >= 0
+        assert 0 < np.count_nonzero(forces) < 40
+        assert gaps.min() > -1e-9 * depth
+        assert np.abs(gaps * forces).max() < 1e-9 * depth
+        assert forces @ cosines == pytest.approx(4.0, rel=1e-12)
+
+    def test_pressure_carries_the_load_wherever_that_acts(self):
+        peaks = []
+        for load_on in ("pin", "disc", "centre"):
+            (case,) = solve(changed(COARSE, load_on=load_on), 0.1, [20.0])
+            pairs = case.mesh.pairs
+            along = case.pressure * pairs.length * pairs.normals[:, 1]
+            assert 2 * along.sum() == pytest.approx(case.load, rel=1e-9)
+            peaks.append(case.peak_pressure)
+        assert np.ptp(peaks) < 1e-4 * peaks[0]
+
+    def test_load_on_one_node_grows_with_refinement(self):
+        actual = {}
+        for load_on in ("pin", "disc", "centre"):
+            setups = (changed(SETUP, load_on=load_on, cells=cells) for cells in (8, 16))
+            coarse, fine = (solve(setup, 0.1, [20.0])[0].penetration for setup in setups)
+            actual[load_on] = (coarse, fine / coarse - 1)
+        assert actual["pin"][0] < actual["disc"][0] < actual["centre"][0]
+        assert abs(actual["pin"][1]) < 0.003
+        assert abs(actual["disc"][1]) < 0.003
+        assert actual["centre"][1] > 0.01
+
+    def test_moduli_and_lengths_scale(self):
+        (small,) = solve(COARSE, 0.1, [20.0])
+        (stiff,) = solve(changed(COARSE, E=2 * COARSE.E), 0.1, [40.0])
+        assert stiff.penetration == pytest.approx(small.penetration, rel=1e-9)
+        assert stiff.peak_pressure == pytest.approx(2 * small.peak_pressure, rel=1e-9)
+        (large,) = solve(changed(COARSE, hole_radius=3 * 2.245), 0.3, [60.0])
+        assert large.penetration == pytest.approx(3 * small.penetration, rel=1e-9)
+
+    def test_cells_of_ones_own_size(self):
+        fine, graded = (
+            solve(setup, 0.1, [20.0])[0]
+            for setup in (changed(SETUP, size=0.004, contact_size=0.006), SETUP)
+        )
+        assert fine.penetration == pytest.approx(graded.penetration, rel=2e-3)
+
+
+class TestHertz:
+    def test_pressure_converges_with_the_mesh(self):
+        hertz = float(limits.hertz_stress(20.0, SETUP.pair(1.0)))
+        cases = [solve(changed(SETUP, cells=cells), 1.0, [20.0])[0] for cells in (4, 8, 16)]
+        errors = [abs(case.peak_pressure / hertz - 1) for case in cases]
+        assert errors == sorted(errors, reverse=True)
+        assert errors[-1] < 0.0005
+        width = float(limits.hertz_half_width(20.0, SETUP.pair(1.0)))
+        assert cases[-1].half_width == pytest.approx(width, rel=0.005)
+
+    @pytest.mark.parametrize(
+        ("setup", "phi"),
+        [
+            (joint(STEEL, STEEL, outer_ratio=10.0), 1e-4),
+            (joint(RUBBER, RUBBER, outer_ratio=10.0), 1e-4),
+        ],
+    )
+    def test_stress_along_the_load(self, setup, phi):
+        case, load, pair = at(setup, phi)
+        b, peak = (f(load, pair) for f in (limits.hertz_half_width, limits.hertz_stress))
+        for body in ("plate", "pin"):
+            depth, stress = case.stress_below(body)
+            near = depth < 2 * b
+            assert np.count_nonzero(near) > 10
+            assert np.all(np.diff(depth) > 0)
+            expected = -peak / np.sqrt(1 + (depth[near] / b) ** 2)
+            assert stress.yy[near] == pytest.approx(expected, abs=0.02 * peak)
+
+    @pytest.mark.slow
+    def test_von_mises_stress_below_a_narrow_contact(self):
+        def stress(z, nu=STEEL[1]):
+            """Von Mises over the peak pressure at the depth z half-widths; Johnson (1985) 4.46."""
+            root = np.hypot(1, z)
+            across, along = -((1 + 2 * z**2) / root - 2 * z), -1 / root
+            axial = nu * (across + along)
+            return np.sqrt(
+                ((across - along) ** 2 + (along - axial) ** 2 + (axial - across) ** 2) / 2
+            )
+
+        hertz = minimize_scalar(lambda z: -stress(z), bounds=(0.1, 2), method="bounded")
+        case, _, _ = at(joint(STEEL, STEEL, cells=16, outer_ratio=10.0), 1e-5)
+        for body in ("plate", "pin"):
+            depth, below = case.stress_below(body)
+            z, actual = depth / case.half_width, below.von_mises / case.peak_pressure
+            near = z < 2
+            assert actual[near] == pytest.approx(stress(z[near]), abs=0.01)
+            assert z[actual.argmax()] == pytest.approx(hertz.x, abs=0.05)
+            assert actual.max() == pytest.approx(-hertz.fun, rel=0.01)
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+def test_stress_of_a_uniform_strain(plane):
+    case, _, _ = at(joint(RUBBER, STEEL, cells=4, plane=plane), 1e-3)
+    gradient = np.array([[1e-3, 4e-3], [2e-3, -3e-3]])
+    case = replace(
+        case, **{of: getattr(case.mesh, of).points @ gradient.T for of in ("plate", "pin")}
+    )
+    for of, (E, nu) in (("plate", STEEL), ("pin", RUBBER)):
+        strain = np.zeros((3, 3))
+        strain[:2, :2] = (gradient + gradient.T) / 2
+        if plane == "stress":
+            strain[2, 2] = -nu / (1 - nu) * np.trace(strain)
+        volume = nu / (1 - 2 * nu) * np.trace(strain) * np.eye(3)
+        expected = E / (1 + nu) * (strain + volume)
+        mises = np.sqrt(1.5) * np.linalg.norm(expected - np.trace(expected) / 3 * np.eye(3))
+        stress = case.stress(of)
+        for component, (i, j) in {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1), "zz": (2, 2)}.items():
+            np.testing.assert_allclose(
+                getattr(stress, component), expected[i, j], atol=1e-7 * mises
+            )
+        np.testing.assert_allclose(stress.von_mises, mises, rtol=1e-7)
+
+
+def semi_angle(case):
+    """Return where p² vanishes, in degrees: a parabola of tan²(θ/2) through the contact's edge."""
+    square = np.tan(case.arc / R_I / 2) ** 2
+    share = (case.pressure / case.peak_pressure) ** 2
+    flank = (share > 0.01) & (share < 0.8)
+    roots = np.roots(np.polyfit(square[flank], share[flank], 2))
+    return 2 * np.degrees(np.arctan(np.sqrt(roots[roots > 0].min())))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "plane", "phis"),
+    [
+        *((name, "strain", (0.03, 0.3, 1.0, 3.0)) for name in PAIRS),
+        ("steel in aluminium", "stress", (0.03, 1.0)),
+    ],
+)
+def test_penetration_pressure_and_angle_are_the_laws(name, plane, phis):
+    """On two meshes, extrapolated, and the angle on one.
+
+    The cells of the second mesh are half as long and the errors go with their square. What is left
+    is 0.064 % of the penetration and 0.071 % of the pressure at most, 0.9 % of the angle.
+    """
+    law = laws.Conformal(datum=laws.Housing(R_o=80 * R_I))
+    for phi in phis:
+        (first, *_), (second, load, pair) = (
+            at(joint(*PAIRS[name], cells=cells, plane=plane), phi) for cells in (6, 12)
+        )
+        penetration = (4 * second.penetration - first.penetration) / 3
+        assert penetration == pytest.approx(float(law.penetration(load, pair)), rel=1e-3, abs=0)
+        peak = (4 * second.peak_pressure - first.peak_pressure) / 3
+        assert peak == pytest.approx(float(law.peak_pressure(load, pair)), rel=1e-3)
+        assert semi_angle(second) == pytest.approx(float(law.contact_angle(load, pair)), rel=0.01)
+
+
+@pytest.mark.parametrize("dR", [0.005, 0.01])
+def test_michells_series_in_the_conformal_range(dR):
+    series = PinInRing(2.245, dR, SETUP.outer_radius, STEEL)
+    for case in solve(changed(SETUP, clamp="rim"), dR, [20.0, 40.0, 100.0]):
+        penetration, _, peak = series.penetration(case.load)
+        assert case.penetration == pytest.approx(penetration, rel=0.0015)
+        assert case.peak_pressure == pytest.approx(peak, rel=0.0015)
+
+
+def test_conformal_pressure_is_perssons():
+    (case,) = solve(changed(SETUP, outer_ratio=40.0, clamp="rim"), 0.005, [100.0])
+    theory = laws.conformal.pressure(case.arc / np.sqrt(2.245 * 2.24), 100.0, SETUP.pair(0.005))
+    assert case.pressure == pytest.approx(theory, abs=0.02 * theory[0])
+
+
+class TestIncompressible:
+    @pytest.mark.parametrize(
+        ("pin", "plate"), [(STEEL, ALUMINIUM), (RUBBER, STEEL), (STEEL, RUBBER), (RUBBER, RUBBER)]
+    )
+    @pytest.mark.slow
+    def test_michells_series_in_a_narrow_ring(self, pin, plate):
+        case, load, _ = at(joint(pin, plate, cells=16, outer_ratio=3.3), 0.3)
+        penetration, _, peak = PinInRing(R_I, DR, 3.3 * R_I, plate, pin).penetration(load)
+        assert case.penetration == pytest.approx(penetration, rel=2e-3, abs=0)
+        assert case.peak_pressure == pytest.approx(peak, rel=2e-3)
+
+    def test_penetration_tends_to_that_of_an_incompressible_body(self):
+        # Not in the wide plate: held all round it cannot leave room for the hole's changes.
+        setup = joint((2e3, 0.3), (1e3, 0.3), cells=8, outer_ratio=3.3)
+        depths = [
+            solve(changed(setup, nu=nu, pin_nu=nu), DR, [3.0])[0].penetration
+            for nu in (0.4999, 0.49999, 0.499999)
+        ]
+        steps = np.diff(depths)
+        # 1 − 2ν falls to a tenth in each step.
+        assert steps[0] / steps[1] == pytest.approx(10.0, rel=0.05)
+        assert abs(steps[1]) < 1e-4 * depths[-1]
+
+    @pytest.mark.slow
+    def test_plain_and_other_cells_meet_at_0_4(self):
+        setup = joint(STEEL, (70e3, 0.4), cells=16)
+        (plain,), (other,) = (solve(changed(setup, nu=nu), DR, [100.0]) for nu in (0.4, 0.400001))
+        assert 0 < other.penetration / plain.penetration - 1 < 2e-3
+
+    def test_plane_stress_takes_an_incompressible_body(self):
+        case, load, pair = at(joint((5.0, 0.5), STEEL, cells=8, plane="stress"), 1.0)
+        law = laws.Conformal(datum=laws.Housing(R_o=80 * R_I))
+        assert case.penetration == pytest.approx(
+            float(law.penetration(load, pair)), rel=5e-3, abs=0
+        )
+
+
+class TestTwoMaterials:
+    def test_the_pins_are_by_default_the_plates(self):
+        (one,), (other,) = (
+            solve(setup, 0.1, [20.0])
+            for setup in (COARSE, changed(COARSE, pin_E=207e3, pin_nu=0.3))
+        )
+        assert one.penetration == other.penetration
+        pin = changed(SETUP, pin_E=70e3).material("pin")
+        assert (pin.E, pin.nu) == (70e3, 0.3)
+
+    def test_bodies_swap_their_stiffness_not_their_pressure(self):
+        """At small loads both are half-planes: only the additive constant knows which is which."""
+        (one, *_), (other, *_) = (
+            at(joint(*bodies, cells=8), 1e-3) for bodies in ((STEEL, PEEK), (PEEK, STEEL))
+        )
+        assert one.peak_pressure == pytest.approx(other.peak_pressure, rel=2e-2)
+        assert one.penetration > 1.2 * other.penetration
+
+    @pytest.mark.parametrize("name", ["steel in aluminium", "PEEK in steel", "steel in steel"])
+    @pytest.mark.parametrize("phi", [0.1, 1.0])
+    def test_the_closed_stresses_behind_first_yield(self, name, phi):
+        case, load, pair = at(joint(*PAIRS[name]), phi)
+        b = np.tan(np.radians(laws.Conformal().contact_angle(load, pair)) / 2)
+        pressure = pressure_along(np.atleast_1d(b), float(pair.beta))
+        for body, side, nu in (
+            ("plate", -1, pair.material_i.nu),
+            ("pin", 1, pair.material_j.nu),
+        ):
+            depth, stress = case.stress_below(body)
+            near = depth < 0.5 * R_I
+            shape = depth[near] / R_I
+            eta = 1j * (shape / (2 - side * shape))[None, :]
+            inside = (
+                in_pin(eta, pressure)
+                if body == "pin"
+                else in_plate(eta, pressure, float(pair.kolosov[0]))
+            )
+            expected = equivalent(inside, nu, "von Mises")[0] * load / R_I
+            # Cells along the axis have their middles beside it.
+            actual = stress.von_mises[near]
+            np.testing.assert_allclose(actual, expected, atol=0.015 * expected.max())
+            assert actual.max() == pytest.approx(expected.max(), rel=0.012)
+
+
+class TestCalculix:
+    @pytest.mark.parametrize(
+        ("setup", "dR", "load", "rel"),
+        [
+            *((COARSE, dR, load, 0.002) for dR in (0.01, 0.1, 1.0) for load in (20.0, 100.0)),
+            (changed(COARSE, plane="stress", load_on="disc", clamp="rim"), 0.01, 40.0, 0.002),
+            (joint(STEEL, ALUMINIUM, outer_ratio=10.0), DR, 1e2, 0.003),
+            (joint(RUBBER, STEEL, outer_ratio=10.0), DR, 6e-3, 0.003),
+            (joint(STEEL, RUBBER, outer_ratio=10.0), DR, 6e-3, 0.003),
+        ],
+    )
+    def test_it_gives_the_same(self, setup, dR, load, rel):
+        require_program("ccx")
+        (case,) = solve(setup, dR, [load])
+        penetration, peak = run_case(setup, dR, load, [load])
+        assert penetration == pytest.approx(case.penetration, rel=rel, abs=0)
+        assert peak == pytest.approx(case.peak_pressure, rel=0.02)
+
+    def test_a_failure_is_no_result(self, tmp_path, monkeypatch):
+        fake_program(tmp_path, "ccx", "echo '*ERROR in calinput'\nexit 201")
+        monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+        with pytest.raises(RuntimeError, match=r"code 201:\n\*ERROR in calinput"):
+            run_case(COARSE, 0.1, 20.0, [20.0])
+        steps = " displacements\n\n 9 0. {} 0.\n"
+        with pytest.raises(RuntimeError, match="has not settled"):
+            read_results(steps.format("4.0E-04") + steps.format("4.1E-04"), 1e-4)
+
+
+class TestBadInput:
+    @pytest.mark.parametrize(
+        ("keys", "message"),
+        [
+            ({"nu": 0.5}, "nu = 0.5: must not exceed 0.499999 in plane strain: the stiffness"),
+            ({"pin_nu": 0.4999999}, "pin_nu = 0.4999999: must not exceed 0.499999 in plane"),
+            ({"E": 207.0}, "E = 207.0: a bare number is in MPa"),
+            ({"pin_E": 70e9}, "E = 70000000000.0: is beyond any material"),
+            ({"clamp": "far:5"}, "clamp = 'far:5': must be a sector near or far of 10 to 350"),
+            ({"clamp": "whole"}, "clamp = 'whole': must be 'upper half' or 'rim'"),
+            ({"cells": 3}, "cells = 3: must be at least 4"),
+        ],
+    )
+    def test_of_a_set_up(self, keys, message):
+        with pytest.raises(InputError) as caught:
+            Setup(**PAPERS | keys)
+        assert message in str(caught.value)
+
+    @pytest.mark.parametrize("dR", [0.0, -0.1, 2.245, 3.0])
+    def test_clearance_zero_or_larger_than_the_hole(self, dR):
+        with pytest.raises(InputError, match=r"must lie between 0 and the radius of the hole"):
+            solve(SETUP, dR, [20.0])
+
+    def test_mesh_too_coarse_says_the_size_needed(self):
+        with pytest.raises(InputError) as caught:
+            solve(changed(SETUP, size=0.01), 1.0, [20.0])
+        width = float(limits.hertz_half_width(20.0, SETUP.pair(1.0)))
+        assert f"half-width is {width:.3g} mm, and 4 cells must fit into it" in str(caught.value)
+        assert f"use {width / 4:.2g} mm or less" in str(caught.value)
+
+    def test_mesh_too_fine(self):
+        with pytest.raises(InputError, match="more than 5000 cells lie side by side"):
+            changed(SETUP, size=1e-6, contact_size=1e-6).mesh(0.1, [10.0])
+
+    def test_contact_up_to_the_last_pair(self):
+        with pytest.raises(InputError, match="beyond the mesh's pairs; lower it"):
+            solve(COARSE, 0.005, [40_000.0])
+
+    def test_a_set_that_does_not_settle(self, monkeypatch):
+        many = 60
+        problem = np.eye(many), np.linspace(0, 9, many), np.ones(many), 50.0
+        assert solver.touch(*problem)[1] > 0
+        monkeypatch.setattr(solver, "_ROUNDS", 1)
+        with pytest.raises(InputError, match="still changes after 1 rounds"):
+            solver.touch(*problem)
+
+
+def test_a_sector_in_short_is_the_sector():
+    assert changed(SETUP, clamp="far:60").clamp == laws.Sector(60.0, "far")

@@ -1,0 +1,378 @@
+"""Set-up files, their studies and tables, the command around them, and what reads the tables."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from _cylcontact_bench.finite_elements import table
+
+from benchmarks.calculix import run_case
+from cylcontact import InputError, laws, limits
+from cylcontact.datasets import read_grid, write_samples
+from cylcontact.datasets.finite_element import (
+    Setup,
+    outer_ratio_like_johnson,
+    read_study,
+    read_table,
+    run_study,
+    solve,
+)
+from cylcontact.datasets.finite_element.study import study_from
+from cylcontact.datasets.grid import grid_from
+from cylcontact.fitting import FitResult, read_campaign
+from cylcontact.pair import CylinderPair
+from cylcontact.reports.bench import Bench
+from tests.support.paper_equations import e_star, enhanced, johnson
+from tests.support.programs import require_program
+from tests.support.spec_files import DROP, ELEMENTS, changed, tree, write_toml
+
+ROOT = Path(__file__).parents[2]
+TABLES = ROOT / "datasets" / "finite_element"
+# A pin of another material.
+BOTH = changed(
+    ELEMENTS,
+    {
+        "pin_E": 3.6,
+        "pin_nu": 0.38,
+        "origin.pin_E": "assumed",
+        "origin.pin_nu": "assumed",
+        "variants": [{"name": "aluminium", "pin_E": 70.0, "pin_nu": 0.4999}],
+    },
+)
+
+
+def rows_of(name):
+    """Read a committed table without the package."""
+    return pd.read_csv(TABLES / f"{name}.csv", comment="#")
+
+
+def base_of(name):
+    return read_study(TABLES / f"{name}.toml").setups["base"]
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch):
+    """A folder with a small set-up."""
+    write_toml(tmp_path / "small.toml", ELEMENTS)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+class TestFiles:
+    @pytest.mark.parametrize(
+        ("changes", "message"),
+        [
+            ({"dR": [0.0, 0.1]}, "dR = [0.0, 0.1]: must be positive and increasing"),
+            ({"dR": [0.1, 2.5]}, "dR = 2.5: must lie between 0 and the radius of the hole"),
+            ({"E": 207e9}, "E = 207000000000.0: a bare number is in GPa, and diamond has 1200"),
+            ({"E": "207e9 GPa"}, "E = '207e9 GPa': is beyond any material"),
+            ({"E": "steel"}, "E = 'steel': must be a number"),
+            ({"pin_E": 0.0}, "pin_E = 0.0: must be greater than 0"),
+            ({"pin_nu": 0.6}, "pin_nu = 0.6: must be less than or equal to 0.5"),
+            ({"load": []}, "load = []: must be positive and increasing"),
+            ({"nu": 0.5}, "nu = 0.5: must not exceed 0.499999 in plane strain"),
+            ({"clamp": "far:5", "origin.clamp": "assumed"}, "clamp = 'far:5': must be a sector"),
+            ({"origin.E": DROP}, "origin.E: is required; mark each key as paper"),
+            ({"origin.clamp": "paper"}, "origin.clamp: is not a key of this file"),
+            ({"variants": [{"cells": 8}]}, "variants.0: name: is required"),
+            ({"variants": [{"name": "a,b"}]}, "must not contain commas, quotes or #"),
+            ({"variants": [{"name": "a", "dR": [1.0]}]}, "dR = [1.0]: cannot vary"),
+            ({"variants": [{"name": "a"}, {"name": "a"}]}, "'a': is used twice"),
+            ({"variants": [{"name": "a", "cells": 1}]}, "cells = 1: must be at least 4"),
+            ({"variants": [{"name": "a", "nu": 0.5}]}, "variants.0: nu = 0.5: must not exceed"),
+        ],
+    )
+    def test_mistakes_are_told(self, changes, message):
+        with pytest.raises(InputError) as caught:
+            study_from(changed(ELEMENTS, changes), "small", "small.toml")
+        assert message in str(caught.value)
+        assert str(caught.value).startswith("small.toml")
+
+    def test_variants_change_what_they_name(self):
+        variants = [{"name": "stress", "plane": "stress"}, {"name": "eye", "clamp": "far:60"}]
+        study = study_from(changed(ELEMENTS, {"variants": variants}), "small", "small.toml")
+        base = dict(study.setups["base"])
+        assert base["cells"] == 6
+        assert dict(study.setups["stress"]) == base | {"plane": "stress"}
+        assert dict(study.setups["eye"]) == base | {"clamp": laws.Sector(60.0, "far")}
+
+    def test_the_papers_set_up_is_marked_as_such(self):
+        study, setup = read_study(TABLES / "paper.toml"), base_of("paper")
+        assert (setup.plane, setup.load_on, setup.clamp) == ("stress", "centre", "upper half")
+        assert study.origin["outer_ratio"] == "assumed"
+        assert study.origin["plane"] == study.origin["load_on"] == study.origin["size"] == "paper"
+
+
+class TestCommittedTables:
+    @pytest.mark.parametrize("name", ["recommended", "paper", "sensitivity", "convergence"])
+    def test_they_are_of_their_set_ups(self, name):
+        study = read_study(TABLES / f"{name}.toml")
+        rows, header = read_table(TABLES / f"{name}-embedded.csv")
+        assert header["set-up"] == study.key
+        sentence = f"outer_radius_mm = 7.4085 (3.3 hole radii, {study.origin['outer_ratio']})"
+        assert sentence in header["calibrated"]
+        assert len(rows) == len(study.setups) * len(study.dR) * len(study.load)
+
+    def test_a_fresh_run_gives_the_same_numbers(self):
+        rows = rows_of("recommended-embedded")
+        for dR in (0.005, 0.1):
+            cases = solve(base_of("recommended"), dR, [20.0, 40.0, 100.0])
+            actual = [case.penetration for case in cases]
+            committed = rows.loc[rows["dR_mm"] == dR, "penetration_mm"].to_numpy()
+            assert actual == pytest.approx(committed, rel=1e-6)
+
+    def test_calculix_gives_the_same(self):
+        one, other = (rows_of(f"recommended-{name}") for name in ("embedded", "calculix"))
+        assert len(one) == len(other) == 39
+        ratio = other["penetration_mm"] / one["penetration_mm"]
+        assert np.abs(ratio - 1).max() < 0.002
+        require_program("ccx")
+        row = other[(other["dR_mm"] == 0.005) & (other["load_N_per_mm"] == 100)].iloc[0]
+        penetration, _ = run_case(base_of("recommended"), 0.005, 100.0, [20.0, 40.0, 100.0])
+        assert penetration == pytest.approx(row["penetration_mm"], rel=1e-5)
+
+    def test_johnson_outside_the_conformal_range(self):
+        rows = rows_of("recommended-embedded")
+        pair = base_of("recommended").pair(rows["dR_mm"].to_numpy())
+        load, actual = rows["load_N_per_mm"].to_numpy(), rows["penetration_mm"].to_numpy()
+        johnson = laws.Johnson().penetration(load, pair)
+        persson = laws.Persson().penetration(load, pair)
+        plain = np.abs(johnson / persson - 1) < 0.001
+        assert np.count_nonzero(plain) > 20
+        assert np.abs(actual / johnson - 1)[plain].max() < 0.0015
+        # Inside it, above Johnson, and as much as Persson has it but for the plate's finite size.
+        conformal = johnson / persson < 0.98
+        assert np.count_nonzero(conformal) >= 2
+        above, predicted = (actual / johnson - 1)[conformal], (persson / johnson - 1)[conformal]
+        assert np.all((above > predicted) & (above < 1.4 * predicted))
+
+    @pytest.mark.slow
+    def test_the_outer_ratio_is_the_one_that_gives_johnsons_constant(self):
+        setup = base_of("recommended")
+        assert read_study(TABLES / "recommended.toml").origin["outer_ratio"] == "derived"
+        assert round(outer_ratio_like_johnson(setup), 1) == setup.outer_ratio
+
+    def test_an_outer_ratio_that_does_not_exist_is_told(self):
+        keys = {"cells": 6, "load_on": "centre", "plane": "stress"}
+        setup = Setup(**dict(base_of("recommended")) | keys)
+        with pytest.raises(InputError, match="between 2 and 10 never gives Johnson's penetration"):
+            outer_ratio_like_johnson(setup, [1.0], [20.0])
+
+    def test_peak_pressure_converges_to_hertz(self):
+        rows = rows_of("convergence-embedded")
+        wide = rows[(rows["dR_mm"] == 1.0) & (rows["load_N_per_mm"] == 20.0)]
+        hertz = float(limits.hertz_stress(20.0, base_of("convergence").pair(1.0)))
+        peaks = wide.set_index("variant")["peak_pressure_MPa"] / hertz - 1
+        errors = peaks[["cells 4", "cells 8", "cells 16", "cells 32", "base"]].abs()
+        assert errors.is_monotonic_decreasing
+        assert errors["cells 16"] < 0.005
+
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            ((TABLES / "recommended-embedded.csv").read_text().replace("0.0002753", "0.0002754", 1),
+             "the table was edited by hand"),
+            ("a,b\n1,2\n", "is not a table of finite elements"),
+            ("", "is not a table of finite elements"),
+            ("# study: x\nnonsense\n", "is not a table of finite elements"),
+            (None, "cannot be read"),
+        ],
+    )  # fmt: skip
+    def test_other_files_are_refused(self, tmp_path, text, message):
+        path = tmp_path / "other.csv"
+        if text is not None:
+            path.write_text(text)
+        with pytest.raises(InputError, match=message):
+            read_table(path)
+
+
+class TestCommand:
+    def test_writes_a_table_whatever_the_workers(self, bench, run):
+        code, out, _ = run("finite-element", "small.toml", "--jobs", 1)
+        assert code == 0
+        assert "small-embedded.csv: 4 cases by embedded" in out
+        once = (bench / "small-embedded.csv").read_bytes()
+        assert run("finite-element", "small.toml", "-o", "other.csv", "-j", 2)[0] == 0
+        assert (bench / "other.csv").read_bytes() == once
+        assert set(tree(bench)) == {"small.toml", "small-embedded.csv", "other.csv"}
+
+    def test_a_table_of_other_inputs_is_not_replaced(self, bench, run):
+        target = bench / "small-embedded.csv"
+        for contents, rule in (
+            ((TABLES / "recommended-embedded.csv").read_bytes(), "came from another set-up, not"),
+            (b"mine", "exists and is not a readable table of finite elements; write elsewhere"),
+        ):
+            target.write_bytes(contents)
+            code, _, err = run("finite-element", "small.toml")
+            assert (code, rule in err, target.read_bytes()) == (2, True, contents)
+        assert run("finite-element", "small.toml", "--force", "-j", 1)[0] == 0
+
+    def test_resumes_what_is_kept(self, bench, run):
+        run("finite-element", "small.toml", "-j", 1)
+        written = bench / "small-embedded.csv"
+        whole = written.read_bytes()
+        kept = bench / "small-embedded.csv.partial"
+        study = read_study("small.toml")
+        run_study(study, checkpoint=kept)
+        lines = kept.read_text().splitlines(keepends=True)
+        assert len(lines) == 5
+        # A kill cuts a line short, be it the first or the second of two loads solved together.
+        for complete in (3, 2):
+            kept.write_text("".join(lines[:complete]) + lines[complete][:20])
+            counts = []
+            rows, _ = run_study(
+                study, 1, lambda _, done, __, to=counts: to.append(done), kept, resume=True
+            )
+            assert (counts[0], counts[-1], len(rows)) == (complete - 1, 4, 4)
+        kept.write_text("".join(lines[:3]))
+        written.unlink()
+        assert run("finite-element", "small.toml", "--resume", "-j", 1)[0] == 0
+        assert written.read_bytes() == whole
+        assert not kept.exists()
+
+    def test_kept_cases_of_another_set_up_are_refused(self, bench, run):
+        kept = bench / "small-embedded.csv.partial"
+        kept.write_text(json.dumps({"format": 1, "study": "another"}) + "\n")
+        code, _, err = run("finite-element", "small.toml", "--resume")
+        assert code == 2
+        assert "belongs to other work: its study or settings differ; run without --resume" in err
+        run_study(read_study("small.toml"), checkpoint=kept)
+        kept.write_text(kept.read_text() + "{}\n")
+        code, _, err = run("finite-element", "small.toml", "--resume")
+        assert (code, err.count("\n")) == (2, 1)
+        assert "has a damaged line" in err
+
+    @pytest.mark.parametrize(
+        ("size", "said"),
+        [
+            (0.015, "base, ΔR = 0.5 mm, 20, 40 N/mm: is too coarse|2 of 4 cases have no|2 others"),
+            (0.1, "is too coarse|4 of 4 cases have no solution|correct the set-up"),
+        ],
+    )
+    def test_a_mesh_too_coarse_fails_its_cases_alone(self, bench, run, size, said):
+        write_toml(
+            bench / "coarse.toml", changed(ELEMENTS, {"size": size, "origin.size": "assumed"})
+        )
+        code, _, err = run("finite-element", "coarse.toml", "-j", 1)
+        assert code == 2
+        assert all(part in err for part in said.split("|"))
+        assert not (bench / "coarse-embedded.csv").exists()
+
+    def test_a_pin_of_its_own_material(self, bench, run):
+        study = read_study(write_toml(bench / "both.toml", BOTH))
+        assert run("finite-element", "both.toml", "-j", 1)[0] == 0
+        rows = read_table("both-embedded.csv").rows
+        pins = rows[["variant", "pin_E_GPa", "pin_nu"]].drop_duplicates()
+        assert pins.to_numpy().tolist() == [["base", 3.6, 0.38], ["aluminium", 70.0, 0.4999]]
+        assert (rows["E_GPa"].unique(), rows["nu"].unique()) == (ELEMENTS["E"], ELEMENTS["nu"])
+        kept = bench / "kept"
+        solved, _ = run_study(study, checkpoint=kept)
+        pd.testing.assert_frame_equal(run_study(study, checkpoint=kept, resume=True)[0], solved)
+        pd.testing.assert_frame_equal(solved, rows, rtol=1e-6, check_dtype=False)
+        spec = {"contact": "internal", "reference": "finite-element", "table": "both-embedded.csv"}
+        with pytest.raises(InputError, match="is of a pin and a plate of different materials"):
+            read_grid(write_toml(bench / "grid.toml", spec))
+
+
+class TestReference:
+    def test_the_grid_and_its_samples_are_the_table(self, tmp_path):
+        grid, rows = (
+            read_grid(ROOT / "datasets/finite-element.toml"),
+            rows_of("recommended-embedded"),
+        )
+        assert grid.shape == (1, 1, 13, 3)
+        assert grid.penetrations.ravel() == pytest.approx(rows["penetration_mm"].to_numpy())
+        counts = write_samples(grid, tmp_path / "s.csv")
+        assert (counts.samples, counts.masked) == (39, 0)
+        written = pd.read_csv(tmp_path / "s.csv")
+        for column in written:
+            assert written[column].to_numpy() == pytest.approx(rows[column].to_numpy(), rel=1e-12)
+
+    def test_committed_fit_is_of_the_committed_table(self):
+        result = FitResult.read(ROOT / "fitting/results/finite-element.json")
+        campaign = read_campaign(ROOT / "fitting/finite-element.toml")
+        assert (result.reference, result.counts.samples) == ("finite-element", 39)
+        assert json.loads(json.dumps(campaign.settings)) == result.settings
+        assert result.objective.value < 0.3 * result.published.objective
+
+    @pytest.mark.parametrize(
+        ("changes", "message"),
+        [
+            ({"table": DROP}, 'table: is required with reference = "finite-element"'),
+            ({"table": "none.csv"}, "cannot be read"),
+            ({"axes": {}}, "axes: cannot be combined with table"),
+            ({"contact": "external"}, "contact = 'external': must be internal"),
+        ],
+    )
+    def test_mistakes_in_a_grid_are_told(self, tmp_path, changes, message):
+        path = str(TABLES / "recommended-embedded.csv")
+        spec = {"contact": "internal", "reference": "finite-element", "table": path}
+        with pytest.raises(InputError) as caught:
+            read_grid(write_toml(tmp_path / "grid.toml", changed(spec, changes)))
+        assert message in str(caught.value)
+
+    @pytest.mark.parametrize(
+        ("changes", "rule"),
+        [
+            ({"penetrations": [[1e-4, 2e-4]]}, "a list for each dR with a number for each load"),
+            ({"penetrations": [[1e-4, 2e-4], [1e-4, -2e-4]]}, "must be positive"),
+            ({"reference": "johnson"}, "is used only with reference finite-element"),
+        ],
+    )
+    def test_penetrations_must_fit_the_axes(self, changes, rule):
+        axes = {"E": [207.0], "nu": [0.3], "dR": [0.1, 0.2], "load": [10.0, 20.0]}
+        spec = {
+            "contact": "internal",
+            "reference": "finite-element",
+            "axes": {name: {"values": values} for name, values in axes.items()},
+            "penetrations": [[1e-4, 2e-4], [1e-4, 2e-4]],
+        }
+        with pytest.raises(InputError, match=rule):
+            grid_from(changed(spec, changes), "inline")
+
+
+class TestFigures:
+    def test_fig04_counts_the_mesh(self, figures):
+        headline, rows = figures["fig04"].drawing.headline, rows_of("recommended-embedded")
+        assert headline["cells"] == rows.loc[rows["dR_mm"] == 0.1, "cells"].iloc[0]
+        assert 1.31 < headline["length of the cells in the contact, µm"] < 6.63
+
+    @pytest.mark.slow
+    def test_fig05_is_hertz_at_1_mm_and_departs_at_10_um(self, figures):
+        drawing = figures["fig05"].drawing
+        assert drawing.headline["1 mm: largest departure from Hertz, % of its peak"] < 3.5
+        steel = base_of("recommended").material("plate")
+        for dR, part in drawing.table.groupby("dR_mm"):
+            pair = CylinderPair.from_dR("internal", float(dR), steel, R_i=2.245)
+            assert part["hertz_MPa"].max() == pytest.approx(float(limits.hertz_stress(20.0, pair)))
+
+    @pytest.mark.slow
+    def test_fig06_holds_every_model(self, figures):
+        drawing = figures["fig06"].drawing
+        case = (
+            drawing.table["load_N_per_mm"].to_numpy(),
+            e_star(207e3, 0.3),
+            drawing.table["dR_mm"].to_numpy(),
+        )
+        assert len(drawing.table) == 39
+        assert drawing.table["johnson_mm"].to_numpy() == pytest.approx(johnson(*case), rel=1e-9)
+        assert drawing.table["enhanced_mm"].to_numpy() == pytest.approx(enhanced(*case), rel=1e-9)
+
+    def test_sensitivities_are_shifts_of_one_constant(self, figures):
+        actual = figures["fig_fe_sensitivity"].drawing.table.set_index("variant")
+        for name in ("outer radius 10 hole radii", "load on a disc of a quarter radius"):
+            constants = actual.loc[name, "constant"]
+            assert np.ptp(constants) < 0.06 * constants.abs().max()
+        change = actual["change_percent"]
+        assert change["plane stress"].to_numpy() == pytest.approx(9.3, abs=0.3)
+        assert change["32 cells instead of 16"].abs().max() < 0.1
+
+    def test_a_missing_table_is_told(self, tmp_path):
+        source = (TABLES / "recommended.toml").read_text(encoding="utf-8")
+        path = tmp_path / "datasets/finite_element/recommended.toml"
+        path.parent.mkdir(parents=True)
+        path.write_text(source, encoding="utf-8")
+        with pytest.raises(InputError, match=r"cannot be read .*make finite-element writes it"):
+            table(Bench(tmp_path), "recommended")

@@ -1,0 +1,279 @@
+"""The documentation: its code runs and prints what it says, its site is whole and offline."""
+
+import importlib.util
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from functools import partial
+from html.parser import HTMLParser
+from importlib import import_module
+
+import pandas as pd
+import pytest
+import typer
+
+from cylcontact.cli import app
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import draw
+from tests.support.browser import chromium, opened
+from tests.support.doc_blocks import ROOT, blocks, copy_bench, run_page, same
+from tests.support.write_docs import rewritten
+
+PAGES = sorted(
+    path
+    for pattern in ("*.md", "docs/**/*.md", "*/README.md")
+    for path in ROOT.glob(pattern)
+    if ".venv" not in path.parts
+)
+README = ROOT / "README.md"  # followed twice in a row, below
+WITH_CODE = [
+    page
+    for page in PAGES
+    if page != README and any(b.language in ("python", "bash") for b in blocks(page))
+]
+SLOW = {
+    "science.md", "calibration.md", "extend.md", "mechanism.md", "fit-my-data.md", "cluster.md",
+    "choose-a-law.md", "other-codes.md", "export.md", "reproduce-the-paper.md", "write-a-paper.md",
+}  # fmt: skip
+each_page = pytest.mark.parametrize(
+    "page",
+    [pytest.param(p, marks=pytest.mark.slow) if p.name in SLOW else p for p in WITH_CODE],
+    ids=lambda path: str(path.relative_to(ROOT)),
+)
+
+
+@each_page
+def test_code_runs_and_prints_what_the_page_says(page, tmp_path, monkeypatch):
+    copy_bench(tmp_path)
+    before = None
+    for block, printed in run_page(page, tmp_path, monkeypatch):
+        if block.language == "text" and block.adjacent and before is not None:
+            assert same(block.text, before), f"\nshown:\n{block.text}\nprinted:\n{before}"
+        before = printed
+
+
+@pytest.mark.slow
+def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeypatch):
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True)
+    for name in listed.stdout.decode().strip("\0").split("\0"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(ROOT / name, tmp_path / name)
+    git = partial(subprocess.run, cwd=tmp_path, check=True, capture_output=True, text=True)
+    identity = ("-c", "user.name=n", "-c", "user.email=e", "-c", "commit.gpgsign=false")
+    for command in (("init",), ("add", "."), ("commit", "--message", "all")):
+        git(["git", *identity, *command])
+    for _ in range(2):
+        run_page(README, tmp_path, monkeypatch)
+        assert git(["git", "status", "--porcelain"]).stdout == ""
+
+
+@pytest.mark.slow
+def test_a_material_of_ones_own_changes_no_figure_of_the_paper(tmp_path, figures):
+    copy_bench(tmp_path)
+    (table,) = [b for b in blocks(ROOT / "docs/how-to/choose-a-law.md") if b.language == "csv"]
+    (tmp_path / table.title).write_text(table.text, encoding="utf-8")
+    bench = Bench(tmp_path)
+    assert "gunmetal" in bench.materials()
+    for name in ("fig07", "fig08", "fig09"):
+        pd.testing.assert_frame_equal(draw(name, bench).table, figures[name].drawing.table)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_block_says_what_it_is(page):
+    known = {"python", "bash", "text", "markdown", "toml", "csv", "c", "cpp"}
+    assert {block.language for block in blocks(page)} <= known
+
+
+# --- the site ---
+
+
+class Links(HTMLParser):
+    """The links of a page, and what it loads."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.loaded, self.links, self.ids = [], [], set()
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        named = dict(attributes)
+        self.ids |= {named[key] for key in ("id", "name") if named.get(key)}
+        if tag == "a" and named.get("href"):
+            self.links.append(named["href"])
+        elif tag in ("script", "img", "iframe", "source") and named.get("src"):
+            self.loaded.append(named["src"])
+        elif tag == "link" and named.get("href"):
+            self.loaded.append(named["href"])
+
+
+FEW = ["fig01", "fig02", "fig12", "fig12r"]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The site with a few figures, built strictly: a broken link or an unknown name stops it."""
+    import_module("material")
+    import_module("mkdocstrings")
+    build = import_module("mkdocs.commands.build")
+    config = import_module("mkdocs.config")
+    folder = tmp_path_factory.mktemp("site")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cylcontact.reports.build.chosen_recipes", lambda _, names=FEW: names)
+        loaded = config.load_config(str(ROOT / "mkdocs.yml"), site_dir=str(folder), strict=True)
+        build.build(loaded)
+    return folder
+
+
+def test_every_page_is_in_the_site(site):
+    for page in (ROOT / "docs").rglob("*.md"):
+        built = site / page.relative_to(ROOT / "docs").with_suffix(".html")
+        assert built.is_file()
+        assert "<h1" in built.read_text(encoding="utf-8")
+
+
+def test_nothing_comes_from_the_network(site):
+    for page in site.rglob("*.html"):
+        loaded = Links(page.read_text(encoding="utf-8")).loaded
+        assert loaded
+        assert not [link for link in loaded if re.match(r"(https?:)?//", link)], page.name
+    for sheet in site.rglob("*.css"):
+        assert not re.search(r"(url\(|@import)\s*['\"]?(https?:)?//", sheet.read_text("utf-8"))
+
+
+def test_links_and_files_of_the_site_exist(site):
+    # Those of 404.html start at the server's root.
+    pages = [page for page in site.rglob("*.html") if page.name != "404.html"]
+    parsed = {page: Links(page.read_text(encoding="utf-8")) for page in pages}
+    for page, actual in parsed.items():
+        for link in actual.links + actual.loaded:
+            path, _, anchor = link.partition("#")
+            if re.match(r"[a-z]+:", link):
+                continue
+            target = (page.parent / path).resolve() if path else page
+            assert target.is_file(), f"{page.name}: {link}"
+            if anchor and target.suffix == ".html":
+                assert anchor in parsed[target].ids, f"{page.name}: {link}"
+
+
+def test_reference_shows_the_docstrings(site):
+    text = (site / "reference" / "laws.html").read_text(encoding="utf-8")
+    assert "The paper solves it for the load by iteration" in text
+    assert "exact for large contact arcs as well" in text
+
+
+def test_equations_are_mathml_and_no_star_is_lost(site):
+    equations = 0
+    for page in site.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        source = page.relative_to(site).with_suffix(".md")
+        written = (ROOT / "docs" / source).is_file() and (ROOT / "docs" / source).read_text("utf-8")
+        assert "arithmatex" not in text, page.name
+        assert not re.search(r"\w<em>|</em>[\w/·^]", text), page.name
+        assert text.count('display="block"') == (written or "").count("\n$$\n") / 2, page.name
+        equations += text.count("<math")
+    assert equations > 10
+    text = (site / "reference" / "laws.html").read_text(encoding="utf-8")
+    assert "f = π·E*·δ/[ln(4π·E*·ΔR/f) − 1]" in text
+    text = (site / "science.html").read_text(encoding="utf-8")
+    assert "<msup><mi>E</mi><mo>&#x0002A;</mo></msup>" in text
+
+
+def test_the_gallery_shows_each_figure_with_its_command_and_recipe(site):
+    gallery = site / "gallery.html"
+    text, parsed = gallery.read_text(encoding="utf-8"), Links(gallery.read_text(encoding="utf-8"))
+    for name, recipe in zip(FEW, ("fig01", "fig02", "maps", "maps"), strict=True):
+        assert f"gallery/{name}.png" in parsed.loaded
+        assert f"<code>cylcontact figure {name}</code>" in text
+        assert f"gallery/{recipe}.html" in parsed.links
+        source = (site / "gallery" / f"{recipe}.html").read_text(encoding="utf-8")
+        assert f"reports/{recipe}.py" in source
+        assert "Drawing" in source
+    assert "Figure 12. Enhanced against Johnson: low-carbon steel, published coefficients" in text
+    assert text.count("<summary>How it was made</summary>") == len(FEW)
+
+
+def test_a_figure_is_drawn_again_when_its_inputs_change(site, monkeypatch):
+    assert site
+    spec = importlib.util.spec_from_file_location("hooks", ROOT / "docs" / "hooks.py")
+    hooks = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hooks)
+    drawn = []
+    monkeypatch.setattr(hooks, "chosen_recipes", lambda _: FEW)
+    monkeypatch.setattr(hooks, "build", lambda _, names, *_rest: drawn.extend(names) or [])
+    results = hooks._drawn(Bench(ROOT))
+    assert [result.name for result in results] == FEW
+    assert drawn == []
+    (read, *_), changed = results[0].inputs, results[0]
+    assert not hooks._is_current(replace(changed, inputs={read: "0" * 12}))
+    assert not hooks._is_current(replace(changed, inputs={"reports/gone.py": "0" * 12}))
+
+
+# Elements that reach beyond the window, unless they or what they are in can be scrolled.
+CUT_OFF = """() => {
+  const scrolls = (node) => ["auto", "scroll"].includes(getComputedStyle(node).overflowX);
+  const cut = (node) => {
+    const box = node.getBoundingClientRect();
+    if (box.left > -1 && box.right < innerWidth + 1) return false;
+    for (let at = node; at; at = at.parentElement) if (scrolls(at)) return false;
+    return true;
+  };
+  const parts = [...document.querySelectorAll("article *")];
+  const found = parts.filter((node) => node.checkVisibility() && cut(node))
+    .map((node) => `${node.tagName} ${node.textContent.slice(0, 40)}`);
+  for (const code of document.querySelectorAll("article pre > code"))
+    if (code.scrollWidth > code.clientWidth && !scrolls(code)) found.push(code.textContent);
+  if (document.documentElement.scrollWidth > innerWidth) found.push("the page");
+  return found;
+}"""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("width", [1440, 390])
+def test_nothing_is_cut_off(site, width):
+    with chromium() as browser:
+        page = browser.new_page(viewport={"width": width, "height": 900})
+        for path in sorted(site.rglob("*.html")):
+            if path.name != "404.html":
+                page.goto(path.as_uri())
+                assert page.evaluate(CUT_OFF) == [], path.name
+
+
+def test_equations_have_a_font_of_the_site(site):
+    with chromium() as browser, opened(browser, site / "reference" / "formulas.html") as page:
+        page.wait_for_function("document.fonts.status === 'loaded'")
+        loaded = page.evaluate("[...document.fonts].map((each) => each.family + each.status)")
+        assert '"Site Math"loaded' in loaded or "Site Mathloaded" in loaded
+        family = page.evaluate("getComputedStyle(document.querySelector('math')).fontFamily")
+        assert family.startswith('"Site Math"')
+
+
+def test_git_ignores_the_site():
+    ignored = (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
+    assert "/build/" in ignored
+    assert "site_dir: build/site" in (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+
+
+def test_search_works_from_disk_and_asks_the_network_for_nothing(site):
+    with chromium() as browser, opened(browser, site / "tutorial.html") as page:
+        actual = page.locator(".md-search-result__item", has_text="conformal")
+        for _ in range(30):  # what is typed before the search is ready is lost
+            page.fill("input.md-search__input", "")
+            page.locator("input.md-search__input").press_sequentially("Persson")
+            page.wait_for_timeout(500)
+            if actual.count():
+                break
+        assert actual.count()
+
+
+def test_outputs_can_be_written_anew(tmp_path, monkeypatch):
+    page = tmp_path / "page.md"
+    right = '# Page\n\n```python\nprint("one\\ntwo")\n```\n\n```text\none\ntwo\n```\n\nEnd.\n'
+    page.write_text(right.replace("one\ntwo\n```", "three\n```"), encoding="utf-8")
+    assert rewritten(page, tmp_path / "bench", monkeypatch) == right
+
+
+def test_every_command_is_in_the_reference():
+    text = (ROOT / "docs/reference/command-line.md").read_text(encoding="utf-8")
+    commands = typer.main.get_command(app).commands
+    assert set(re.findall(r"^\| `([a-z-]+)", text, re.MULTILINE)) == set(commands)

@@ -1,0 +1,138 @@
+"""What notebooks and consoles show of objects: every value with its unit, and no text as markup."""
+
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from cylcontact import CylinderPair, InputError, Material, choose, laws
+from cylcontact.fitting import read_campaign
+from cylcontact.html_repr import table_html
+from cylcontact.mechanism import read_mechanism, simulate
+from cylcontact.text_tables import Table
+
+ROOT = Path(__file__).resolve().parents[2]
+
+HOSTILE = "<script>alert('x')</script> & \"co\""
+
+
+class Cells(HTMLParser):
+    """The tags, and the texts that a reader sees."""
+
+    def __init__(self, fragment):
+        super().__init__()
+        self.tags, self.texts = set(), []
+        self.feed(fragment)
+
+    def handle_starttag(self, tag, _attrs):
+        self.tags.add(tag)
+
+    def handle_data(self, data):
+        if data.strip():
+            self.texts.append(data)
+
+
+def visible(fragment):
+    cells = Cells(fragment)
+    assert cells.tags <= {"table", "caption", "b", "thead", "tbody", "tr", "th", "td"}
+    return cells.texts
+
+
+def test_texts_stay_texts():
+    assert visible(table_html(HOSTILE, {HOSTILE: HOSTILE})) == [HOSTILE] * 3
+
+
+def test_one_table_is_aligned_text_and_html():
+    table = Table(["", "ΔR, mm", "law"], [("first", "0.5", "[johnson]"), ("second", "10", "\x1b")])
+    assert str(table).splitlines() == [
+        *("        ΔR, mm        law", "first      0.5  [johnson]", r"second      10       \x1b"),
+    ]
+    cells = ["ΔR, mm", "law", "first", "0.5", "[johnson]", "second", "10", r"\x1b"]
+    assert visible(table._repr_html_()) == cells
+
+
+def test_pair(pair):
+    texts = visible(pair._repr_html_())
+    rows = dict(zip(texts[1::2], texts[2::2], strict=True))
+    assert texts[0] == "CylinderPair, internal contact"
+    assert (rows["ΔR (mm)"], rows["length (mm)"]) == ("0.5", "12")
+    assert float(rows["E* (MPa)"]) == pytest.approx(float(pair.E_star), rel=1e-5)
+
+
+@pytest.mark.parametrize("law", [laws.Enhanced, laws.PowerLaw])
+def test_the_units_are_those_of_the_parameters_that_are_fitted(law):
+    models = law.models()
+    assert law.units == {p.name: p.unit for m in models for p in m.parameters if p.unit}
+
+
+# --- campaigns, results, choices and trajectories ---
+
+
+@pytest.fixture(scope="module")
+def run():
+    spec = ROOT / "datasets" / "slider_crank.toml"
+    return simulate(read_mechanism(spec, clearance=0.5, revolutions=1))
+
+
+@pytest.fixture(scope="module")
+def hostile_choice():
+    steel = Material(HOSTILE, E=207e3, nu=0.3)
+    pair = CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+    load, noise = np.geomspace(10.0, 3000.0, 30), 1 + 0.01 * np.cos(np.arange(30))
+    depth = laws.Explicit().penetration(load, pair) * noise
+    data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
+    return choose(data, pair, laws=["explicit", "johnson"], name=HOSTILE)
+
+
+def test_campaign():
+    campaign = read_campaign(ROOT / "fitting" / "recovered-internal.toml")
+    texts = visible(replace(campaign, name=HOSTILE)._repr_html_())
+    rows = dict(zip(texts[1::2], texts[2::2], strict=True))
+    assert texts[0] == f"Campaign {HOSTILE}"
+    assert rows["a (mm^(1-n))"] == "0.1 to 1.5"
+    assert rows["b (mm^(2-n))"] == "a/10"
+    assert rows["n_exponent"] == "-0.005, fixed"
+    assert repr(campaign) == (
+        "Campaign('recovered-internal', enhanced law, internal contact, "
+        "2 of 7 parameters free, rms-log-penetration)"
+    )
+
+
+def test_trajectory(run):
+    hostile = replace(run, mechanism=replace(run.mechanism, name=HOSTILE))
+    table, _, picture = hostile._repr_html_().partition("<figure>")
+    texts = visible(table)
+    rows = dict(zip(texts[1::2], texts[2::2], strict=True))
+    assert texts[0] == f"Trajectory of {HOSTILE}"
+    assert float(rows["duration (s)"]) == pytest.approx(run.mechanism.period)
+    assert {"revolutions", "contacts", "max penetration (µm)", "energy error (J)"} <= set(rows)
+    assert 'src="data:image/png;base64,iVBOR' in picture
+    assert "<script" not in picture
+
+
+def test_the_picture_of_a_trajectory_is_of_its_end(run):
+    drawing = run.plot(revolutions=1)
+    assert drawing.table["revolution"].iloc[[0, -1]].tolist() == pytest.approx([0.0, 1.0])
+    assert drawing.headline["largest normal force, N"] == run.normal_force.max()
+    part = run.plot(revolutions=0.25).table
+    assert part["revolution"].iloc[0] == pytest.approx(0.75, abs=0.01)
+    with pytest.raises(InputError, match=r"plot: revolutions = 0: must be positive; give e\.g\. 2"):
+        run.plot(revolutions=0)
+
+
+def test_an_ideal_joint_has_no_picture():
+    spec = ROOT / "datasets" / "slider_crank.toml"
+    ideal = simulate(read_mechanism(spec, clearance=0.0, revolutions=1))
+    assert "<figure>" not in ideal._repr_html_()
+
+
+def test_no_text_of_a_result_or_a_choice_is_markup(hostile_choice):
+    result = hostile_choice.fit()
+    best, *others = hostile_choice.laws
+    named = replace(hostile_choice, laws=(replace(best, law=HOSTILE), *others))
+    for shown in (result._repr_html_(), named._repr_html_()):
+        assert "<script" not in shown
+        assert "&lt;script&gt;" in shown

@@ -1,0 +1,336 @@
+"""Parameters of codes' own contacts: refitted, integrated and run by other means, and the command.
+
+The formulas below are typed from the pages of the codes, in the units of their parameters; MuJoCo
+and Exudyn run their own contact.
+"""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import differential_evolution, minimize
+
+from cylcontact import InputError, dissipation
+from cylcontact.export import CODES, contact_parameters
+from cylcontact.mechanism import joint_from, read_joint
+from tests.support.programs import require_package
+from tests.support.spec_files import changed
+
+JOINT = Path(__file__).resolve().parents[2] / "datasets/joint.toml"
+PIN = {
+    "name": "pin", "units": "SI", "length": 10.0, "law": "explicit",
+    "bearing": {"R": 10.0, "E": 207.0, "nu": 0.3}, "pin": {"R": 9.95, "E": 207.0, "nu": 0.3},
+    "dissipation": {"factor": "exact", "restitution": 0.9},
+    "friction": {"coefficient": 0.1, "v0": 1.0, "v1": 10.0},
+}  # fmt: skip
+LOW, HIGH = 100.0, 10000.0
+EACH = pytest.mark.parametrize("code", CODES)
+
+
+@cache
+def parameters_of(code, restitution=0.9, mass=0.5, speed=None, law="explicit"):
+    joint = joint_from(changed(PIN, {"dissipation.restitution": restitution, "law": law}))
+    return contact_parameters(joint, code, LOW, HIGH, mass, speed)
+
+
+def law_at(force):
+    """The penetration in mm of the law under total forces in N."""
+    joint = joint_from(PIN)
+    return joint.law.penetration(np.asarray(force) / 10.0, joint.pair)
+
+
+# --- elastic ---
+
+
+def test_adams_default_is_far_too_soft_and_a_fitted_power_is_not():
+    force = np.array([100.0, 1e3, 1e4])
+    default = (force / 1e5) ** (1 / 2.2)  # mm, of K = 1e5 N/mm^e and e = 2.2
+    np.testing.assert_allclose(default / law_at(force), [196, 79, 37], rtol=0.01)
+    every = np.geomspace(LOW, HIGH, 400)
+    assert np.abs(2.72e6 * law_at(every) ** 1.219 / every - 1).max() == pytest.approx(
+        0.063, abs=5e-4
+    )
+    values = parameters_of("adams").values
+    assert (values["K"], values["e"]) == pytest.approx((2.72e6, 1.219), rel=3e-3)
+    assert parameters_of("adams").force_error[0] < 0.065
+
+
+def spread(ratio):
+    """The root mean square of the logarithm of a ratio of forces."""
+    return float(np.sqrt(np.mean(np.log(ratio) ** 2)))
+
+
+@pytest.mark.parametrize("code", ["adams", "exudyn"])
+def test_no_power_is_closer_than_the_fitted_one(code):
+    force = np.geomspace(LOW, HIGH, 200)
+    depth = law_at(force) * (1.0 if code == "adams" else 1e-3)
+    best = minimize(
+        lambda p: spread(np.exp(p[0]) * depth ** p[1] / force), (15.0, 1.0),
+        method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-14, "maxiter": 4000},
+    ).x  # fmt: skip
+    names = ("K", "e") if code == "adams" else ("contactStiffness", "contactStiffnessExponent")
+    fitted = [parameters_of(code).values[name] for name in names]
+    assert fitted == pytest.approx([np.exp(best[0]), best[1]], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("code", "name", "factor"),
+    [
+        ("chrono", "kn", 1.0),
+        ("drake", "point_contact_stiffness", 0.5),
+        ("simscape", "stiffness", 1),
+    ],
+)
+def test_no_line_is_closer_than_the_fitted_one(code, name, factor):
+    force = np.geomspace(LOW, HIGH, 200)
+    x = 1e-3 * law_at(force)
+    best = minimize(
+        lambda p: spread(np.exp(p[0]) * x / force), [20.0], method="Nelder-Mead",
+        options={"xatol": 1e-10, "fatol": 1e-14},
+    ).x  # fmt: skip
+    assert factor * parameters_of(code).values[name] == pytest.approx(np.exp(best[0]), rel=1e-6)
+
+
+def impedance(x, d_0, d_width, width, midpoint, power):
+    """MuJoCo's, of one penetration."""
+    s = min(x / width, 1.0)
+    if s <= midpoint:
+        y = s**power / midpoint ** (power - 1)
+    else:
+        y = 1 - (1 - s) ** power / (1 - midpoint) ** (power - 1)
+    return d_0 + y * (d_width - d_0)
+
+
+def test_no_impedance_of_mujoco_is_much_closer_than_the_fitted_one():
+    force = np.geomspace(LOW, HIGH, 60)
+    x = 1e-3 * law_at(force)
+
+    def of(k, *solimp):
+        shares = np.array([impedance(a, *solimp) / solimp[1] for a in x])
+        return spread(k * x * shares**2 / force)
+
+    best = differential_evolution(
+        lambda p: of(np.exp(p[0]), p[1] * 1e-3, 1e-3, x[-1] * np.exp(p[2]), p[3], p[4]),
+        [(18.0, 24.0), (0.1, 1.0), (-3.0, 3.0), (1e-4, 0.9999), (1.0, 8.0)], seed=1, tol=1e-6,
+        maxiter=150,
+    )  # fmt: skip
+    p = parameters_of("mujoco")
+    assert of(-p.mass * p.values["solref"][0], *p.values["solimp"]) < 1.01 * best.fun
+
+
+@EACH
+def test_the_errors_are_those_of_the_codes_force_over_the_range(code):
+    p = parameters_of(code)
+    joint, force = joint_from(PIN), np.geomspace(LOW, HIGH, 2001)
+    depth = law_at(force)
+    ratio = p.force(1e-3 * depth) / force
+    assert p.force_error[0] == pytest.approx(np.abs(ratio - 1).max(), rel=1e-3)
+    assert p.force_error[1] == pytest.approx(np.sqrt(np.mean((ratio - 1) ** 2)), rel=0.02)
+    slope = np.gradient(p.force(1e-3 * depth), depth)
+    ratio = slope / (10.0 * joint.law.stiffness(depth, joint.pair))
+    assert p.stiffness_error[1] == pytest.approx(np.sqrt(np.mean((ratio - 1) ** 2)), rel=0.03)
+    assert p.force([0.0, -1e-6]).tolist() == [0.0, 0.0]
+
+
+# --- damping ---
+
+
+def mm_adams(v, x, K, e, c_max, d_max):
+    ramp = min(x / d_max, 1.0)
+    return max(K * x**e + c_max * ramp * ramp * (3 - 2 * ramp) * v, 0.0)
+
+
+def m_simscape(v, x, stiffness, damping, transition_region_width):
+    ramp = min(x / transition_region_width, 1.0)
+    return max(ramp * ramp * (3 - 2 * ramp) * (stiffness * x + damping * v), 0.0)
+
+
+def bounce(force, mass, speed, time):
+    """Restitution and largest x by another integrator, with short steps; mass as for the force."""
+
+    def apart(_, state):
+        return state[0]
+
+    apart.terminal, apart.direction = True, -1.0
+    run = solve_ivp(
+        lambda _, s: (s[1], -force(s[1], max(s[0], 0.0)) / mass), (0.0, 1e3 * time), (0.0, speed),
+        "DOP853", rtol=1e-10, atol=1e-13 * speed * np.array([time, 1.0]), max_step=time / 50,
+        events=apart,
+    )  # fmt: skip
+    return -run.y[1, -1] / speed, run.y[0].max()
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.9])
+@pytest.mark.parametrize("code", ["adams", "simscape"])
+def test_the_bounce_of_the_typed_formula(code, restitution):
+    p = parameters_of(code, restitution)
+    # Adams in mm, s and N: masses in tonnes.
+    typed, mass, unit = (mm_adams, 5e-4, 1e3) if code == "adams" else (m_simscape, 0.5, 1.0)
+    time = np.sqrt(0.5 / 6.6e8)
+    bounced = [
+        bounce(lambda v, x: typed(v, x, **p.values), mass, unit * factor * p.speed, time)[0]
+        for factor in (1.0, 0.5, 2.0)
+    ]
+    np.testing.assert_allclose(p.restitution, bounced, atol=1e-6)
+    assert bounced[0] == pytest.approx(restitution, abs=1e-6)
+
+
+@pytest.mark.parametrize("restitution", [0.05, 0.5, 0.9, 0.99])
+def test_drakes_bounce_is_the_closed_form_of_its_factor_at_each_speed(restitution):
+    p = parameters_of("drake", restitution)
+    chi = p.values["hunt_crossley_dissipation"] * p.speed
+    assert chi == pytest.approx(float(dissipation.exact_factor(restitution)), rel=1e-5)
+    closed = dissipation.achieved_restitution(chi * np.array([1.0, 0.5, 2.0]))
+    np.testing.assert_allclose(p.restitution, closed, atol=1e-6)
+
+
+@pytest.mark.parametrize("restitution", [0.05, 0.5, 0.9, 0.99])
+def test_chronos_bounce_is_that_of_a_spring_and_a_damper_that_do_not_pull(restitution):
+    p = parameters_of("chrono", restitution)
+    np.testing.assert_allclose(p.restitution, restitution, atol=1e-6)
+    # Schwager and Pöschel, Granular Matter 9 (2007) 465: released where the force vanishes.
+    kn, gn = p.values["kn"], p.values["gn"]
+    decay, natural = gn / 2, np.sqrt(kn / p.mass)
+    if decay < natural:
+        omega = np.sqrt(natural**2 - decay**2)
+        released = np.arctan2(2 * decay * omega, decay**2 - omega**2) / omega
+    else:
+        omega = np.sqrt(decay**2 - natural**2)
+        released = np.log((decay + omega) / (decay - omega)) / omega
+    assert np.exp(-decay * released) == pytest.approx(restitution, abs=1e-6)
+
+
+@EACH
+def test_the_joints_own_restitution_is_matched(code):
+    p, own, time = parameters_of(code), joint_from(PIN), np.sqrt(0.5 / 6.6e8)
+
+    def force(v, x, chi=own.chi):
+        return 10.0 * float(own.law.load(1e3 * x, own.pair)) * (1 + chi * v / p.speed)
+
+    assert p.restitution[0] == pytest.approx(bounce(force, 0.5, p.speed, time)[0], abs=1e-6)
+    # The default speed is that of an impact which rises to the middle of the range.
+    _, deepest = bounce(lambda v, x: force(v, x, 0.0), 0.5, p.speed, time)
+    assert 1e3 * deepest == pytest.approx(float(law_at(np.sqrt(LOW * HIGH))), rel=5e-3)
+    np.testing.assert_allclose(parameters_of(code, 1.0).restitution, 1.0, atol=1e-6)
+
+
+# --- the codes themselves ---
+
+FALL = """
+<mujoco><option timestep="{step}" gravity="0 0 0" integrator="RK4"/><worldbody>
+<geom type="plane" size="1 1 1" condim="1" solref="{solref}" solimp="{solimp}"/>
+<body pos="0 0 .1"><joint type="slide" axis="0 0 1"/>
+<geom type="sphere" size=".1" mass="{mass}" condim="1" solref="{solref}" solimp="{solimp}"/>
+</body></worldbody></mujoco>
+"""
+
+
+@pytest.mark.parametrize("mass", [0.5, 2.0])
+def test_mujocos_own_contact_has_the_force_and_the_bounce(mass):
+    mujoco = require_package("mujoco")
+    p = parameters_of("mujoco", mass=mass)
+    numbers = {name: " ".join(map(repr, value)) for name, value in p.values.items()}
+    step = 4e-7 * np.sqrt(mass)
+    model = mujoco.MjModel.from_xml_string(FALL.format(mass=mass, step=step, **numbers))
+    data = mujoco.MjData(model)
+    for x in (1e-7, 1e-6, 5e-6, 2e-5, 5e-5):
+        for v in (-0.01, 0.0, 0.01):
+            data.qpos[0], data.qvel[0] = -x, -v
+            mujoco.mj_forward(model, data)
+            assert data.qfrc_constraint[0] == pytest.approx(float(p.force(x, v)), rel=1e-8)
+    for factor, wanted in zip((1.0, 0.5, 2.0), p.restitution, strict=True):
+        data.qpos[0], data.qvel[0] = 1e-9, -factor * p.speed
+        while data.qpos[0] <= 1e-9 or data.qvel[0] < 0:
+            mujoco.mj_step(model, data)
+        assert data.qvel[0] / (factor * p.speed) == pytest.approx(wanted, abs=2e-4)
+
+
+@pytest.mark.parametrize("restitution", [0.2, 0.9])
+def test_exudyns_own_contact_has_the_bounce_at_each_speed(restitution):
+    exu = require_package("exudyn")
+    items = require_package("exudyn.itemInterface")
+    p = parameters_of("exudyn", restitution)
+    for factor, wanted in zip((1.0, 0.5, 2.0), p.restitution, strict=True):
+        speed = factor * p.speed
+        system = exu.SystemContainer().AddSystem()
+        node = system.AddNode(items.NodeRigidBody2D(initialVelocities=[speed, 0, 0]))
+        pin = items.ObjectRigidBody2D(mass=0.5, inertia=1e-3, nodeNumber=node)
+        bodies = [system.AddObject(pin), system.AddObject(items.ObjectGround())]
+        markers = [system.AddMarker(items.MarkerBodyRigid(bodyNumber=body)) for body in bodies]
+        data = items.NodeGenericData(numberOfDataCoordinates=4, initialCoordinates=[0.0] * 4)
+        contact = items.ObjectContactSphereSphere(
+            markerNumbers=markers, nodeNumber=system.AddNode(data), isHollowSphere1=True,
+            spheresRadii=[9.95e-3, 10e-3], **p.values,
+        )  # fmt: skip
+        system.AddObject(contact)
+        system.Assemble()
+        settings = exu.SimulationSettings()
+        time = settings.timeIntegration
+        time.endTime = 5e-5 / speed + 1e-3
+        time.numberOfSteps, time.verboseMode = round(time.endTime / 2e-7), 0
+        time.discontinuous.useRecommendedStepSize = False
+        settings.solution.file.write = False
+        system.SolveDynamic(settings, solverType=exu.DynamicSolverType.TrapezoidalIndex2)
+        rate = system.GetNodeOutput(node, exu.OutputVariableType.Coordinates_t)[0]
+        assert -rate / speed == pytest.approx(wanted, abs=1e-5)
+        assert wanted == pytest.approx(restitution, abs=1e-6)
+
+
+# --- the command ---
+
+
+@EACH
+def test_the_command_prints_the_parameters(run, tmp_path, code):
+    command = ("export", "--joint", JOINT, "--to", code, "--range", "100:5000")
+    expected = f"{contact_parameters(read_joint(JOINT), code, 100, 5000)}\n"
+    assert run(*command) == (0, expected, "")
+    lines = expected.splitlines()[: expected.splitlines().index("")]
+    assert all(line.split(" = ")[0].isidentifier() for line in lines)
+    out = tmp_path / "new" / "contact.txt"
+    options = ("--mass", "0.5", "--speed", "0.4", "-o", out)
+    assert run(*command, *options) == (0, f"wrist-pin written to {out}\n", "")
+    at_speed = contact_parameters(read_joint(JOINT), code, 100, 5000, 0.5, 0.4)
+    assert out.read_text(encoding="ascii") == f"{at_speed}\n"
+    assert "at 0.4 m/s of 0.5 kg" in str(at_speed)
+
+
+def test_the_command_warns_of_yield(run, tmp_path):
+    hard = JOINT.read_text(encoding="utf-8").replace(
+        'material = "bronze"', "E = 207.0\nnu = 0.3\nyield_stress = 250.0"
+    )
+    (tmp_path / "steel.toml").write_text(hard, encoding="utf-8")
+    command = ("export", "--joint", tmp_path / "steel.toml", "--to", "adams", "--range")
+    assert run(*command, "100:500")[2] == ""
+    code, _, errors = run(*command, "100:50000")
+    assert (code, "first yield is at" in errors) == (0, True)
+
+
+REFUSALS = {
+    "no range": (("--to", "adams"), "--range: must be the smallest and the largest total force"),
+    "one number": (("--to", "adams", "--range", "100"), "--range = '100': must be the smallest"),
+    "reversed": (("--to", "adams", "--range", "9:1"), "--range = '9:1': is no range of force; gi"),
+    "nothing": (("--to", "drake", "--range", "0:9"), "--range = '0:9': is no range of force; giv"),
+    "not finite": (("--to", "drake", "--range", "1:inf"), "--range = '1:inf': is no range of forc"),
+    "no mass": (("--to", "mujoco", "--range", "1:9", "--mass", "0"), "--mass = 0.0: must be posit"),
+    "no speed": (("--to", "chrono", "--range", "1:9", "--speed", "-1"), "--speed = -1.0: must be"),
+    "source": (("--to", "c", "--range", "1:9"), "--range = '1:9': is for a code's own contact; le"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("arguments", "message"), REFUSALS.values(), ids=REFUSALS)
+def test_the_command_refuses_in_one_line(run, arguments, message):
+    code, out, errors = run("export", "--joint", JOINT, *arguments)
+    assert (code, out, errors.count("\n")) == (2, "", 1)
+    assert message in errors
+
+
+def test_a_joint_and_a_law_that_reaches_are_needed(run):
+    code, _, errors = run("export", "--to", "adams", "--range", "100:5000")
+    assert (code, errors.count("\n")) == (2, 1)
+    assert "export: --joint: is missing for adams; name its file" in errors
+    with pytest.raises(InputError, match=r"goes beyond the law 'johnson', which ends at \d"):
+        contact_parameters(joint_from(changed(PIN, {"law": "johnson"})), "adams", 100, 1e6)
+    with pytest.raises(InputError, match="is not known; choose adams, chrono"):
+        contact_parameters(joint_from(PIN), "odin", 100, 1000)

@@ -1,0 +1,343 @@
+"""The joint in space in other languages: as the library's own, in all kinds of contact."""
+
+import ctypes
+from collections import Counter
+from ctypes import c_double
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from cylcontact import InputError
+from cylcontact.export import export_joint
+from cylcontact.mechanism import SpatialJoint
+from tests.support.export_runners import C_FLAGS, CPP_FLAGS, FORTRAN_FLAGS, compile_with
+from tests.support.fmu_masters import export_fmu, started
+from tests.support.joint_runners import run_octave
+from tests.support.programs import require_package
+from tests.support.spatial_cases import FIXED, body, joint_for, motions, run_library
+
+THRUST = {"play": 0.2, "radius": 12.0, "stiffness": 2e5, "restitution": 0.5}
+KINDS = {
+    "example": {"thrust": THRUST},
+    "ends, in mm": {
+        "pin.ends": [-9.5, 9.0], "edge": {"c": 0.1, "b": 0.5}, "units": "mm", "law": "johnson",
+        "thrust": THRUST,
+        "bearing.yield_stress": 300.0, "pin.yield_stress": 300.0,
+    },
+    "crown and table": {"pin.crown": 0.004, "law": "conformal"},
+}  # fmt: skip
+C = """
+#include "{header}"
+{linkage} void run(int rows, const double *x, double *y);
+void run(int rows, const double *x, double *y)
+{{
+    for (int k = 0; k < rows; k++, x += 30, y += 29) {{
+        {name}_state state = {{{{x[0], x[1], x[2], x[3]}}}};
+        {name}_wrench w;
+        const double *const parts[] = {{w.force_bearing, w.moment_bearing, w.force_pin,
+            w.moment_pin, w.penetration, w.penetration_rate}};
+        const int sizes[] = {{3, 3, 3, 3, 4, 4}};
+        int at = 0;
+        {name}_evaluate(&state, x + 4, x + 17, &w);
+        for (int i = 0; i < 6; i++)
+            for (int j = 0; j < sizes[i]; j++)
+                y[at++] = parts[i][j];
+        y[20] = w.normal_force; y[21] = w.dissipated_power; y[22] = w.elastic_energy;
+        y[23] = w.touched; y[24] = w.flag;
+        {name}_accept(&state, x + 4, x + 17);
+        for (int i = 0; i < 4; i++)
+            y[25 + i] = state.impact_rate[i];
+    }}
+}}
+"""
+FORTRAN = """
+subroutine run(rows, x, y) bind(c)
+    use, intrinsic :: iso_c_binding, only: c_int, c_double
+    use {name}
+    implicit none
+    integer(c_int), value :: rows
+    real(c_double), intent(in) :: x(30, rows)
+    real(c_double), intent(out) :: y(29, rows)
+    type({name}_state) :: state
+    type({name}_wrench) :: w
+    integer :: k
+    do k = 1, rows
+        state%impact_rate = x(:4, k)
+        call {name}_evaluate(state, x(5:17, k), x(18:, k), w)
+        y(:20, k) = [w%force_bearing, w%moment_bearing, w%force_pin, w%moment_pin, &
+            w%penetration, w%penetration_rate]
+        y(21:25, k) = [w%normal_force, w%dissipated_power, w%elastic_energy, w%touched, &
+            real(w%flag, c_double)]
+        call {name}_accept(state, x(5:17, k), x(18:, k))
+        y(26:, k) = state%impact_rate
+    end do
+end subroutine run
+"""
+OCTAVE = """
+1;
+addpath('{folder}'); joint = element();
+id = fopen('{folder}/in', 'r'); x = fread(id, [30, {rows}], 'double'); fclose(id);
+y = zeros(29, {rows});
+for k = 1:{rows}
+    rates = x(1:4, k)'; bearing = x(5:17, k)'; pin = x(18:30, k)';
+    w = joint.evaluate(rates, bearing, pin);
+    y(:, k) = [struct2cell(w){{:}}, joint.accept(rates, bearing, pin)]';
+end
+id = fopen('{folder}/out', 'w'); fwrite(id, y, 'double'); fclose(id);
+"""
+
+
+def write(joint, target, folder):
+    for name, text in export_joint(joint, target, "element").items():
+        (folder / name).write_text(text, encoding="ascii")
+
+
+def run_compiled(joint, rows, folder, target):
+    write(joint, target, folder)
+    name = joint.planar.identifier
+    plus = target == "cpp"
+    driver, library = folder / f"run.{target}", folder / "run.so"
+    text = C.format(
+        header="element.hpp" if plus else "element.h", name=name,
+        linkage='extern "C"' if plus else "",
+    )  # fmt: skip
+    if plus:
+        text = text.replace("extern", f"using namespace cylcontact_{name};\nextern", 1)
+    driver.write_text(text, encoding="ascii")
+    sources = [] if plus else [folder / "element.c"]
+    flags = CPP_FLAGS if plus else C_FLAGS
+    compile_with("g++" if plus else "gcc", *flags, *sources, driver, "-o", library, "-lm")
+    return call(library, rows)
+
+
+def run_fortran(joint, rows, folder, _target):
+    write(joint, "fortran", folder)
+    driver, library = folder / "run.f90", folder / "run.so"
+    driver.write_text(FORTRAN.format(name=joint.planar.identifier), encoding="ascii")
+    flags = (*FORTRAN_FLAGS, f"-J{folder}")
+    compile_with("gfortran", *flags, folder / "element.f90", driver, "-o", library)
+    return call(library, rows)
+
+
+def run_matlab(joint, rows, folder, _target):
+    write(joint, "matlab", folder)
+    rows.tofile(folder / "in")
+    run_octave(OCTAVE.format(folder=folder, rows=len(rows)), folder)
+    return np.fromfile(folder / "out").reshape(-1, 29)
+
+
+def call(library, rows):
+    given, answers = np.ascontiguousarray(rows), np.empty((len(rows), 29))
+    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (given, answers)]
+    ctypes.CDLL(str(library)).run(ctypes.c_int(len(rows)), *pointers)
+    return answers
+
+
+def run_python(joint, rows, _folder, _target):
+    names = {}
+    exec(export_joint(joint, "python", "element")["element.py"], names)
+    answers = []
+    for row in rows.tolist():
+        given = (row[:4], row[4:17], row[17:])
+        wrench = names["evaluate"](*given)
+        answers.append(np.hstack([*map(np.atleast_1d, wrench), names["accept"](*given)]))
+    return np.array(answers)
+
+
+RUNNERS = {
+    "c": run_compiled, "cpp": run_compiled, "fortran": run_fortran, "matlab": run_matlab,
+    "python": run_python,
+}  # fmt: skip
+# Octave takes a few milliseconds for each.
+ROWS = {"matlab": 500}
+
+
+def rows_of(joint, rows, seed=11):
+    rates, pins = motions(joint, rows, seed)
+    return np.hstack([rates, np.tile(FIXED, (rows, 1)), pins])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("target", RUNNERS)
+def test_exports_agree_with_the_library_in_all_kinds_of_contact(target, kind, tmp_path):
+    """To 1e-12 of the peak of each part of the wrench, and of each accepted rate."""
+    joint = joint_for(**KINDS[kind])
+    rows = rows_of(joint, ROWS.get(target, 2000))
+    answers = RUNNERS[target](joint, rows, tmp_path, target)
+    wanted = run_library(joint, rows[:, :4], rows[:, 4:17], rows[:, 17:])
+    touching = wanted[:, 12:16] > 0
+    kinds = {(*map(bool, row[:2]), bool(row[2:].any())) for row in touching}
+    assert len(kinds) >= 4
+    at = 0
+    for size in (3, 3, 3, 3, 4, 4, 1, 1, 1, 1, 1, 4):
+        part, own = answers[:, at : at + size], wanted[:, at : at + size]
+        np.testing.assert_allclose(part, own, rtol=0, atol=1e-12 * np.abs(own).max())
+        at += size
+
+
+@pytest.mark.parametrize("name", ["press", "Work", "law"])
+def test_a_module_is_not_called_as_one_of_its_functions(name):
+    with pytest.raises(InputError, match="is that of a function in the module"):
+        export_joint(joint_for(name=name), "fortran")
+
+
+def test_the_fmu_has_its_numbers_and_gives_those_of_the_library(tmp_path):
+    """At events of random motions, and at the end of a step in which the pin turns and flies."""
+    fmpy = require_package("fmpy")
+    from fmpy.validation import validate_fmu
+
+    joint = joint_for(**KINDS["example"])
+    path = export_fmu(joint, tmp_path)
+    assert not validate_fmu(str(path))
+    description = fmpy.read_model_description(path)
+    count = Counter(v.causality for v in description.modelVariables)
+    assert (count["input"], count["output"], count["local"]) == (26, 25, 4)
+    assert description.numberOfEventIndicators == 4
+    model = started(path, tmp_path / "model", inputs=[*FIXED, *FIXED])
+    state, rows = joint.start(), rows_of(joint, 300)
+    for row in rows:
+        wrench = joint.evaluate(state, row[4:17], row[17:])
+        if np.abs(wrench.penetration).min() < 1e-8:
+            continue
+        state = joint.accept(state, row[4:17], row[17:])
+        wrench = joint.evaluate(state, row[4:17], row[17:])
+        model.setReal(range(26), list(row[4:]))
+        model.newDiscreteStates()
+        answers = np.array(model.getReal(range(26, 54)))
+        wanted = np.hstack([*map(np.atleast_1d, wrench[:-1]), state.impact_rate])
+        np.testing.assert_allclose(answers, wanted, rtol=1e-9, atol=1e-9)
+        assert model.getInteger([0]) == [wrench.flag]
+        indicators = (c_double * 4)()
+        model.getEventIndicators(indicators, 4)
+        np.testing.assert_allclose(list(indicators), wrench.penetration, rtol=0, atol=1e-15)
+    slave = started(path, tmp_path / "slave", "CoSimulation", [*FIXED, *FIXED])
+    pin = rows[0, 17:].copy()
+    pin[10:] *= 100.0
+    slave.setReal(range(26), [*FIXED, *pin])
+    slave.doStep(0.0, 1e-4)
+    later = pin.copy()
+    later[:3] += 1e-4 * pin[7:10]
+    turned = Rotation.from_rotvec(1e-4 * pin[10:]) * Rotation.from_quat(pin[3:7], scalar_first=True)
+    later[3:7] = turned.as_quat(scalar_first=True)
+    state = joint.accept(joint.start(), FIXED, later)
+    wrench = joint.evaluate(state, FIXED, later)
+    answers = slave.getReal(range(38, 46))
+    np.testing.assert_allclose(
+        answers, [*wrench.penetration, *wrench.penetration_rate], rtol=1e-6, atol=1e-9
+    )
+
+
+# kg, kg m², s, -, m/s².
+MASS, INERTIA, STEP, STEPS, GRAVITY = 2.0, np.diag([2e-3, 4e-3, 5e-3]), 2e-6, 2500, 9.81
+LEAF = {"position": [0.06, 0.0, 0.0], "velocity": [0.1, 0.0, 0.0], "spin": [0.5, 3.0, -2.0]}
+
+
+class Fixed:
+    """The joint between the world and a pin's body, and what it has dissipated."""
+
+    def __init__(self, module):
+        self.module, self.rates, self.lost, self.power = module, module.start(), 0.0, 0.0
+
+    def load(self, pin):
+        wrench = self.module.evaluate(self.rates, FIXED.tolist(), pin.tolist())
+        return np.array([*wrench.force_pin, *wrench.moment_pin])
+
+    def accept(self, pin):
+        pin = pin.tolist()
+        self.rates = self.module.accept(self.rates, FIXED.tolist(), pin)
+        wrench = self.module.evaluate(self.rates, FIXED.tolist(), pin)
+        self.lost += 0.5 * STEP * (self.power + wrench.dissipated_power)
+        self.power = wrench.dissipated_power
+        spin = Rotation.from_quat(pin[3:7], scalar_first=True).inv().apply(pin[10:])
+        energy = 0.5 * MASS * np.dot(pin[7:10], pin[7:10]) + 0.5 * spin @ INERTIA @ spin
+        energy += MASS * GRAVITY * pin[2] + wrench.elastic_energy + self.lost
+        return np.array([*pin, *wrench.penetration, energy, wrench.touched, self.lost])
+
+
+def own_run(joint):
+    """Return the motion of a pin's body, its penetrations and its energy, by Runge and Kutta."""
+
+    def slope(y):
+        turn = Rotation.from_quat(y[3:7], scalar_first=True)
+        load, spin = joint.load(y), turn.inv().apply(y[10:])
+        moment = turn.inv().apply(load[3:]) - np.cross(spin, INERTIA @ spin)
+        (w, *v), omega = y[3:7], y[10:]
+        quaternion = 0.5 * np.array([-omega @ v, *(w * omega + np.cross(omega, v))])
+        gain = turn.apply(np.linalg.solve(INERTIA, moment))
+        return np.hstack([y[7:10], quaternion, load[:3] / MASS - [0, 0, GRAVITY], gain])
+
+    y, rows = body(**LEAF), []
+    for _ in range(STEPS):
+        a = slope(y)
+        b = slope(y + 0.5 * STEP * a)
+        c = slope(y + 0.5 * STEP * b)
+        y = y + STEP / 6 * (a + 2 * b + 2 * c + slope(y + STEP * c))
+        rows.append(joint.accept(y))
+    return np.array(rows)
+
+
+def exudyn_run(joint, exu, items):
+    """Return the same of Exudyn."""
+    system = exu.SystemContainer().AddSystem()
+    node = system.AddNode(items.NodeRigidBodyRotVecLG(
+        referenceCoordinates=[*LEAF["position"], 0, 0, 0],
+        initialVelocities=[*LEAF["velocity"], *LEAF["spin"]],
+    ))  # fmt: skip
+    system.AddObject(items.ObjectRigidBody(
+        mass=MASS, inertia=[*np.diag(INERTIA), 0, 0, 0], nodeNumber=node
+    ))  # fmt: skip
+    marker = system.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
+    kinds, rows = exu.OutputVariableType, []
+
+    def pin():
+        wanted = kinds.Position, kinds.RotationMatrix, kinds.Velocity, kinds.AngularVelocity
+        position, rotation, velocity, spin = (system.GetNodeOutput(node, k) for k in wanted)
+        return body(position, Rotation.from_matrix(rotation.reshape(3, 3)), velocity, spin)
+
+    def force(*_):
+        return joint.load(pin())[:3] - [0, 0, MASS * GRAVITY]
+
+    def accept(*_):
+        rows.append(joint.accept(pin()))
+        return True
+
+    system.AddLoad(items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=force))
+    system.AddLoad(items.LoadTorqueVector(
+        markerNumber=marker, loadVectorUserFunction=lambda *_: joint.load(pin())[3:]
+    ))  # fmt: skip
+    system.SetPostStepUserFunction(accept)
+    system.Assemble()
+    settings = exu.SimulationSettings()
+    time = settings.timeIntegration
+    time.numberOfSteps, time.endTime, time.verboseMode = STEPS, STEPS * STEP, 0
+    settings.solution.file.write = False
+    system.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
+    return np.array(rows[1:])  # the first is of the start
+
+
+@pytest.mark.slow
+def test_a_leaf_that_rattles_in_exudyn_moves_as_by_an_own_integration():
+    """By user functions around the exported joint, against Newton and Euler's equations."""
+    exu, items = require_package("exudyn"), require_package("exudyn.itemInterface")
+    changes = {"pin.point": [-60.0, 0.0, 0.0], "thrust": THRUST}
+    module = SimpleNamespace()
+    text = export_joint(joint_for(**changes), "python", "element")["element.py"]
+    exec(text, vars(module))
+    own, theirs = own_run(Fixed(module)), exudyn_run(Fixed(module), exu, items)
+    assert (np.abs(theirs - own) <= 1e-5 * np.abs(own).max(axis=0)).all()
+    depths, energy, lost = theirs[:, 13:17], theirs[:, 17], theirs[-1, 19]
+    assert (depths.max(axis=0) > 0).all()
+    assert np.ptp(energy) < 1e-3 * lost
+
+
+def test_the_command_writes_a_spatial_joint(run, tmp_path):
+    out = tmp_path / "hinge.c"
+    file = Path(__file__).resolve().parents[2] / "datasets/spatial_joint.toml"
+    code, printed, err = run("export", "--joint", file, "--to", "c", "-o", out)
+    assert (code, err) == (0, "")
+    assert printed == f"hinge-pin written to {out}, {out.with_suffix('.h')}\n"
+    texts = export_joint(SpatialJoint.read(file), "c", "hinge")
+    assert {p.name: p.read_text(encoding="ascii") for p in tmp_path.iterdir()} == texts

@@ -1,0 +1,285 @@
+"""Campaign files: what the shipped ones say, where datasets are found, every way to go wrong."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cylcontact import InputError
+from cylcontact.fitting import read_campaign
+from cylcontact.fitting.genetic import CROSSOVERS
+from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.objectives import OBJECTIVES
+from cylcontact.fitting.table_campaign import campaign_of
+from tests.support.spec_files import (
+    CAMPAIGN,
+    DROP,
+    GRID,
+    assert_told,
+    changed,
+    labels,
+    write_bench,
+    write_toml,
+)
+
+ROOT = Path(__file__).resolve().parents[2]
+SHIPPED = sorted((ROOT / "fitting").glob("*.toml"))
+INTERNAL = ("a", "b", "Y_log_scale", "Y_log_exponent", "Y_slope", "Y_offset", "n_exponent")
+
+
+# --- the shipped campaigns --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_every_shipped_campaign_parses(path):
+    campaign = read_campaign(path)
+    assert campaign.name == path.stem
+    assert {p.name for p in campaign.parameters} == set(campaign.model.names)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_published_coefficients_lie_within_the_bounds_of_every_search(path):
+    campaign = read_campaign(path)
+    for parameter in campaign.parameters:
+        if campaign.model.published is not None and parameter.is_free:
+            assert parameter.low < campaign.model.published[parameter.name] < parameter.high
+
+
+# --- what is read -----------------------------------------------------------------------------
+
+
+def test_what_may_be_left_out_has_a_default(tmp_path):
+    left_out = dict.fromkeys(("objective", "seed", "genetic"), DROP)
+    spec = read_campaign(write_bench(tmp_path, left_out)).spec
+    assert (spec.objective, spec.seed) == (OBJECTIVES[0], 20150101)
+    assert (spec.genetic.runs, spec.genetic.populations, spec.genetic.generations) == (
+        *(16, (60, 120)),
+        300,
+    )
+
+
+def test_a_fixed_parameter_keeps_its_value_within_its_bounds(tmp_path):
+    held = {"value": 1.1, "fixed": True}
+    for table in (held, {**held, "low": 1.0, "high": 1.1}):
+        campaign = read_campaign(write_bench(tmp_path, {"parameters.n": table}))
+        assert (campaign.parameters[1].value, campaign.parameters[1].fixed) == (1.1, True)
+
+
+def test_a_parameter_left_out_is_searched_between_the_bounds_of_the_law(tmp_path):
+    n = MODELS["power", "internal"].parameters[1]
+    for left_out in ({"parameters.n": DROP}, {"parameters": DROP}):
+        campaign = read_campaign(write_bench(tmp_path, left_out))
+        assert campaign.parameters[1] == n
+        tables = campaign.settings["campaign"]["parameters"]
+        assert tables["n"] == {"low": n.low, "high": n.high, "fixed": False}
+        assert list(tables) == ["K_star", "n"]
+
+
+def test_runs_and_seed_may_be_given_instead_of_the_files(tmp_path):
+    path = write_bench(tmp_path)
+    campaign = read_campaign(path, runs=5, seed=0)
+    assert (campaign.spec.genetic.runs, campaign.spec.seed) == (5, 0)
+    assert campaign.settings["campaign"]["genetic"]["runs"] == 5
+    assert campaign.settings["campaign"]["seed"] == 0
+    without = write_bench(tmp_path, {"genetic": DROP})
+    assert read_campaign(without, runs=5).spec.genetic.runs == 5
+
+
+@pytest.mark.parametrize("dataset", ["small.toml", "grids/small.toml", "../elsewhere/small.toml"])
+def test_a_dataset_is_found_beside_the_campaign(tmp_path, dataset):
+    write_toml(tmp_path / "fitting" / dataset, GRID)
+    path = write_toml(tmp_path / "fitting/c.toml", changed(CAMPAIGN, {"dataset": dataset}))
+    assert read_campaign(path).grid.size == 96
+
+
+def test_a_dataset_is_found_above_the_campaign_from_wherever_it_is_read(tmp_path, monkeypatch):
+    path = write_bench(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert read_campaign(path.relative_to(tmp_path)).grid.source == "datasets/small.toml"
+    monkeypatch.chdir(path.parent)
+    assert read_campaign(path.name).grid.source == "../datasets/small.toml"
+    monkeypatch.chdir("/")
+    assert read_campaign(path).grid.size == 96
+
+
+def test_the_key_changes_with_whatever_the_result_depends_on(tmp_path):
+    path = write_bench(tmp_path)
+    key = read_campaign(path).key
+    assert read_campaign(path).key == key
+    for changes in (
+        {"seed": 8},
+        {"parameters.n.high": 1.6},
+        {"genetic.generations": 6},
+        {"objective": OBJECTIVES[1]},
+    ):
+        assert read_campaign(write_bench(tmp_path, changes)).key != key
+    path = write_bench(tmp_path)
+    write_toml(tmp_path / "datasets/small.toml", changed(GRID, {"axes.E.points": 2}))
+    assert read_campaign(path).key != key
+
+
+def test_a_campaign_is_redone_from_its_settings(tmp_path):
+    campaign = read_campaign(write_bench(tmp_path))
+    settings = json.loads(json.dumps(campaign.settings))
+    again = campaign_of("small", settings, "r.json")
+    assert again.key == campaign.key
+    assert again.parameters == campaign.parameters
+    assert again.grid.shape == campaign.grid.shape
+
+
+# --- bad input --------------------------------------------------------------------------------
+
+TABLE, INTEGER = "must be a table", "must be an integer"
+EITHER = "give low and high, or value with fixed = true"
+SIZES = "a list of population sizes"
+HELD = {"value": 1.1, "fixed": True}
+
+# What no schema says; tests/cli/test_malformed.py has the rest.
+# Changes to a good campaign; the key, value, rule and remedy of the error.
+BAD_INPUT = [
+    # missing and unknown keys
+    ({"parameters.n.low": DROP}, "parameters.n.low", None, "is required", EITHER),
+    ({"parameters.n.high": DROP}, "parameters.n.high", None, "is required", EITHER),
+    (
+        {"parameters.n.high": DROP, "parameters.n.hgh": 2},
+        *("parameters.n.hgh", 2, "is not a known key", "low, high, value"),
+    ),
+    # wrong types
+    ({"genetic.populations": [8, True]}, "genetic.populations.1", True, INTEGER, SIZES),
+    # values
+    ({"law": "hertz"}, "law", "hertz", "is not a law that can be fitted", "enhanced or"),
+    ({"objective": "rms"}, "objective", "rms", "is not a known objective", OBJECTIVES[0]),
+    *(
+        (
+            {"genetic.populations": sizes},
+            *("genetic.populations", sizes, "sizes from 4 to 100000", "e.g. [60, 120]"),
+        )
+        for sizes in ([], [3], [8, -8], [100_001])
+    ),
+    *(
+        (
+            {"genetic.crossovers": names},
+            *("genetic.crossovers", names, "known crossovers", ", ".join(CROSSOVERS)),
+        )
+        for names in ([], ["blend", "two-points"])
+    ),
+    ({"parameters.n.high": 1}, "parameters.n.low", 1.0, "below high = 1.0", "fixed = true"),
+    ({"parameters.n.high": 0.5}, "parameters.n.low", 1.0, "below high = 0.5", "exchange them"),
+    ({"parameters.n.value": 1.1}, "parameters.n.value", 1.1, "only with fixed = true", EITHER),
+    ({"parameters.n.fixed": True}, "parameters.n.value", None, "is required when", EITHER),
+    *(
+        (
+            {"parameters.n": {**HELD, **bounds}},
+            *("parameters.n.value", 1.1, "lies outside its own bounds", "leave low and high out"),
+        )
+        for bounds in ({"low": 1.2, "high": 2.0}, {"low": 1.2}, {"high": 1.0})
+    ),
+    (
+        {"parameters.n": {**HELD, "low": 2.0, "high": 1.0}},
+        *("parameters.n.low", 2.0, "must be below high = 1.0", "exchange them"),
+    ),
+    (
+        {"parameters": {"K_star": HELD, "n": HELD}},
+        *("parameters", None, "all are fixed", "free at least one"),
+    ),
+    (
+        {"parameters.m": {"low": 1, "high": 2}},
+        *("parameters.m", None, "not a parameter of power for internal", "K_star, n"),
+    ),
+    (
+        {"law": "enhanced"},
+        *("parameters.K_star", None, "not a parameter of enhanced", ", ".join(INTERNAL)),
+    ),
+    *(
+        ({"dataset": name}, "dataset", name, "no such file beside the campaign or above", "e.g.")
+        for name in ("datasets/none.toml", "datasets", "", "x" * 300, "a\0b")
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "value", "rule", "remedy"),
+    BAD_INPUT,
+    ids=labels(BAD_INPUT),
+)
+def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
+    tmp_path, changes, key, value, rule, remedy
+):
+    path = write_bench(tmp_path, changes)
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert_told(caught, path, key, value, rule, remedy)
+
+
+def test_the_places_where_a_dataset_was_looked_for_are_named(tmp_path, monkeypatch):
+    write_bench(tmp_path, {"dataset": "none.toml"})
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=r"\(fitting/none\.toml, none\.toml\)"):
+        read_campaign("fitting/small.toml")
+
+
+@pytest.mark.parametrize(
+    ("values", "limits"), [([0.001, 1.0], [0.001, 1.0]), ([1.0, 10.1], [1.0, 10.1])]
+)
+def test_clearances_that_the_law_is_not_stated_for_are_refused(tmp_path, values, limits):
+    bounds = {"low": 0.1, "high": 1.0}
+    law = {"law": "enhanced", "parameters": dict.fromkeys(INTERNAL, bounds)}
+    path = write_bench(tmp_path, law)
+    read_campaign(path)
+    write_toml(tmp_path / "datasets/small.toml", changed(GRID, {"axes.dR": {"values": values}}))
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    rule = "ΔR (mm) leave the range of the enhanced law for internal contact, 0.005 to 10 mm"
+    assert_told(caught, path, "dataset", limits, rule, "narrow the dR axis of the grid")
+
+
+def test_a_mistake_in_the_grid_names_the_grids_file(tmp_path):
+    path = write_bench(tmp_path)
+    dataset = write_toml(tmp_path / "datasets/small.toml", changed(GRID, {"axes.E.points": 1}))
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert_told(caught, dataset, "axes.E.points", 1, "must be at least 2", "values = [...]")
+
+
+def test_a_grid_is_no_campaign_and_a_campaign_no_grid(tmp_path):
+    write_bench(tmp_path)
+    path = tmp_path / "datasets/small.toml"
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert_told(caught, path, "", None, "is a grid spec, not a campaign", "name a campaign")
+
+
+@pytest.mark.parametrize(("runs", "seed", "key"), [(0, None, "genetic.runs"), (None, -1, "seed")])
+def test_replacements_are_checked_like_the_files_own(tmp_path, runs, seed, key):
+    path = write_bench(tmp_path)
+    with pytest.raises(InputError) as caught:
+        read_campaign(path, runs=runs, seed=seed)
+    assert_told(caught, path, key, runs if seed is None else seed, "must be at least", "integer")
+
+
+@pytest.mark.parametrize(
+    ("changes", "source", "key", "rule"),
+    [
+        ({"campaign": DROP}, "r.json", "settings", "lacks the campaign or the dataset"),
+        ({"dataset": []}, "r.json", "settings", "lacks the campaign or the dataset"),
+        ({"campaign.seed": "1"}, "r.json, settings.campaign", "seed", INTEGER),
+        ({"dataset.axes.E": DROP}, "r.json, settings.dataset", "axes.E", "is required"),
+        ({"campaign.parameters.n": DROP}, "r.json", "parameters.n", "is required"),
+    ],
+)
+def test_settings_that_are_no_campaign_are_refused(tmp_path, changes, source, key, rule):
+    settings = json.loads(json.dumps(read_campaign(write_bench(tmp_path)).settings))
+    with pytest.raises(InputError) as caught:
+        campaign_of("small", changed(settings, changes), "r.json")
+    assert_told(caught, source, key, DROP, rule, caught.value.remedy)
+
+
+def test_a_value_of_several_types_is_named_by_its_own_key(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(
+        'data = "m.csv"\nlaw = "johnson"\ncontact = "internal"\nconstants = {nu = [1]}\n'
+    )
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert_told(caught, path, "constants.nu", [1], "must be a number", "[constants]")
+    assert "more mistake" not in str(caught.value)

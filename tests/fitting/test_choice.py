@@ -1,0 +1,235 @@
+"""Which law describes measurements: the ranking, what it rests on, and when it does not decide."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cylcontact as cc
+from cylcontact import CylinderPair, InputError, laws
+from cylcontact.choices import CHOICE_FILES
+from cylcontact.fitting import choice as choice_module
+from cylcontact.fitting.choice import laws_for
+from tests.support.measured_files import STEEL
+from tests.support.noisy_series import PAIR, readings
+from tests.support.spec_files import tree
+
+FEW = ("explicit", "persson", "johnson", "power")
+OPTIONS = [
+    *("--contact", "internal", "--E", "207000", "--nu", "0.3"),
+    *("--Ri", "10", "--Rj", "9.97", "--length", "20"),
+]
+
+
+@pytest.fixture(scope="module")
+def frame():
+    return readings(1, 1, 30, constant=0.0, proportional=0.01).drop(columns="group")
+
+
+@pytest.fixture(scope="module")
+def choice(frame):
+    return cc.choose(frame, PAIR, laws=FEW)
+
+
+def test_the_law_of_the_data_is_the_best_and_its_equal_cannot_be_told_apart(choice):
+    # From another datum a power law, which has a constant more, follows the readings as well.
+    assert set(choice.undecided) == {"explicit", "persson", "power"}
+    assert list(choice.table["verdict"][choice.table["verdict"] == "worse"].index) == ["johnson"]
+    assert choice.table["aicc"].is_monotonic_increasing
+    assert choice.table["weight"].sum() == pytest.approx(1.0)
+    said = " ".join(str(choice).split())
+    assert "the data cannot tell" in said
+    assert "cannot tell the law from the datum" in said
+
+
+@pytest.mark.slow
+def test_aicc_is_that_of_the_fits(frame, choice):
+    N = len(frame)
+    for law in FEW:
+        fit = cc.fit(frame, law, PAIR, free=["offset", "compliance"])
+        k = fit.uncertainty.estimated
+        aicc = fit.aic + 2 * k * (k + 1) / (N - k - 1)
+        assert choice.table.loc[law, "aicc"] == pytest.approx(aicc, abs=1e-4)
+        assert choice.table.loc[law, "parameters"] == k
+
+
+@pytest.mark.slow
+def test_the_cross_validated_error_is_that_of_refits(frame, choice):
+    """Parts are left out by hand, and predicted by `cylcontact.fit` on the others."""
+    order = np.random.default_rng(20150101).permutation(len(frame))
+    squares = []
+    for part in np.array_split(order, 10):
+        rest = frame.drop(index=frame.index[part])
+        law = cc.fit(rest, "johnson", PAIR, free=["compliance"])
+        predicted = law.predict(frame["load_N_per_mm"].to_numpy()[part])["penetration_mm"]
+        measured = 1e-3 * frame["penetration_um"].to_numpy()[part]
+        squares += list(np.log(predicted.to_numpy() / measured) ** 2)
+    error = np.sqrt(np.mean(squares))
+    assert choice.table.loc["johnson", "cv_error"] == pytest.approx(error, rel=1e-5)
+    assert 0 < choice.table.loc["johnson", "cv_standard_error"] < error
+
+
+def test_a_series_left_out_is_what_is_predicted():
+    series = readings(2, 5, 8, offset=2e-4, gain=0.03)
+    assert cc.choose(series, PAIR, laws=["explicit"]).parts == "5 series"
+    modelled = cc.choose(series, PAIR, laws=["explicit", "johnson"], group="group")
+    assert modelled.parts == "10 parts of the rows"
+    assert modelled.undecided == ["explicit"]
+    # What a series adds is predicted from its other readings: errors are near the scatter alone.
+    assert modelled.table.loc["explicit", "cv_error"] < 1.6
+    assert modelled.table.loc["johnson", "cv_error"] > 1.6
+
+
+@pytest.mark.slow
+def test_a_law_that_ends_before_the_data_is_left_out_with_the_reason():
+    loads = np.geomspace(1e2, 3e4, 24)
+    pair = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
+    depth = laws.Explicit().penetration(loads, pair)
+    wiggle = 1 + 0.01 * np.cos(np.arange(24))
+    data = pd.DataFrame({"load_N_per_mm": loads, "penetration_um": 1e3 * depth * wiggle})
+    choice = cc.choose(data, pair)
+    assert "lies outside the domain" in choice.left_out["hertz-cylinder"]
+    assert "hertz-cylinder" not in choice.table.index
+    assert {*choice.table.index} | {*choice.left_out} == {*laws_for("internal", 1)}
+    with pytest.raises(InputError, match="lies outside the domain"):
+        cc.choose(data, pair, laws=["hertz-cylinder"])
+
+
+PEEK = cc.Material("PEEK", E=3600.0, nu=0.38)
+SOFT = CylinderPair.internal(10.0, 9.97, material=STEEL, material_j=PEEK, length=20.0)
+# Readings counted from another datum than the law's: C·f/(π·E*) more, or to a clamped rim.
+DATUMS = {
+    "more": ("explicit", 0.5, laws.Explicit(), PAIR),
+    "less": ("explicit", -0.5, laws.Explicit(), PAIR),
+    "housing": ("conformal", 0.0, laws.Conformal(datum=laws.Housing(R_o=200.0)), SOFT),
+    "johnson": ("johnson", 0.0, laws.Johnson(), PAIR),
+}
+
+
+def from_datum(datum, seed):
+    """Readings with 1 % of noise, and the names of their law and pair."""
+    name, C, law, pair = DATUMS[datum]
+    load = np.geomspace(3e-3, 1.0, 30) * pair.E_star * pair.dR
+    depth = law.penetration(load, pair) + C * load / (np.pi * pair.E_star)
+    seen = 1e3 * depth * (1 + 0.01 * np.random.default_rng(seed).normal(size=load.size))
+    return name, pair, pd.DataFrame({"load_N_per_mm": load, "penetration_um": seen})
+
+
+@pytest.mark.parametrize(
+    ("datum", "seed"),
+    [
+        ("more", 0),
+        *(
+            pytest.param(datum, seed, marks=pytest.mark.slow)
+            for datum in DATUMS
+            for seed in (0, 1)
+            if (datum, seed) != ("more", 0)
+        ),
+    ],
+)
+def test_another_datum_does_not_make_a_wrong_law_the_best(datum, seed):
+    name, pair, data = from_datum(datum, seed)
+    rivals = [name, "roark-young", "enhanced", "liu"]
+    choice = cc.choose(data, pair, laws=rivals)
+    assert name in choice.undecided
+    assert choice.describes
+    assert "liu" not in choice.undecided
+    if name == "explicit":
+        value, error = choice.table.loc[name, ["compliance", "compliance_error"]]
+        C = DATUMS[datum][1]
+        assert value * np.pi * pair.E_star == pytest.approx(C, abs=4 * error * np.pi * pair.E_star)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("datum", DATUMS)
+def test_of_all_laws_the_right_one_is_not_ruled_out_by_the_datum(datum, seed):
+    name, pair, data = from_datum(datum, seed)
+    assert name in cc.choose(data, pair).undecided
+
+
+def test_none_is_the_best_of_readings_that_no_law_describes():
+    _, pair, data = from_datum("more", 1)
+    load = data["load_N_per_mm"]
+    data["penetration_um"] += 3 * np.clip((load - 150) / 45, 0, 1)  # a seat that settles
+    choice = cc.choose(data, pair, laws=["explicit", "johnson", "power"])
+    said = " ".join(str(choice).split())
+    assert not choice.describes
+    assert choice.undecided == []
+    assert "none of the laws describes these readings" in said
+    assert "describes the data best" not in said
+    assert "! the law does not describe these readings" in " ".join(str(choice.fit()).split())
+
+
+@pytest.mark.slow
+def test_a_law_with_too_many_numbers_for_the_readings_is_not_ranked():
+    _, pair, data = from_datum("more", 1)
+    choice = cc.choose(data[::5], pair, laws=["explicit", "power"])
+    assert [law.law for law in choice.laws] == ["explicit"]
+    assert "6 readings are too few to rank it" in choice.left_out["power"]
+    with pytest.raises(InputError, match="too few to rank it") as caught:
+        cc.choose(data[::6], pair, laws=["explicit", "power"])
+    assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.mark.slow
+def test_a_law_that_cannot_be_cross_validated_sets_nothing_for_the_others(monkeypatch):
+    _, pair, data = from_datum("more", 1)
+    alone = cc.choose(data, pair, laws=["johnson"], noise="both")
+    missed = choice_module._missed
+
+    def failing(problem, *others):
+        values = missed(problem, *others)
+        return values * np.nan if problem.fit.model.law == "explicit" else values
+
+    monkeypatch.setattr(choice_module, "_missed", failing)
+    choice = cc.choose(data, pair, laws=["explicit", "johnson"], noise="both")
+    assert choice.table.loc["johnson", "cv_error"] == alone.table.loc["johnson", "cv_error"]
+    assert "cannot be cross-validated" in choice.left_out["explicit"]
+    with pytest.raises(InputError, match="no law can be ranked"):
+        cc.choose(data, pair, laws=["explicit"], noise="both")
+
+
+@pytest.mark.slow
+def test_the_best_law_is_fitted_with_all_its_starts(frame, choice):
+    fit = cc.fit(frame, "johnson", PAIR, free=["offset", "compliance"])
+    assert choice.fit("johnson").coefficients == fit.coefficients
+    assert len(choice.fit().runs) > 3
+    with pytest.raises(InputError, match="hooke"):
+        choice.fit("hooke")
+
+
+def test_the_command_ranks_and_writes(tmp_path, run, frame):
+    table = tmp_path / "mine.csv"
+    frame.to_csv(table, index=False)
+    code, said, _ = run("choose", table, *OPTIONS, "--law", "explicit", "--law", "johnson")
+    assert code == 0
+    assert "mine: 2 laws fitted to 30 measurements" in said
+    assert "explicit describes the data best" in " ".join(said.split())
+    folder = tmp_path / "results" / "mine"
+    assert sorted(file.name for file in folder.iterdir()) == sorted(CHOICE_FILES)
+    ranked = pd.read_csv(folder / "choice.csv")
+    assert list(ranked["law"]) == ["explicit", "johnson"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((*OPTIONS, "--law", "hooke"), "law = 'hooke': is not a law that can be fitted"),
+        ((*OPTIONS, "--loss", "huber"), "leaves no likelihood to rank laws by"),
+        ((), "--contact: is required for a table"),
+    ],
+)
+def test_a_bad_command_line_is_told_and_leaves_nothing(tmp_path, run, frame, arguments, message):
+    table = tmp_path / "mine.csv"
+    frame.to_csv(table, index=False)
+    before = tree(tmp_path)
+    code, said, errors = run("choose", table, *arguments, "--law", "explicit")
+    assert (code, said, len(errors.splitlines())) == (2, "", 1)
+    assert message in errors
+    assert tree(tmp_path) == before
+
+
+def test_a_campaign_is_not_a_table(run):
+    code, _, errors = run("choose", "fitting/internal.toml")
+    assert code == 2
+    assert "name a table of measurements" in errors

@@ -1,0 +1,229 @@
+"""Beyond one machine: a real Dask cluster gives the local result to the bit, or one clear line."""
+
+import json
+import os
+import signal
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cylcontact import InputError, parallel
+from cylcontact.datasets.sampling import reduce_grid
+from cylcontact.fitting import FitResult, calibrate
+from cylcontact.parallel import Cluster, call, run_calls
+from tests.support.dask_cluster import LoopbackCluster, kill
+from tests.support.spec_files import assert_told, tree, write_bench
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes"),
+]
+AGAIN = "start it again; a command that has --resume goes on"
+
+
+@pytest.fixture(scope="module")
+def loopback(tmp_path_factory):
+    """A scheduler and two workers of two threads each."""
+    with LoopbackCluster(tmp_path_factory.mktemp("dask"), threads=2) as started:
+        yield started
+
+
+@pytest.fixture
+def short_lived(tmp_path):
+    """The same with one thread each, for tests that kill them."""
+    with LoopbackCluster(tmp_path) as started:
+        yield started
+
+
+def bits(result):
+    """The result as it is saved, times and provenance aside."""
+    return json.dumps(result.repeatable())
+
+
+def refuse(value):
+    raise InputError("file", "key", value, "rule", "remedy")
+
+
+# --- the same result --------------------------------------------------------------------------
+
+
+def test_one_process_two_and_a_cluster_agree_to_the_bit(loopback, small_campaign, small_result):
+    assert bits(calibrate(small_campaign, 2)) == bits(small_result)
+    assert bits(calibrate(small_campaign, Cluster(loopback.address))) == bits(small_result)
+
+
+def test_moments_sampled_on_a_cluster_agree_to_the_bit(loopback, small_campaign):
+    grid = replace(small_campaign.grid, load=np.linspace(1.0, 500.0, 70_000))
+    local, counts = reduce_grid(grid, 1)
+    remote, remote_counts = reduce_grid(grid, Cluster(loopback.address))
+    assert counts == remote_counts
+    for name in vars(local):
+        assert getattr(local, name).tobytes() == getattr(remote, name).tobytes()
+
+
+def test_results_come_in_the_order_of_the_calls(loopback):
+    calls = [call(abs, -number) for number in range(20)]
+    assert list(run_calls(calls, Cluster(loopback.address))) == list(range(20))
+    actual = run_calls(calls, Cluster(loopback.address), ordered=False)
+    assert sorted(actual) == list(range(20))
+
+
+def test_no_calls_need_no_workers(loopback):
+    assert list(run_calls([], Cluster(loopback.address))) == []
+
+
+def test_the_work_is_done_over_there_even_by_a_single_worker(tmp_path):
+    with LoopbackCluster(tmp_path, workers=1) as started:
+        where = set(run_calls([call(os.getpid)] * 4, Cluster(started.address)))
+        assert where == {started.workers[0].pid}
+
+
+@pytest.mark.long
+def test_a_worker_killed_on_the_way_changes_nothing(short_lived, small_campaign, small_result):
+    def kill_one(stage, done, _):
+        if (stage, done) == ("searching", 1):
+            kill(short_lived.workers[0])
+
+    actual = calibrate(small_campaign, Cluster(short_lived.address), kill_one)
+    assert short_lived.workers[0].poll() is not None
+    assert short_lived.workers[1].poll() is None
+    assert bits(actual) == bits(small_result)
+
+
+@pytest.mark.long
+def test_a_worker_killed_in_the_middle_of_its_calls_has_them_redone(short_lived):
+    calls = [call(time.sleep, 0.3) for _ in range(6)] + [call(os.getpid)]
+    results = run_calls(calls, Cluster(short_lived.address), ordered=False)
+    next(results)
+    kill(short_lived.workers[0])
+    assert len(list(results)) == 6
+
+
+def test_the_command_line_fits_on_a_cluster(loopback, tmp_path, monkeypatch, run, small_result):
+    write_bench(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    arguments = ("fit", "fitting/small.toml", "--scheduler", loopback.address, "-o", "r.json")
+    assert run(*arguments)[0] == 0
+    assert bits(FitResult.read("r.json")) == bits(small_result)
+
+
+# --- one clear line ---------------------------------------------------------------------------
+
+
+def test_bad_input_found_by_a_worker_comes_back_whole(loopback):
+    with pytest.raises(InputError) as caught:
+        list(run_calls([call(refuse, 1)], Cluster(loopback.address)))
+    assert_told(caught, "file", "key", 1, "rule", "remedy")
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "ftp://x:1"])
+def test_a_scheduler_that_is_not_there(address, monkeypatch):
+    monkeypatch.setattr(parallel, "_CONNECTING", 1)
+    with pytest.raises(InputError) as caught:
+        list(run_calls([call(abs, -1)], Cluster(address)))
+    remedy = "give the address that dask scheduler prints"
+    assert_told(caught, "--scheduler", "", address, "cannot be reached (", remedy)
+
+
+@pytest.mark.long
+def test_a_cluster_without_workers(tmp_path, monkeypatch):
+    monkeypatch.setattr(parallel, "_CONNECTING", 1)
+    with LoopbackCluster(tmp_path, workers=0) as started, pytest.raises(InputError) as caught:
+        list(run_calls([call(abs, -1)], Cluster(started.address)))
+    remedy = f"each with: dask worker {started.address}"
+    assert_told(caught, "--scheduler", "", started.address, "has no workers after 1 s", remedy)
+
+
+def of_another_version(folder, package="cylcontact"):
+    """The environment of a process that finds another version of a package.
+
+    A package's version is what the first of its metadata on the path says.
+    """
+    metadata = folder / f"{package}-0.0.0.dist-info/METADATA"
+    metadata.parent.mkdir()
+    metadata.write_text(f"Name: {package}\nVersion: 0.0.0")
+    return {"PYTHONPATH": os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")])}
+
+
+@pytest.mark.long
+def test_another_version_is_refused_before_any_work(tmp_path):
+    package = "numpy"
+    with LoopbackCluster(tmp_path, workers=0) as started:
+        started.add_worker(of_another_version(tmp_path, package))
+        with pytest.raises(InputError) as caught:
+            list(run_calls([call(abs, -1)], Cluster(started.address)))
+    remedy = "install the same on all machines"
+    assert caught.value.rule.startswith("its worker tcp://127.0.0.1:")
+    assert_told(caught, "--scheduler", "", started.address, f"has {package} 0.0.0, here", remedy)
+
+
+@pytest.mark.long
+def test_calls_that_end_every_worker_they_meet(tmp_path):
+    """Dask gives a call up after some workers; here after the first."""
+    at_once = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
+    with LoopbackCluster(tmp_path, environment=at_once) as started:
+        calls = [call(_end_this_process), *(call(time.sleep, 0.1) for _ in range(5))]
+        with pytest.raises(InputError) as caught:
+            list(run_calls(calls, Cluster(started.address)))
+    assert_told(
+        caught,
+        "--scheduler",
+        "",
+        started.address,
+        "a call ended 1 workers, as if memory ran out",
+        "more memory",
+    )
+
+
+def _end_this_process():
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.long
+def test_a_scheduler_lost_on_the_way_keeps_the_complete_runs(short_lived, small_campaign, tmp_path):
+    kept = tmp_path / "kept.partial"
+
+    def kill_scheduler(stage, done, _):
+        if (stage, done) == ("searching", 1):
+            kill(short_lived.scheduler)
+
+    long = {"runs": 12, "generations": 300}
+    genetic = small_campaign.spec.genetic.model_copy(update=long)
+    campaign = replace(
+        small_campaign, spec=small_campaign.spec.model_copy(update={"genetic": genetic})
+    )
+    with pytest.raises(InputError) as caught:
+        calibrate(campaign, Cluster(short_lived.address), kill_scheduler, kept)
+    assert caught.value.value == short_lived.address
+    assert caught.value.rule.startswith("was lost during the run (")
+    assert caught.value.remedy.startswith(AGAIN)
+    assert len(kept.read_text().splitlines()) >= 2
+    resumed = calibrate(campaign, 2, checkpoint=kept, resume=True)
+    assert len(resumed.runs) == 12
+
+
+@pytest.mark.long
+def test_closing_early_gives_up_the_calls_under_way(loopback):
+    results = run_calls(
+        [call(time.sleep, seconds) for seconds in (0, 20, 20, 20, 20)],
+        Cluster(loopback.address),
+        ordered=False,
+    )
+    next(results)
+    started = time.monotonic()
+    results.close()
+    assert time.monotonic() - started < 15
+
+
+@pytest.mark.long
+def test_jobs_and_a_scheduler_are_one_too_many(tmp_path, monkeypatch, run):
+    write_bench(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    before = tree(tmp_path)
+    code, _, errors = run("fit", "fitting/small.toml", "--jobs", 2, "--scheduler", "tcp://x:9")
+    assert code == 2
+    assert "--jobs is for this machine; leave it out with --scheduler" in errors
+    assert len(errors.splitlines()) == 1
+    assert tree(tmp_path) == before

@@ -1,0 +1,394 @@
+"""What a fit to measurements gives: tables, predictions, laws, pictures and files."""
+
+import pickle
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from scipy import stats
+
+import cylcontact as cc
+from cylcontact import CylinderPair, InputError, laws
+from cylcontact.fitting import FitResult
+from tests.support.measured_files import CONSTANTS, STEEL, USER_LAW
+from tests.support.noisy_series import LAW, PAIR, campaign_of, readings, refitted
+
+EFFECTS = ("offset", "gain")
+RIG = {"free": ["compliance"], "fixed": {"stiffness_factor": 1.1}}
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """Readings of one series with constant scatter, and a linear fit to them."""
+    frame = readings(3, 1, 25, compliance=6e-7).drop(columns="group")
+    return frame, cc.fit(frame, "explicit", PAIR, noise="constant", starts=3, **RIG)
+
+
+@pytest.fixture(scope="module")
+def series():
+    """Readings of five series, and a fit with random effects and both kinds of scatter."""
+    frame = readings(4, 5, offset=1e-4, gain=0.03, proportional=0.004)
+    return frame, cc.fit(frame, "explicit", PAIR, group="group", starts=3)
+
+
+@pytest.fixture(scope="module")
+def pairs():
+    """Relative scatter at two clearances, and the fit to it."""
+    parts, rng = [], np.random.default_rng(6)
+    for dR in (0.03, 0.1):
+        pair = CylinderPair.from_dR("internal", dR, STEEL, R_i=10.0, length=12.0)
+        load = np.geomspace(10.0, 1500.0, 10)
+        depth = LAW.penetration(load, pair) * (1 + 0.01 * rng.normal(size=10))
+        columns = {"dR_um": 1e3 * dR, "load_N_per_mm": load, "penetration_um": 1e3 * depth}
+        parts.append(pd.DataFrame(columns))
+    frame = pd.concat(parts, ignore_index=True)
+    fixed = {"offset": 0.0}
+    return frame, cc.fit(
+        frame, "explicit", contact="internal", constants=CONSTANTS, starts=3, fixed=fixed
+    )
+
+
+def fitted_reading(result, load, pair=PAIR):
+    """What a fitted explicit law of the package reads."""
+    values = result.coefficients
+    law = laws.Explicit({name: values[name] for name in ("c", "A", "B")})
+    depth = law.penetration(np.asarray(load) / values["stiffness_factor"], pair)
+    return depth + values.get("offset", 0.0) + values.get("compliance", 0.0) * np.asarray(load)
+
+
+# --- tables -----------------------------------------------------------------------------------
+
+
+def test_residuals_are_measured_less_fitted(plain):
+    frame, result = plain
+    table = result.residuals
+    load, reading = frame["load_N_per_mm"], 1e-3 * frame["penetration_um"]
+    assert list(table) == [
+        *("line", "load_N_per_mm", "penetration_mm"),
+        *("fitted_mm", "residual_mm", "standardised"),
+    ]
+    assert table["load_N_per_mm"].to_list() == load.to_list()
+    assert table["fitted_mm"].to_numpy() == pytest.approx(fitted_reading(result, load), rel=1e-12)
+    residual = reading - fitted_reading(result, load)
+    assert table["residual_mm"].to_numpy() == pytest.approx(residual, abs=1e-15)
+    sigma = np.sqrt((residual**2).sum() / (len(frame) - 2))
+    assert table["standardised"].to_numpy() == pytest.approx(residual / sigma, rel=1e-8)
+
+
+def test_residuals_of_series_say_what_the_series_adds(series):
+    frame, result = series
+    table, noise = result.residuals, result.uncertainty.noise
+    assert table["group"].to_list() == frame["group"].to_list()
+    own = {effect.name: effect.effects for effect in noise.series}
+    depth = table["fitted_mm"] - result.coefficients["offset"]
+    offset, gain = (table["group"].map({g: e[name] for g, e in own.items()}) for name in EFFECTS)
+    assert table["series_mm"].to_numpy() == pytest.approx(offset + gain * depth, abs=1e-14)
+    # With it the residuals scatter as single readings do, and less than without.
+    left = table["residual_mm"] - table["series_mm"]
+    single = np.hypot(noise.deviations["constant"], noise.deviations["proportional"] * depth)
+    assert 0.7 < (left / single).std() < 1.1
+    assert left.std() < 0.5 * table["residual_mm"].std()
+    assert (table["standardised"] ** 2).mean() == pytest.approx(result.objective.value**2)
+
+
+def test_residuals_of_loads_are_in_their_unit(plain):
+    frame, _ = plain
+    result = cc.fit(frame, "explicit", PAIR, objective="rms-load", starts=2)
+    table = result.residuals
+    assert {"fitted_N_per_mm", "residual_N_per_mm"} <= {*table}
+    law = result.to_law()
+    depth = 1e-3 * frame["penetration_um"].to_numpy() - result.coefficients["offset"]
+    assert table["fitted_N_per_mm"].to_numpy() == pytest.approx(law.load(depth, PAIR), rel=1e-9)
+    residual = frame["load_N_per_mm"] - table["fitted_N_per_mm"]
+    assert table["residual_N_per_mm"].to_numpy() == pytest.approx(residual, abs=1e-9)
+
+
+def test_the_table_of_coefficients_has_their_units_and_intervals(plain):
+    _, result = plain
+    table = result.to_frame()
+    assert list(table) == ["value", "unit", "standard_error", "low", "high", "verdict"]
+    assert table["value"].to_dict() == result.coefficients
+    units = table["unit"]
+    assert (units["offset"], units["compliance"]) == ("mm", "mm/(N/mm)")
+    for name, estimate in result.uncertainty.estimates.items():
+        row = table.loc[name]
+        assert row["standard_error"] == estimate.standard_error
+        # The model is linear: the profile's interval is Student's.
+        reach = stats.t.ppf(0.975, 23) * estimate.standard_error
+        assert row["low"] == pytest.approx(estimate.value - reach, rel=1e-3)
+        assert row["high"] == pytest.approx(estimate.value + reach, rel=1e-3)
+    held = table.loc[["c", "A", "B", "stiffness_factor"]]
+    assert held[["standard_error", "low", "high"]].isna().all(axis=None)
+    assert set(held["verdict"]) == {"fixed"}
+
+
+def test_figures_of_merit_are_those_of_a_normal_distribution(plain):
+    frame, result = plain
+    load, reading = frame["load_N_per_mm"].to_numpy(), 1e-3 * frame["penetration_um"].to_numpy()
+    r = reading - fitted_reading(result, load)
+    log_likelihood = stats.norm.logpdf(r, scale=np.sqrt((r**2).mean())).sum()
+    # Two coefficients and the deviation.
+    assert result.aic == pytest.approx(6 - 2 * log_likelihood, rel=1e-9)
+    assert result.bic == pytest.approx(3 * np.log(25) - 2 * log_likelihood, rel=1e-9)
+    assert result.r_squared == pytest.approx(1 - r.var() / reading.var(), abs=1e-9)
+    X = np.column_stack([np.ones(load.size), load])
+    normal = np.linalg.inv(X.T @ X)
+    expected = normal[0, 1] / np.sqrt(normal[0, 0] * normal[1, 1])
+    assert list(result.correlation) == list(result.correlation.index) == ["offset", "compliance"]
+    assert result.correlation.loc["offset", "compliance"] == pytest.approx(expected, rel=1e-6)
+    assert np.diag(result.correlation) == pytest.approx([1, 1])
+
+
+def test_deviations_and_fixed_effects_count_as_estimated(series):
+    frame, result = series
+    assert result.uncertainty.estimated == 2 + 4
+    assert result.aic == 2 * 6 - 2 * result.uncertainty.log_likelihood
+    few = cc.fit(frame.iloc[:36], "explicit", PAIR, group="group", noise="constant", starts=2)
+    assert not few.uncertainty.noise.random
+    # Two coefficients, a deviation, and two offsets and two gains that sum to zero with a third.
+    assert few.uncertainty.estimated == 2 + 1 + 4
+
+
+# --- predictions ------------------------------------------------------------------------------
+
+
+def test_a_prediction_is_the_law_with_the_textbook_bands(plain):
+    frame, result = plain
+    load = frame["load_N_per_mm"].to_numpy()
+    at = np.array([20.0, 300.0, 2000.0])
+    table = result.predict(at, band=0.9)
+    assert table["load_N_per_mm"].to_list() == at.tolist()
+    assert table["penetration_mm"].to_numpy() == pytest.approx(fitted_reading(result, at))
+    X, new = np.column_stack([np.ones(load.size), load]), np.column_stack([np.ones(3), at])
+    variance = ((new @ np.linalg.inv(X.T @ X)) * new).sum(axis=1)
+    sigma, reach = result.uncertainty.residual_sigma, stats.t.ppf(0.95, 23)
+    for columns, expected in (
+        (("curve_low_mm", "curve_high_mm"), reach * sigma * np.sqrt(variance)),
+        (("low_mm", "high_mm"), reach * sigma * np.sqrt(1 + variance)),
+    ):
+        low, high = (table[column].to_numpy() for column in columns)
+        assert (high - low) / 2 == pytest.approx(expected, rel=1e-6)
+        assert (high + low) / 2 == pytest.approx(table["penetration_mm"].to_numpy(), rel=1e-9)
+
+
+def test_a_prediction_for_a_pair_of_many(pairs):
+    _, result = pairs
+    other = CylinderPair.from_dR("internal", 0.06, STEEL, R_i=10.0, length=12.0)
+    table = result.predict(100.0, pair=other)
+    assert table["penetration_mm"][0] == pytest.approx(fitted_reading(result, 100.0, other))
+    assert table["low_mm"][0] < table["curve_low_mm"][0] < table["penetration_mm"][0]
+    both = result.predict([100.0, 200.0])
+    names, groups = result.optimum.fit.data.groups("pair")
+    assert list(both["pair"]) == [name for name in names for _ in range(2)]
+    second = result.optimum.fit.data.take(np.flatnonzero(groups == 1)[:1]).pair
+    alone = result.predict([100.0, 200.0], pair=second)
+    assert both[both["pair"] == names[1]]["low_mm"].to_list() == alone["low_mm"].to_list()
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0, 95.0, np.nan])
+def test_a_band_has_a_level_between_zero_and_one(plain, level):
+    with pytest.raises(InputError, match=r"band = .*: must lie between 0 and 1; 0\.95 is common"):
+        plain[1].predict([1.0], band=level)
+
+
+def test_a_load_without_a_penetration_is_refused(plain):
+    with pytest.raises(InputError, match="prediction: load"):
+        plain[1].predict([-1.0])
+
+
+SIMULATED = {
+    "one series": (100, {"series": 1, "rows": 15}, {"noise": "constant", "ignore": ["group"]}),
+    "series": (25, {"offset": 1e-4, "gain": 0.03}, {"noise": "constant", "group": "group"}),
+}
+
+
+@pytest.mark.parametrize("kind", SIMULATED)
+@pytest.mark.slow
+def test_the_band_covers_new_readings_as_often_as_it_says(kind):
+    number, simulated, settings = SIMULATED[kind]
+    campaign = campaign_of(readings(0, **simulated), "explicit", PAIR, **settings)
+    load = np.geomspace(10.0, 1500.0, 5)
+    hits = []
+    for seed in range(number):
+        band = refitted(campaign, readings(500 + seed, **simulated)).band(PAIR, 0.95, load=load)
+        new = readings(5000 + seed, **{**simulated, "series": 20, "rows": 5})
+        new = 1e-3 * new["penetration_um"].to_numpy().reshape(20, 5)
+        hits.append((np.array(band.new_low) <= new) & (new <= np.array(band.new_high)))
+    assert np.mean(hits) == pytest.approx(0.95, abs=0.02)
+    # At the least load and at the greatest too.
+    assert np.mean(hits, axis=(0, 1)) == pytest.approx(0.95, abs=0.035)
+
+
+# --- the law ----------------------------------------------------------------------------------
+
+
+def test_the_law_of_a_fit_leaves_the_rig_out(plain):
+    _, result = plain
+    law, load = result.to_law(), np.array([20.0, 700.0])
+    rig = result.coefficients["offset"] + result.coefficients["compliance"] * load
+    expected = fitted_reading(result, load) - rig
+    assert law.penetration(load, PAIR) == pytest.approx(expected, rel=1e-12)
+    assert law.load(expected, PAIR) == pytest.approx(load, rel=1e-9)
+
+
+def test_the_law_of_a_fit_without_a_rig_is_the_law_fitted(pairs):
+    _, result = pairs
+    load = np.array([20.0, 700.0])
+    assert result.to_law().penetration(load, PAIR) == pytest.approx(fitted_reading(result, load))
+
+
+# --- text -------------------------------------------------------------------------------------
+
+
+# --- pictures ---------------------------------------------------------------------------------
+
+
+def points_of(axes):
+    """The lines of an axes that are markers, and those that are curves."""
+    lines = [line for line in axes.lines if line.get_transform() == axes.transData]
+    return (
+        [line for line in lines if line.get_linestyle() == "None"],
+        [line for line in lines if line.get_linestyle() != "None"],
+    )
+
+
+@pytest.fixture
+def two_axes():
+    """Axes to draw in, and others that nothing may be drawn in."""
+    axes, other = Figure().subplots(1, 2)
+    plt.get_backend()  # chosen now, rather than on first use
+    before, settings = plt.get_fignums(), mpl.rcParams.copy()
+    yield axes
+    assert not other.has_data()
+    assert plt.get_fignums() == before
+    assert mpl.rcParams == settings
+
+
+def test_a_plot_shows_the_data_the_law_and_its_band(series, two_axes):
+    frame, result = series
+    assert result.plot(two_axes) is two_axes
+    markers, (curve,) = points_of(two_axes)
+    assert [line.get_label() for line in markers] == ["s0", "s1", "s2", "s3", "s4"]
+    assert len({to_hex(line.get_color()) for line in markers}) == 5
+    for line in markers:
+        own = frame[frame["group"] == line.get_label()]
+        assert line.get_xdata() == pytest.approx(own["load_N_per_mm"].to_numpy())
+        assert line.get_ydata() == pytest.approx(own["penetration_um"].to_numpy(), rel=1e-12)
+    load = curve.get_xdata()
+    assert (load[0], load[-1]) == pytest.approx((10.0, 1500.0))
+    table = result.predict(load)
+    assert curve.get_ydata() == pytest.approx(1e3 * table["penetration_mm"].to_numpy())
+    (band,) = two_axes.collections
+    corners = band.get_paths()[0].vertices
+    drawn = {(round(x, 6), round(y, 9)) for x, y in corners}
+    for column in ("low_mm", "high_mm"):
+        assert {
+            (round(x, 6), round(1e3 * y, 9)) for x, y in zip(load, table[column], strict=True)
+        } <= drawn
+    assert (two_axes.get_xlabel(), two_axes.get_ylabel()) == ("load (N/mm)", "penetration (µm)")
+
+
+def test_a_profile_is_the_distance_in_errors_where_the_law_is_linear(plain, two_axes):
+    _, result = plain
+    assert result.plot_profile("compliance", two_axes) is two_axes
+    _, curves = points_of(two_axes)
+    estimate = result.uncertainty.estimates["compliance"]
+    x, y = curves[0].get_data()
+    assert y == pytest.approx(np.abs(x - estimate.value) / estimate.standard_error, abs=1e-5)
+    levels = [line.get_ydata()[0] for line in two_axes.lines if line.get_linestyle() == ":"]
+    assert levels == [pytest.approx(stats.t.ppf(0.975, 23), rel=1e-9)]
+    ends = [line.get_xdata()[0] for line in two_axes.lines if line.get_linestyle() == "--"]
+    assert ends == [estimate.profile.low, estimate.profile.high, estimate.value]
+    assert two_axes.get_xlabel() == "compliance (mm/(N/mm))"
+
+
+# --- refusals ---------------------------------------------------------------------------------
+
+
+def test_a_coefficient_without_a_profile_is_refused(plain, small_result):
+    for result, known in (
+        (plain[1], "offset, compliance"),
+        (small_result, ", ".join(small_result.profiles)),
+    ):
+        with pytest.raises(InputError) as caught:
+            result.plot_profile("speed")
+        assert str(caught.value) == (
+            f"fit result {result.name!r}: name = 'speed': has no profile: it was not searched, or "
+            f"the data do not determine it; choose {known}"
+        )
+
+
+def test_a_robust_fit_has_no_likelihood(plain):
+    frame, _ = plain
+    result = cc.fit(frame, "explicit", PAIR, loss="huber", starts=2)
+    with pytest.raises(InputError, match="log_likelihood: is for fits to measurements, by least"):
+        _ = result.bic
+
+
+# --- files ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["plain", "series", "pairs"])
+def test_a_file_gives_the_same_tables(name, request, tmp_path):
+    _, result = request.getfixturevalue(name)
+    result.save(tmp_path / "r.json")
+    read = FitResult.read(tmp_path / "r.json")
+    assert read == result
+    exactly = {"rtol": 1e-12, "atol": 1e-15}
+    pd.testing.assert_frame_equal(read.residuals, result.residuals, **exactly)
+    of_pair = {"pair": PAIR}
+    load = [20.0, 300.0]
+    expected = result.predict(load, **of_pair)
+    pd.testing.assert_frame_equal(read.predict(load, **of_pair), expected, **exactly)
+    pd.testing.assert_frame_equal(read.to_frame(), result.to_frame(), check_exact=True)
+    assert (read.aic, read.bic, read.summary()) == (result.aic, result.bic, result.summary())
+
+
+def test_a_result_goes_to_another_process_and_back(series):
+    _, result = series
+    back = pickle.loads(pickle.dumps(result))
+    assert back == result
+    assert back.predict(100.0).equals(result.predict(100.0))
+
+
+def test_a_function_of_ones_own_is_drawn_in_memory_and_not_run_from_a_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.py").write_text(USER_LAW)
+    frame = readings(3, 1, 15, zero=0.0, constant=1e-6).drop(columns="group")
+    bounds = {"K_star": (0.1, 30.0), "n": (0.9, 1.6)}
+    result = cc.fit(frame, "mine:load", PAIR, bounds=bounds, starts=3)
+    values = result.coefficients
+    stiffness = values["K_star"] * PAIR.E_star / PAIR.dR
+    expected = (400.0 / stiffness) ** (1 / values["n"])
+    assert result.predict(400.0)["penetration_mm"][0] == pytest.approx(expected, rel=1e-9)
+    assert result.plot().has_data()
+    assert len(result.residuals) == 15
+    result.save(tmp_path / "r.json")
+    read = FitResult.read(tmp_path / "r.json")
+    for use in (read.plot, read.plot_residuals, lambda: read.predict(400.0)):
+        with pytest.raises(InputError, match="is code of your own, which is not run") as caught:
+            use()
+        assert len(str(caught.value).splitlines()) == 1
+    with pytest.raises(InputError, match="is a Python function of your own"):
+        result.to_law()
+    assert read.summary() == result.summary()
+
+
+def test_a_coefficient_without_effect_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "idle.py").write_text("def load(d, pair, K, idle):\n    return K * d\n")
+    frame = readings(3, 1, 15, zero=0.0, constant=1e-6).drop(columns="group")
+    bounds = {"K": (1e4, 1e7), "idle": (1.0, 2.0)}
+    result = cc.fit(frame, "idle:load", PAIR, bounds=bounds, starts=2)
+    assert result.uncertainty.only_together == ["idle"]
+    assert "! idle has no effect on the fit: fix it with --fix idle=VALUE" in result.summary()
+    with pytest.raises(InputError, match="are not identifiable one by one"):
+        result.predict(100.0)
+    # Without a covariance the curve is drawn alone.
+    axes = result.plot()
+    assert axes.has_data()
+    assert len(axes.collections) == 0

@@ -1,0 +1,823 @@
+"""Fits to measurements: every law gives its own coefficients back, and every way to go wrong."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cylcontact as cc
+from cylcontact import CylinderPair, InputError, laws
+from cylcontact.fitting import DataFit, FitResult, compare
+from cylcontact.fitting.comparison import verify
+from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.measured import LOSSES, Loss
+from cylcontact.fitting.study import study_noise
+from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
+from cylcontact.fitting.table_fit import fit, fit_table
+from cylcontact.laws.adapters import RigCompliance, ScaledLaw
+from cylcontact.laws.logarithmic import adjusted_logarithmic
+from tests.support.measured_files import (
+    CONSTANTS,
+    LOADS,
+    STEEL,
+    TRUTHS,
+    USER_LAW,
+    all_free,
+    measured_campaign,
+    user_campaign,
+    whole_truth,
+    write_measured,
+    write_table,
+)
+from tests.support.spec_files import assert_told, changed, tree, write_toml
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "fitting/examples/pin-in-hole.toml"
+SPEC = {"data": "measured.csv", "contact": "internal", "law": "johnson", "constants": CONSTANTS}
+
+
+# --- recovery ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("law", "contact"), TRUTHS, ids=lambda word: word)
+def test_exact_points_of_a_law_give_its_coefficients_back(tmp_path, law, contact):
+    result = fit_table(measured_campaign(tmp_path, law, contact, starts=4))
+    truth = whole_truth(law, contact, result.coefficients)
+    assert result.coefficients == pytest.approx(truth, rel=1e-6)
+    free = {p.name for p in MODELS[law, contact].parameters if p.value is None}
+    assert result.uncertainty.estimates.keys() == free
+    assert result.objective.value < 1e-9
+    assert "no noise to estimate" in result.verdicts[0]
+
+
+@pytest.mark.slow
+def test_the_enhanced_internal_law_comes_back_from_many_clearances(tmp_path):
+    # Seven coefficients of two branches need clearances on both sides of the switch.
+    truth = {p.name: p.nominal for p in MODELS["enhanced", "internal"].parameters}
+    law = MODELS["enhanced", "internal"].build(truth)
+    lines = ["dR_mm,load_N_per_mm,penetration_mm"]
+    for dR in np.geomspace(0.006, 5.0, 25).tolist():
+        pair = CylinderPair.from_dR("internal", dR, STEEL)
+        depth = law.penetration(LOADS, pair)
+        points = zip(LOADS.tolist(), depth.tolist(), strict=True)
+        lines += [f"{dR!r},{f!r},{d!r}" for f, d in points]
+    table = tmp_path / "measured.csv"
+    table.write_text("\n".join(lines))
+    constants = {"E_GPa": 207.0, "nu": 0.3}
+    searched = all_free("enhanced", "internal")
+    campaign = campaign_of_table(table, "enhanced", "internal", constants, **searched, starts=40)
+    unnamed = tuple(replace(p, nominal=None) for p in campaign.parameters)
+    result = fit_table(replace(campaign, parameters=unnamed))  # no start at the truth
+    assert result.coefficients == pytest.approx(
+        truth | {"stiffness_factor": 1.0, "offset": 0.0}, rel=1e-6
+    )
+
+
+@pytest.mark.parametrize(
+    "objective", ["rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load"]
+)
+def test_every_objective_finds_the_same_exact_law(tmp_path, objective):
+    campaign = measured_campaign(tmp_path, objective=objective, starts=3)
+    result = fit_table(campaign)
+    assert result.objective.name == objective
+    truth = whole_truth("johnson", "internal", ["offset"])
+    assert result.coefficients == pytest.approx(truth, rel=1e-6)
+
+
+def test_a_parameter_is_held_or_bounded_as_the_campaign_says(tmp_path):
+    held = {"kappa": {"value": 1.1, "fixed": True}, "c": {"low": -2.0, "high": -0.9}}
+    result = fit_table(measured_campaign(tmp_path, starts=3, parameters=held))
+    assert result.coefficients["kappa"] == 1.1
+    assert result.coefficients["c"] == pytest.approx(-0.9)
+    assert result.uncertainty.estimates.keys() == {"c"}
+
+
+def test_the_result_does_not_depend_on_workers_or_on_the_search(tmp_path):
+    campaign = measured_campaign(tmp_path, noise=0.02, starts=3)
+    one, two = fit_table(campaign, 1), fit_table(campaign, 2)
+    assert one.repeatable() == two.repeatable()
+    genetic = {"runs": 2, "populations": [20], "generations": 20}
+    other = fit_table(measured_campaign(tmp_path, noise=0.02, optimizer="genetic", genetic=genetic))
+    assert other.coefficients == pytest.approx(one.coefficients, rel=1e-5)
+    assert other.runs[0].population == 20
+
+
+def test_a_robust_loss_lessens_the_pull_of_outliers(tmp_path):
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.01)
+    lines = table.read_text().splitlines()
+    for k in (1, 2, 3):
+        start, value = lines[k].rsplit(",", 1)
+        lines[k] = f"{start},{2 * float(value)!r}"
+    table.write_text("\n".join(lines))
+    truth = TRUTHS["johnson", "internal"]["kappa"]
+    errors = {}
+    for loss in LOSSES:
+        settings = {**all_free("johnson", "internal"), "loss": loss, "starts": 3}
+        result = fit_table(campaign_of_table(table, "johnson", "internal", CONSTANTS, **settings))
+        errors[loss] = abs(result.coefficients["kappa"] - truth)
+        outliers = result.uncertainty.outliers
+        assert {row.line for row in outliers if row.deviations > 3.5} >= {2, 3, 4}
+        assert any("lines 2 (+" in sentence for sentence in result.warnings)
+    assert all(errors[loss] < 0.5 * errors["linear"] for loss in LOSSES if loss != "linear")
+
+
+@pytest.mark.parametrize("name", LOSSES)
+def test_losses_are_scipys(name):
+    from scipy.optimize import least_squares
+
+    r = np.array([-7.0, -1.0, -0.2, 0.0, 0.3, 1.0, 2.0, 50.0])
+    actual = least_squares(lambda _: r, [0.0], loss=name, f_scale=1.5, max_nfev=1)
+    assert 0.5 * (Loss(name, 1.5).residual(r) ** 2).sum() == pytest.approx(actual.cost)
+    step = 1e-6
+    loss = Loss(name, 1.5)
+    slope = (loss.residual(r + step) ** 2 - loss.residual(r - step) ** 2) / (4 * step)
+    assert loss.psi(r) == pytest.approx(slope, abs=1e-6)
+
+
+def test_weights_count_like_repeated_rows(tmp_path):
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.02)
+    header, *rows = table.read_text().splitlines()
+    repeated = tmp_path / "repeated.csv"
+    repeated.write_text("\n".join([header, *rows, *rows[:5]]))
+    weighted = tmp_path / "weighted.csv"
+    text = [f"{header},weight", *(f"{row},{2 if k < 5 else 1}" for k, row in enumerate(rows))]
+    weighted.write_text("\n".join(text))
+    actual = [
+        fit_table(campaign_of_table(path, "johnson", "internal", CONSTANTS, starts=2))
+        for path in (repeated, weighted)
+    ]
+    assert actual[1].coefficients == pytest.approx(actual[0].coefficients, rel=1e-6)
+    assert len(actual[0].uncertainty.duplicates) == 5
+    assert any("identical rows" in sentence for sentence in actual[0].verdicts)
+
+
+# --- what is free if nothing is said ----------------------------------------------------------
+
+# The parameter of stiffness of each family; the other laws get a factor of the load.
+STIFFNESS = {
+    "persson": "modulus_factor",
+    "liu": "modulus_factor",
+    "winkler": "depth",
+    "lankarani-nikravesh": "factor",
+    "enhanced": "stiffness_factor",
+    "explicit": "stiffness_factor",
+    "explicit-pair": "stiffness_factor",
+    "parametric": "stiffness_factor",
+}
+
+
+def default_campaign(folder, law, contact, **settings):
+    table = write_measured(folder / "measured.csv", law, contact)
+    return campaign_of_table(table, law, contact, CONSTANTS, **settings)
+
+
+@pytest.mark.parametrize(("law", "contact"), TRUTHS, ids=lambda word: word)
+def test_stiffness_and_offset_are_free_and_the_shape_is_held(tmp_path, law, contact):
+    campaign = default_campaign(tmp_path, law, contact)
+    free = {p.name for p in campaign.parameters if p.is_free}
+    own = MODELS[law, contact].parameters
+    if law.startswith("power"):
+        assert free == {p.name for p in own if p.value is None}
+        return
+    assert free == {STIFFNESS.get(law, "kappa"), "offset"}
+    held = {p.name: p.value for p in campaign.parameters if not p.is_free}
+    assert held == {p.name: p.nominal for p in own if p.name not in free}
+
+
+@pytest.mark.parametrize("law", ["johnson", "explicit", "persson", "lankarani-nikravesh"])
+def test_stiffness_and_offset_come_back_from_exact_readings(tmp_path, law):
+    # Readings of the law as it stands at a share of the load, from 2 µm before first touch.
+    share, offset = 1.25, -2e-3
+    lines = ["dR_um,load_N_per_mm,penetration_um"]
+    for dR in (0.05, 0.3):
+        pair = CylinderPair.from_dR("internal", dR, STEEL, length=12.0, R_i=10.0)
+        depth = 1e3 * (laws.LAWS[law]().penetration(LOADS / share, pair) + offset)
+        points = zip(LOADS.tolist(), depth.tolist(), strict=True)
+        lines += [f"{1e3 * dR!r},{f!r},{d!r}" for f, d in points]
+    table = tmp_path / "t.csv"
+    table.write_text("\n".join(lines))
+    fixed = {} if law in ("explicit", "lankarani-nikravesh") else {STIFFNESS.get(law, "kappa"): 1.0}
+    free = ["stiffness_factor"] if fixed else []
+    result = fit(
+        table,
+        law,
+        contact="internal",
+        constants=CONSTANTS,
+        fixed=fixed,
+        free=free,
+        noise="constant",
+        starts=4,
+    )
+    factor = "factor" if law == "lankarani-nikravesh" else "stiffness_factor"
+    assert result.coefficients[factor] == pytest.approx(share, rel=1e-6)
+    assert result.coefficients["offset"] == pytest.approx(offset, rel=1e-6)
+    assert result.uncertainty.estimates.keys() == {factor, "offset"}
+    # The law of the contact is without the offset of its readings.
+    assert result.to_law().penetration(LOADS, pair) == pytest.approx(
+        laws.LAWS[law]().penetration(LOADS / share, pair), rel=1e-6
+    )
+
+
+def test_an_offset_is_searched_over_twice_the_largest_reading(tmp_path):
+    columns = {"load_N_per_mm": [1, 2, 3], "penetration_um": [-3.0, 1.0, 2.0]}
+    table = write_table(tmp_path / "t.csv", columns)
+    constants = {**CONSTANTS, "dR_um": 50}
+    campaign = campaign_of_table(table, "johnson", "internal", constants, noise="constant")
+    (offset,) = (p for p in campaign.parameters if p.name == "offset")
+    assert (offset.low, offset.high) == (-6e-3, 6e-3)
+
+
+def test_a_held_constant_is_freed_with_its_default_bounds(tmp_path):
+    campaign = default_campaign(tmp_path, "johnson", "internal", free=["c", "compliance"])
+    free = {p.name: (p.low, p.high) for p in campaign.parameters if p.is_free}
+    assert free.keys() == {"kappa", "c", "offset", "compliance"}
+    (default,) = (p for p in MODELS["johnson", "internal"].parameters if p.name == "c")
+    assert free["c"] == (default.low, default.high)
+
+
+@pytest.mark.parametrize(
+    ("settings", "rule", "remedy"),
+    [
+        (
+            {"free": ["d"]},
+            "is not a parameter of johnson for internal contact",
+            "its parameters: kappa, c, Lambda_factor, stiffness_factor, offset, compliance",
+        ),
+        (
+            {"free": ["c"], "parameters": {"c": {"low": -2.0, "high": 0.0}}},
+            "is bounded, fixed or tied as well",
+            "keep one of them",
+        ),
+    ],
+)
+def test_what_cannot_be_freed_is_told(tmp_path, settings, rule, remedy):
+    with pytest.raises(InputError) as caught:
+        default_campaign(tmp_path, "johnson", "internal", **settings)
+    (name,) = settings["free"]
+    assert_told(caught, tmp_path / "measured.csv", "free", name, rule, remedy)
+
+
+# --- laws -------------------------------------------------------------------------------------
+
+
+def test_a_scaled_law_answers_consistently(pair):
+    law = ScaledLaw(laws.Johnson(), load_factor=2.0, penetration_factor=3.0)
+    delta = law.penetration(150.0, pair)
+    assert law.load(delta, pair) == pytest.approx(150.0)
+    step = 1e-7
+    slope = (law.load(delta + step, pair) - law.load(delta - step, pair)) / (2 * step)
+    assert law.stiffness(delta, pair) == pytest.approx(slope, rel=1e-6)
+    assert law.load(law.max_penetration(pair), pair) == pytest.approx(law.max_load(pair))
+    assert law.name == "johnson"
+    with pytest.raises(InputError, match="load_factor = 0"):
+        ScaledLaw(laws.Johnson(), load_factor=0)
+
+
+def test_an_adjusted_logarithmic_law_is_the_formula(pair):
+    kappa, c, factor, f = 1.3, -0.4, 2.5, 80.0
+    law = adjusted_logarithmic(laws.Goldsmith(), kappa, c, factor)
+    reach = factor * np.pi * pair.R
+    expected = kappa * f / (np.pi * pair.E_star) * (np.log(reach * pair.E_star / f) + c)
+    assert law.penetration(f, pair) == pytest.approx(expected, rel=1e-13)
+
+
+# --- a law of the user's own ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("objective", [None, "rms-log-penetration"])
+def test_a_function_of_ones_own_is_fitted_like_a_law(tmp_path, objective):
+    campaign = user_campaign(tmp_path, objective=objective)
+    assert campaign.spec.objective == (objective or "rms-log-load")
+    result = fit_table(campaign, jobs=2)
+    truth = {**TRUTHS["power", "internal"], "offset": 0.0}
+    assert result.coefficients == pytest.approx(truth, rel=1e-6)
+    law = campaign.model.build(truth)
+    pair = CylinderPair.from_dR("internal", 0.3, STEEL)
+    power = MODELS["power", "internal"].build(TRUTHS["power", "internal"])
+    assert law.penetration(LOADS, pair) == pytest.approx(power.penetration(LOADS, pair), rel=1e-12)
+    assert law.stiffness(1e-3, pair) == pytest.approx(power.stiffness(1e-3, pair), rel=1e-8)
+    assert law.load(-1.0, pair) == 0
+    assert law.penetration(0.0, pair) == 0
+    assert np.isinf(law.max_load(pair))
+    assert np.isinf(law.max_penetration(pair))
+
+
+@pytest.mark.parametrize(
+    ("law", "key", "rule"),
+    [
+        ("mine:nothing", "law", "is not a function of mine"),
+        ("mine:table", "law", "is not a function of mine"),
+        ("absent_module:load", "law", "cannot be imported (ModuleNotFoundError"),
+        ("bad:load", "law", "cannot be imported (SyntaxError"),
+        (":load", "law", "cannot be imported"),
+        ("mine:starred", "law", "must take a penetration, a pair and named constants"),
+        ("builtins:max", "law", "has no signature to read"),
+        ("mine:short", "law", "has no constant to fit"),
+        ("mine:worded", "law", "has a default for kind that is not a number"),
+        ("mine:flat", "load", "returns an array of another shape"),
+        ("mine:broken", "load", "stopped with RuntimeError: no such thing"),
+    ],
+)
+def test_what_is_wrong_with_a_function_is_told(tmp_path, law, key, rule):
+    bounds = {"K": {"low": 0.5, "high": 10.0}}
+    with pytest.raises(InputError) as caught:
+        fit_table(user_campaign(tmp_path, law, parameters=bounds))
+    assert caught.value.key == key
+    assert rule in caught.value.rule
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_parameter_of_ones_own_law_needs_bounds(tmp_path):
+    with pytest.raises(InputError, match=r"parameters\.n: is required: a law of your own"):
+        user_campaign(tmp_path, parameters={"K_star": {"low": 0.5, "high": 10.0}})
+
+
+def test_nothing_is_imported_because_a_result_names_it(tmp_path):
+    result = fit_table(user_campaign(tmp_path))
+    path = tmp_path / "r.json"
+    result.save(path)
+    marker = tmp_path / "ran"
+    (tmp_path / "mine.py").write_text(f"open({str(marker)!r}, 'w')\n{USER_LAW}")
+    again = FitResult.read(path)
+    assert "mine:load" in compare([again])
+    with pytest.raises(InputError, match="not run because a result names it"):
+        verify(path, 1, lambda *_: None)
+    assert not marker.exists()
+
+
+# --- what the result holds --------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def example():
+    return fit_table(read_campaign(EXAMPLE))
+
+
+def test_the_shipped_example_is_what_its_script_writes():
+    import runpy
+
+    script = ROOT / "datasets/examples/make_pin_in_hole.py"
+    text = runpy.run_path(str(script))["table"]()
+    assert text == (ROOT / "datasets/examples/pin-in-hole.csv").read_text(encoding="utf-8")
+    assert text.startswith("# SYNTHETIC, derived")
+
+
+def test_the_shipped_example_finds_the_law_it_was_made_of(example):
+    assert isinstance(example, DataFit)
+    actual = example.uncertainty
+    for name, truth in (("kappa", 1.0), ("c", -1.0)):
+        assert actual.estimates[name].profile.low < truth < actual.estimates[name].profile.high
+    assert actual.duplicates == [[16, 17]]
+    assert [row.line for row in actual.outliers] == [38]
+    assert actual.residual_sigma == pytest.approx(0.03, rel=0.3)
+    text = str(example)
+    for part in ("61 measurements", "95 % interval", "lines 16 = 17", "E derived", "robust loss"):
+        assert part in text
+    assert "<table>" in example._repr_html_()
+    assert "fitted to a reference" not in text
+
+
+def test_a_result_is_saved_loaded_compared_and_verified(tmp_path, example):
+    path = tmp_path / "r.json"
+    example.save(path)
+    again = FitResult.read(path)
+    assert again == example
+    assert "published" in compare([again])
+    assert all(check.holds for check in verify(path, 1, lambda *_: None))
+    kept = json.loads(path.read_text("utf-8"))
+    assert len(kept["settings"]["measurements"]["numbers"]["load"]) == 61
+    assert str(ROOT) not in path.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "rule"),
+    [
+        ({"uncertainty": None}, "uncertainty", "must be a table"),
+        ({"settings.measurements.numbers.load": [1.0, 2.0]}, "numbers.load", "1 or 61 rows"),
+        ({"settings.measurements.numbers.load": "x"}, "numbers.load", "must be a list"),
+        ({"settings.measurements.colour": 1}, "colour", "is not a known key"),
+        ({"settings.campaign.law": "hooke"}, "law", "is not a law that can be fitted"),
+        ({"uncertainty.level": "high"}, "uncertainty.level", "must be a number"),
+        ({}, "uncertainty.estimates", "must be those of coefficients"),  # an estimate of m
+    ],
+)
+def test_a_damaged_result_is_told(tmp_path, example, changes, key, rule):
+    path = tmp_path / "r.json"
+    example.save(path)
+    data = changed(json.loads(path.read_text("utf-8")), changes)
+    if not changes:
+        data["uncertainty"]["estimates"]["m"] = data["uncertainty"]["estimates"]["c"]
+    path.write_text(json.dumps(data))
+    with pytest.raises(InputError) as caught:
+        FitResult.read(path)
+    assert caught.value.key == key
+    assert rule in caught.value.rule
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"uncertainty.estimates": {}, "uncertainty.correlation": {}},  # nothing may be free
+        {"settings.measurements.numbers.load": [1.0]},  # a column of one row is a constant
+    ],
+)
+def test_a_result_may_lack_what_it_needs_not_have(tmp_path, example, changes):
+    example.save(tmp_path / "r.json")
+    data = changed(json.loads((tmp_path / "r.json").read_text("utf-8")), changes)
+    (tmp_path / "r.json").write_text(json.dumps(data))
+    assert FitResult.read(tmp_path / "r.json").coefficients == example.coefficients
+
+
+# --- campaign files ---------------------------------------------------------------------------
+
+
+def write_campaign(folder, **changes):
+    write_measured(folder / "measured.csv", "johnson", "internal", noise=0.01)
+    return write_toml(folder / "c.toml", changed(SPEC, changes))
+
+
+BAD_CAMPAIGNS = [
+    ({"dataset": "x.toml"}, "data", "conflicts with dataset"),
+    ({"data": "absent.csv"}, "data", "no such file beside the campaign"),
+    ({"law": "hooke"}, "law", "is not a law that can be fitted"),
+    ({"law": "liu", "contact": "external"}, "law", "is for internal contact only"),
+    ({"loss": "l7"}, "loss", "is not a known loss"),
+    ({"loss_scale": 1.0}, "loss_scale", "is used only with a robust loss"),
+    ({"loss": "huber", "loss_scale": 0.0}, "loss_scale", "must be greater than 0"),
+    ({"optimizer": "luck"}, "optimizer", "is not a known optimiser"),
+    ({"starts": 0}, "starts", "must be at least 1"),
+    ({"objective": "rms-luck"}, "objective", "is not an objective for measurements"),
+    ({"materials": "absent.csv"}, "materials", "no such file"),
+    ({"parameters": {"K": {"low": 0.0, "high": 1.0}}}, "parameters.K", "is not a parameter of"),
+    (
+        {"parameters": {n: {"value": 1.0, "fixed": True} for n in ("kappa", "offset")}},
+        "parameters",
+        "all are fixed",
+    ),
+    ({"ignore": ["colour"]}, "ignore", "is not a column of the table"),
+]
+
+
+@pytest.mark.parametrize(("changes", "key", "rule"), BAD_CAMPAIGNS, ids=lambda c: str(c)[:40])
+def test_a_bad_campaign_is_told(tmp_path, changes, key, rule):
+    path = write_campaign(tmp_path, **changes)
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert caught.value.key == key
+    assert rule in caught.value.rule
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_too_few_rows_are_refused(tmp_path):
+    table = write_table(tmp_path / "t.csv", {"load_N_per_mm": [1, 2], "penetration_um": [1, 2]})
+    with pytest.raises(InputError) as caught:
+        campaign_of_table(table, "johnson", "internal", {**CONSTANTS, "dR_um": 50})
+    assert_told(caught, table, "data", "2 rows", "are not more than the 2 free", "measure more")
+
+
+def test_rows_that_no_coefficients_reach_are_named(tmp_path):
+    columns = {"load_N_per_mm": [1, 2, 1e9], "penetration_um": [0.01, 0.02, 0.5]}
+    table = write_table(tmp_path / "t.csv", columns)
+    bounds = {"kappa": {"low": 0.9, "high": 1.1}, "c": {"low": -1.5, "high": -0.5}}
+    bounds["offset"] = {"value": 0.0, "fixed": True}
+    campaign = campaign_of_table(
+        table, "johnson", "internal", {**CONSTANTS, "dR_um": 50}, parameters=bounds
+    )
+    with pytest.raises(InputError) as caught:
+        fit_table(campaign)
+    assert caught.value.source == f"{table}, line 4"
+    assert "lies outside the domain of johnson" in caught.value.rule
+
+
+# --- the command line -------------------------------------------------------------------------
+
+
+def test_a_table_is_fitted_from_the_command_line(tmp_path, run):
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.01)
+    out = tmp_path / "out" / "mine.json"
+    code, said, errors = run(
+        *("fit", table, "--law", "johnson", "--contact", "internal", "--E", 207e3, "--nu", 0.3),
+        *("--Ri", 10, "--length", 12, "--bound", "c=-2:0", "--fix", "Lambda_factor=1"),
+        *("--runs", 2, "--seed", 3, "-j", 1, "-o", out),
+    )
+    assert (code, errors) == (0, "")
+    result = FitResult.read(out)
+    assert result.settings["campaign"]["seed"] == 3
+    searched = {"low": -2.0, "high": 0.0, "fixed": False}
+    assert result.settings["campaign"]["parameters"]["c"] == searched
+    assert len(result.runs) == 2
+    assert "36 measurements" in said
+
+
+JOHNSON = ("--law", "johnson", "--contact", "internal")
+
+
+@pytest.mark.parametrize("given", [(), ("-o", "elsewhere/fit")])
+def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, given):
+    monkeypatch.chdir(tmp_path)
+    table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
+    options = ("--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--free", "c", "--fix", "offset=0")
+    code, said, errors = run("fit", table, *JOHNSON, *options, "--runs", 2, "-j", 1, *given)
+    assert (code, errors) == (0, "")
+    folder = tmp_path / (given[1] if given else "results/mine")
+    assert "result.json, residuals.csv, fit.png, fit.pdf" in said
+    assert {path.name for path in folder.iterdir()} == {
+        *("result.json", "residuals.csv", "fit.png", "fit.pdf")
+    }
+    result = FitResult.read(folder / "result.json")
+    assert result.uncertainty.estimates.keys() == {"kappa", "c"}
+    rows = pd.read_csv(folder / "residuals.csv")
+    # The measured less the fitted values, from the table and the law anew.
+    read = pd.read_csv(table)
+    depth = np.concatenate(
+        [
+            result.to_law().penetration(part["load_N_per_mm"].to_numpy(), pair)
+            for dR, part in read.groupby("dR_um")
+            for pair in [CylinderPair.from_dR("internal", dR / 1e3, STEEL, length=12.0, R_i=10.0)]
+        ]
+    )
+    assert rows["line"].tolist() == list(range(2, 38))
+    expected = read["penetration_um"].to_numpy() / 1e3 - depth
+    assert rows["residual_mm"].to_numpy() == pytest.approx(expected, rel=1e-5, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_a_second_law_for_a_table_has_a_folder_of_its_own(tmp_path, run):
+    table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
+    options = ("--contact", "internal", "--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--runs", 1)
+    for law, folder in (("johnson", "mine"), ("explicit", "mine-explicit"), ("johnson", "mine")):
+        assert run("fit", table, "--law", law, *options, "-j", 1)[0] == 0
+        assert FitResult.read(tmp_path / "results" / folder / "result.json").law == law
+
+
+def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
+    fit = ("fit", table, *JOHNSON, "--Ri", 10, "--runs", 1, "-j", 1)
+    names = ("PEEK", "low-carbon steel")
+    for number, options in enumerate((("--pin", "--hole"), ("--material-j", "--material-i"))):
+        named = [word for pair in zip(options, names, strict=True) for word in pair]
+        assert run(*fit, *named, "-o", tmp_path / f"{number}.json")[0] == 0
+    one, other = (FitResult.read(tmp_path / f"{number}.json") for number in range(2))
+    assert one.coefficients == other.coefficients
+    constants = one.settings["campaign"]["constants"]
+    assert (constants["material_i"], constants["material_j"]) == ("low-carbon steel", "PEEK")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--contact", "internal"), "--law: is required for a table"),
+        (("--law", "johnson"), "--contact: is required for a table"),
+        ((*JOHNSON, "--bound", "c=1"), "--bound = 'c=1': is not valid"),
+        ((*JOHNSON, "--bound", "c=x:2"), "--bound = 'c=x:2': is not valid"),
+        ((*JOHNSON, "--fix", "=1"), "--fix = '=1': is not valid"),
+        ((*JOHNSON, "--fix", "c=1", "--bound", "c=1:2"), "c is given twice"),
+        (
+            (*JOHNSON, "--pin", "PEEK", "--hole", "bronze", "--material-j", "PTFE"),
+            "--pin = 'PEEK': says the same as --material-j; keep one of them",
+        ),
+        (
+            (*JOHNSON, "--hole", "bronze", "--material-i", "bronze"),
+            "--hole = 'bronze': says the same as --material-i; keep one of them",
+        ),
+        (
+            ("--law", "johnson", "--contact", "external", "--pin", "PEEK", "--hole", "bronze"),
+            "--contact = 'external': has no pin and no hole; leave out --pin; rollers have",
+        ),
+        (
+            (*JOHNSON, "--pin", "PEEK"),
+            "material of the hole: is not given; give --hole or --hole-E and --hole-nu",
+        ),
+        (
+            (*JOHNSON, "--pin", "PEEK", "--hole", "soap"),
+            "--hole = 'soap': is not in the table that ships; choose ceramics, high-strength",
+        ),
+        ((*JOHNSON, "--E", "207"), "--E = '207': a bare number is in MPa; did you mean"),
+        (
+            (*JOHNSON, "--bound", "c=2:1", "--E", "2e5", "--nu", ".3"),
+            "parameters.c.low = 2.0: must be below high",
+        ),
+    ],
+)
+def test_a_bad_command_line_is_told_and_leaves_nothing(tmp_path, run, arguments, message):
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
+    before = tree(tmp_path)
+    code, said, errors = run("fit", table, *arguments, "-o", tmp_path / "r.json")
+    assert (code, said, len(errors.splitlines())) == (2, "", 1)
+    assert message in errors
+    assert tree(tmp_path) == before
+
+
+def test_options_for_tables_are_refused_beside_a_campaign(run):
+    for option, value in (("--law", "power"), ("--E", 1.0), ("--pin", "x"), ("--Ri", 1)):
+        code, _, errors = run("fit", EXAMPLE, option, value)
+        assert code == 2
+        assert f"toml: {option}: is an option for tables of measurements" in errors
+
+
+def test_the_fitted_law_is_exported_with_its_constants(tmp_path, example, run):
+    example.save(tmp_path / "r.json")
+    code, said, _ = run("export", tmp_path / "r.json", "--to", "python")
+    assert code == 0
+    names = {}
+    exec(said, names)
+    kappa, c = (example.coefficients[name] for name in ("kappa", "c"))
+    f = names["load"](1e-3, 1e5, 0.05)  # Johnson's law with both of its constants
+    assert kappa * f / (np.pi * 1e5) * (np.log(4 * np.pi * 1e5 * 0.05 / f) + c) == pytest.approx(
+        1e-3, rel=1e-12
+    )
+
+
+def test_what_cannot_be_exported_says_so(tmp_path, run):
+    own = user_campaign(tmp_path)
+    for campaign, rule in (
+        (own, "is a Python function of your own"),
+        (measured_campaign(tmp_path, "persson", starts=1), "has no closed form to write"),
+    ):
+        fit_table(campaign).save(tmp_path / "r.json")
+        assert rule in run("export", tmp_path / "r.json", "--to", "c")[2]
+
+
+# --- the rig ----------------------------------------------------------------------------------
+
+RIG = {"offset": {"low": -0.01, "high": 0.01}, "compliance": {"low": 0.0, "high": 1e-4}}
+
+
+def write_readings(folder, law, offset, compliance, noise=0.0):
+    """Write what a rig reads of a law: its points, moved and given way."""
+    header, *rows = write_measured(folder / "exact.csv", law, "internal").read_text().splitlines()
+    rng = np.random.default_rng(5)
+    lines = [header]
+    for row in rows:
+        dR, f, depth = map(float, row.split(","))
+        seen = depth + 1e3 * (offset + compliance * f) + noise * rng.normal()
+        lines.append(f"{dR!r},{f!r},{seen!r}")
+    table = folder / "readings.csv"
+    table.write_text("\n".join(lines))
+    return table
+
+
+@pytest.mark.parametrize("objective", ["rms-penetration", "rms-load"])
+def test_a_rig_that_is_off_and_gives_way_is_found_with_the_law(tmp_path, objective):
+    table = write_readings(tmp_path, "persson", 2e-3, 1.5e-6)
+    campaign = campaign_of_table(
+        table, "persson", "internal", CONSTANTS, parameters=RIG, objective=objective, starts=2
+    )
+    result = fit_table(campaign)
+    truth = {**TRUTHS["persson", "internal"], "offset": 2e-3, "compliance": 1.5e-6}
+    assert result.coefficients == pytest.approx(truth, rel=1e-6)
+    result.save(tmp_path / "r.json")
+    assert FitResult.read(tmp_path / "r.json") == result
+    assert all(check.holds for check in verify(tmp_path / "r.json", 1, lambda *_: None))
+
+
+def test_a_compliance_is_not_to_be_told_from_the_constant_of_a_logarithm(tmp_path):
+    table = write_readings(tmp_path, "johnson", 0.0, 1.5e-6, noise=1e-3)
+    campaign = campaign_of_table(
+        *(table, "johnson", "internal", CONSTANTS),
+        **all_free("johnson", "internal", {"compliance": RIG["compliance"]}),
+        objective="rms-penetration",
+        starts=3,
+    )
+    assert set(fit_table(campaign).uncertainty.only_together) == {"c", "compliance"}
+
+
+def test_the_rig_is_not_exported(tmp_path, run):
+    table = write_readings(tmp_path, "power", 2e-3, 0.0)
+    campaign = campaign_of_table(
+        *(table, "power", "internal", CONSTANTS),
+        parameters={"offset": RIG["offset"]},
+        objective="rms-penetration",
+    )
+    fit_table(campaign).save(tmp_path / "r.json")
+    code, said, _ = run("export", tmp_path / "r.json", "--to", "python")
+    assert code == 0
+    names = {}
+    exec(said, names)
+    law = laws.PowerLaw(**TRUTHS["power", "internal"])
+    pair = CylinderPair.internal(10.0, 9.95, cc.Material("steel", E=207e3, nu=0.3))
+    f = names["load"](1e-3, float(pair.E_star), 0.05)
+    assert f == pytest.approx(float(law.load(1e-3, pair)), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("offset", "compliance"), [(0.0, 0.0), (1e-3, 0.0), (-1e-4, 3e-6), (1e-4, -2e-6)]
+)
+def test_a_mounted_law_answers_consistently(pair, offset, compliance):
+    law = RigCompliance(laws.Johnson(), offset, compliance)
+    loads = np.array([1.0, 50.0, 400.0])
+    seen = law.penetration(loads, pair)
+    assert seen == pytest.approx(
+        laws.Johnson().penetration(loads, pair) + compliance * loads + offset, rel=1e-14
+    )
+    assert law.load(seen, pair) == pytest.approx(loads, rel=1e-9)
+    step = 1e-7
+    slope = (law.load(seen + step, pair) - law.load(seen - step, pair)) / (2 * step)
+    assert law.stiffness(seen, pair) == pytest.approx(slope, rel=1e-4)
+    assert law.load(offset - 1e-6, pair) == law.stiffness(offset - 1e-6, pair) == 0
+    assert np.isnan(law.load(2 * law.max_penetration(pair) + 1, pair))
+    assert law.load(law.max_penetration(pair) * (1 - 1e-9), pair) == pytest.approx(
+        law.max_load(pair), rel=1e-3
+    )
+    assert np.isinf(RigCompliance(laws.Liu(), offset, compliance).max_penetration(pair))
+
+
+def test_a_negative_compliance_ends_where_the_reading_would_fall_with_the_load(pair):
+    law = RigCompliance(laws.Persson(), compliance=-6e-6)
+    largest = law.max_load(pair)
+    inside = largest * np.linspace(0.01, 0.999, 200)
+    reading = law.penetration(inside, pair)
+    assert (np.diff(reading) > 0).all()
+    assert law.load(reading, pair) == pytest.approx(inside, rel=1e-9)
+    assert law.max_penetration(pair) == pytest.approx(reading[-1], rel=1e-3)
+    assert np.isnan(law.penetration(1.001 * largest, pair))
+    assert np.isnan(law.load(1.001 * law.max_penetration(pair), pair))
+
+
+@pytest.mark.parametrize("noise", [None, "constant", "both"])
+def test_a_reading_of_0_is_fitted_and_drawn(noise):
+    load = np.array([1.0, 3, 10, 30, 100, 300, 1000, 1500, 2000, 3000])
+    one = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
+    depth = 1e3 * laws.Explicit().penetration(load, one) * (1 + 0.01 * np.cos(7 * load))
+    data = pd.DataFrame({"load_N_per_mm": load, "penetration_um": depth - depth[0]})
+    result = cc.fit(data, "explicit", one, free=["offset"], noise=noise)
+    assert np.isfinite(result.max_abs_diff_percent.fitted)
+    assert "R² = 0.99" in str(result)
+    study = study_noise(result)
+    assert {band.quantity for band in study.bands} == {"penetration_mm", "load_N_per_mm"}
+    assert not re.search(r"\s-\d", str(study).split("Bands at the ends")[1])
+    assert (result.predict(load)["high_mm"] > result.predict(load)["low_mm"]).all()
+
+
+def test_a_mounting_that_cannot_be_is_refused():
+    with pytest.raises(InputError, match="compliance = nan"):
+        RigCompliance(laws.Johnson(), compliance=float("nan"))
+    with pytest.raises(InputError, match="offset = inf"):
+        RigCompliance(laws.Johnson(), offset=float("inf"))
+
+
+# --- loads above first yield --------------------------------------------------------------------
+
+YIELDING = """dR_um,load_N_per_mm,penetration_um
+50,100,1.6
+50,1000,13
+50,9000,110
+50,12000,140
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "count"),
+    [
+        (("--material", "high-strength steel"), 0),
+        (("--material", "low-carbon steel"), 2),
+        (("--pin", "high-strength steel", "--hole", "low-carbon steel"), 2),
+        (("--E", "200000", "--nu", "0.3"), 0),  # of unknown strength
+    ],
+)
+def test_loads_above_first_yield_are_told(run, tmp_path, words, count):
+    (tmp_path / "t.csv").write_text(YIELDING)
+    options = ("--law", "power-one-pair", "--contact", "internal", "--Ri", "10", "-j", "1")
+    code, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "r.json")
+    assert code == 0
+    note = f"{count} of 4 loads are above first yield by von Mises"
+    assert (note in said) == (count > 0)
+    assert said.count("first yield") == (count > 0)
+    # A pulled eye yields far below an infinite plate.
+    if count == 2:
+        eye = (*options, "--R-o", 15, "--clamp", "far:60", "--law", "conformal")
+        _, said, _ = run("fit", tmp_path / "t.csv", *eye, *words, "-o", tmp_path / "e.json")
+        assert "3 of 4 loads are above first yield" in said
+    # Without a radius there is no telling.
+    options = tuple(word for word in options if word not in ("--Ri", "10"))
+    _, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "s.json")
+    assert "first yield" not in said
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--length", 0), "--length = 0.0: must be positive"),
+        (("--length", -1), "--length = -1.0: must be positive"),
+        (("--length", "nan"), "'nan' is not a number"),
+        (("--length", 10, "--E", "1e9"), "--E = '1e9': is beyond any material"),
+        (("--length", 10, "--nu", "nan"), "'nan' is not a number"),
+        (("--length", 10, "--nu", 0.51), "--nu = 0.51: must lie in [0, 0.5]"),
+        (("--length", 10, "--dR", -1), "dR = -1.0: must be positive"),
+    ],
+)
+def test_a_number_that_is_no_length_or_constant_is_told(tmp_path, run, options, told):
+    (tmp_path / "t.csv").write_text("load_N,penetration_um\n10,0.2\n20,0.4\n40,0.7\n80,1.3\n")
+    given = {"--E": "207 GPa", "--nu": 0.3, "--dR": 0.05}
+    given |= dict(zip(options[::2], options[1::2], strict=True))
+    named = [part for option in given.items() for part in option]
+    code, said, errors = run(
+        *("fit", tmp_path / "t.csv", "--law", "johnson", "--contact", "internal", *named)
+    )
+    assert (code, said, errors.count("\n")) == (2, "", 1)
+    assert told in errors
+    assert not (tmp_path / "results" / "t").exists()

@@ -1,0 +1,771 @@
+"""Noise models against statsmodels, ODRPACK, lmfit and iminuit, and against dense matrices."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy import stats
+from scipy.optimize import minimize
+
+import cylcontact as cc
+from cylcontact import CylinderPair, InputError, laws
+from cylcontact.fitting.diagnose import findings_of
+from cylcontact.fitting.noise import (
+    Covariance,
+    Degrees,
+    FittedNoise,
+    Likelihood,
+    NoiseModel,
+    estimate,
+)
+from cylcontact.fitting.study import leave_one_out, study_noise
+from tests.support.measured_files import CONSTANTS, STEEL
+from tests.support.noisy_series import LAW, PAIR, campaign_of, readings, refitted
+from tests.support.programs import require_package
+
+# With the stiffness held, a reading is linear in what is left.
+LINEAR = {"fixed": {"stiffness_factor": 1.0}, "free": ["compliance"], "starts": 3}
+BOUNDED = {"fixed": LINEAR["fixed"], "bounds": {"compliance": (0.0, 1e-3)}, "starts": 3}
+
+
+def likelihood_of(result):
+    """The likelihood of deviations at the best coefficients of a fit."""
+    return result.optimum.likelihood
+
+
+# --- statsmodels ------------------------------------------------------------------------------
+
+
+def mixed(frame, result, names):
+    """The linear mixed model with these random effects, in nm, and of loads in kN/mm."""
+    sm = require_package("statsmodels.api")
+    load = frame["load_N_per_mm"].to_numpy()
+    contact = LAW.penetration(load, PAIR)
+    depth = contact + result.coefficients["compliance"] * load
+    position = np.tile(np.linspace(0.0, 1.0, 12), len(frame) // 12)
+    # Columns of like size, for its optimiser.
+    columns = {"offset": np.ones(load.size), "gain": 1e3 * depth, "drift": position}
+    design = np.column_stack([np.ones(load.size), 1e-3 * load])
+    reading = 1e3 * frame["penetration_um"].to_numpy() - 1e6 * contact
+    random = np.column_stack([columns[name] for name in names])
+    model = sm.MixedLM(reading, design, frame["group"], exog_re=random)
+    independent = _independent(design.shape[1], len(names))
+    return model.fit(reml=True, free=independent, method="bfgs", maxiter=5000, gtol=1e-8)
+
+
+def _independent(fixed, random):
+    """Parameters of which the covariances of the random effects are not searched."""
+    from statsmodels.regression.mixed_linear_model import MixedLMParams
+
+    return MixedLMParams.from_components(fe_params=np.ones(fixed), cov_re=np.eye(random))
+
+
+@pytest.fixture(scope="module", params=["group", "group and drift"])
+def linear(request):
+    """Readings whose model is linear, and its fit."""
+    drift = "drift" in request.param
+    frame = readings(3, 10, offset=1.5e-4, gain=0.03, drift=2e-4 if drift else 0.0, compliance=4e-7)
+    result = cc.fit(frame, "explicit", PAIR, group="group", noise="constant", drift=drift, **LINEAR)
+    return frame, result, ("offset", "gain", *(("drift",) if drift else ()))
+
+
+def test_statsmodels_agrees_on_estimates_errors_and_deviations(linear):
+    frame, result, names = linear
+    peer = mixed(frame, result, names)
+    estimates = [result.uncertainty.estimates[name] for name in ("offset", "compliance")]
+    in_mm = np.array([1e-6, 1e-9])
+    assert [e.value for e in estimates] == pytest.approx(peer.fe_params * in_mm, rel=1e-4, abs=0)
+    # Its errors are from second derivatives that include the deviations'; ours, and those that its
+    # own deviations give, take these as they are.
+    errors = [e.standard_error for e in estimates]
+    assert errors == pytest.approx(peer.bse_fe * in_mm, rel=5e-3, abs=0)
+    X, Z, group = peer.model.exog, peer.model.exog_re, frame["group"].to_numpy()
+    shared = (group[:, None] == group) * (Z @ np.diag(np.diag(peer.cov_re)) @ Z.T)
+    V = shared + peer.scale * np.eye(group.size)
+    normal = least_squares(X, peer.model.endog, V)[1]
+    assert errors == pytest.approx(np.sqrt(np.diag(normal)) * in_mm, rel=1e-4, abs=0)
+    variances = np.array([peer.scale, *np.diag(peer.cov_re)])
+    units = [1e-6, *(1e-3 if name == "gain" else 1e-6 for name in names)]
+    deviations = dict(zip(("constant", *names), np.sqrt(variances) * units, strict=True))
+    assert result.uncertainty.noise.deviations == pytest.approx(deviations, rel=1e-3, abs=0)
+    effects = np.array([[*peer.random_effects[f"s{k}"]] for k in range(10)])
+    own = [[e.effects[name] for name in names] for e in result.uncertainty.noise.series]
+    assert own == pytest.approx(effects * units[1:], rel=1e-2, abs=1e-7)
+
+
+def test_statsmodels_agrees_on_what_the_gain_adds_to_the_likelihood(linear):
+    frame, result, names = linear
+    without = tuple(name for name in names if name != "gain")
+    expected = mixed(frame, result, names).llf - mixed(frame, result, without).llf
+    likelihood, best = likelihood_of(result), result.uncertainty.noise.deviations
+
+    def value(logarithms):
+        others = zip(("constant", *without), np.exp(logarithms), strict=True)
+        return likelihood({**dict(others), "gain": 0.0})
+
+    start = np.log([best[name] for name in ("constant", *without)])
+    rise = minimize(value, start, method="Nelder-Mead", options={"fatol": 1e-8}).fun
+    assert (rise - likelihood(best)) / 2 == pytest.approx(expected, rel=1e-4)
+    assert expected > 5
+
+
+# --- ODRPACK ----------------------------------------------------------------------------------
+
+
+def test_odrpack_agrees_where_both_deviations_are_given():
+    odrpack = require_package("odrpack")
+    frame = readings(5, 3, constant=1e-5, load_error=0.003).drop(columns="group")
+    frame["load_std_N_per_mm"] = 0.003 * frame["load_N_per_mm"]
+    frame["penetration_std_um"] = 0.01
+    result = cc.fit(frame, "explicit", PAIR, free=["c"])
+    names, shape = ["c", "stiffness_factor", "offset"], LAW.coefficients_for("internal")
+
+    def predicted(load, beta):
+        c, factor, offset = beta
+        law = laws.Explicit({"c": c, "A": shape.A, "B": shape.B})
+        return 1e3 * (law.penetration(load / factor, PAIR) + offset)
+
+    deviations = (frame["load_std_N_per_mm"].to_numpy(), frame["penetration_std_um"].to_numpy())
+    peer = odrpack.odr_fit(
+        predicted,
+        frame["load_N_per_mm"].to_numpy(),
+        frame["penetration_um"].to_numpy(),
+        np.array([shape.c, 1.0, 1e-4]),
+        weight_x=1 / deviations[0] ** 2,
+        weight_y=1 / deviations[1] ** 2,
+        diff_scheme="central",
+        sstol=1e-14,
+        partol=1e-14,
+        maxit=500,
+    )
+    # Its sd_beta are scaled to residuals of variance 1; given deviations are taken as they are.
+    errors = np.sqrt(np.diag(peer.cov_beta))
+    assert peer.sd_beta == pytest.approx(errors * np.sqrt(peer.res_var), rel=1e-6)
+    estimates = result.uncertainty.estimates
+    assert [e.degrees_of_freedom for e in estimates.values()] == [None] * 3
+    assert result.uncertainty.sigma_known
+    for name, value, error in zip(names, peer.beta, errors, strict=True):
+        assert estimates[name].value == pytest.approx(value, abs=0.02 * error)
+        assert estimates[name].standard_error == pytest.approx(error, rel=0.02)
+
+
+# --- dense matrices ---------------------------------------------------------------------------
+
+DEVIATIONS = {"constant": 0.3, "proportional": 0.2, "offset": 0.7, "gain": 0.4, "drift": 0.5}
+FULL = NoiseModel("both", "group", drift=True)
+
+
+def covariance_of(series, model=FULL, rows=6, seed=4):
+    """A covariance of rows of so many series in random order, with all that a row may have."""
+    rng = np.random.default_rng(seed)
+    size = series * rows
+    return Covariance(
+        model=model,
+        load=rng.uniform(1.0, 2.0, size),
+        given=rng.uniform(0.01, 0.1, size),
+        depth=rng.uniform(0.5, 2.0, size),
+        weight=rng.uniform(0.5, 1.5, size),
+        series=rng.permutation(np.repeat(np.arange(series), rows)),
+        position=rng.uniform(0.0, 1.0, size),
+    )
+
+
+def dense(covariance, deviations):
+    """V as a matrix, the variances of single readings, and the columns of all series."""
+    given, depth, series = covariance.given, covariance.depth, covariance.series
+    scatter = deviations["constant"] ** 2 + (deviations["proportional"] * depth) ** 2
+    single = given + scatter / covariance.weight
+    columns = []
+    for number in range(series.max() + 1):
+        columns += [
+            np.where(series == number, values, 0.0)
+            for values in (np.ones(depth.size), depth, covariance.position)
+        ]
+    Z = np.array(columns).T
+    G = np.tile([deviations["offset"], deviations["gain"], deviations["drift"]], series.max() + 1)
+    return np.diag(single) + Z @ np.diag(G**2) @ Z.T, single, Z
+
+
+def likelihood_and_design(series, model=FULL):
+    """A likelihood at generalised least squares of random readings."""
+    covariance, rng = covariance_of(series, model), np.random.default_rng(9)
+    slopes = np.column_stack([np.ones(covariance.depth.size), covariance.load**2])
+    slopes[:, 1] *= 1e-3  # parameters have units of their own
+    likelihood = Likelihood(covariance, rng.normal(size=slopes.shape[0]), slopes)
+    return covariance, likelihood, slopes
+
+
+def least_squares(X, y, V):
+    """Coefficients of generalised least squares, their covariance, and what is left over."""
+    inverse = np.linalg.inv(V)
+    normal = np.linalg.inv(X.T @ inverse @ X)
+    beta = normal @ X.T @ inverse @ y
+    rest = y - X @ beta
+    return beta, normal, rest, float(rest @ inverse @ rest)
+
+
+@pytest.mark.parametrize("rows", [42, 32])
+def test_whitened_residuals_have_the_norm_of_the_full_covariance(rows):
+    # Without the last rows the series differ in length, and one of them has fewer than effects.
+    covariance = covariance_of(7).take(np.argsort(covariance_of(7).series)[:rows])
+    assert np.unique(np.bincount(covariance.series)).size == (1 if rows == 42 else 2)
+    V, _, _ = dense(covariance, DEVIATIONS)
+    vectors = np.random.default_rng(1).normal(size=(3, rows))
+    before = vectors.copy()
+    whitened = covariance.whitening(DEVIATIONS)(vectors)
+    assert vectors == pytest.approx(before)
+    expected = vectors @ np.linalg.inv(V) @ vectors.T
+    assert whitened @ whitened.T == pytest.approx(expected, rel=1e-11)
+    # It is a root of the inverse: independent noise of variance 1 comes out.
+    W = covariance.whitening(DEVIATIONS)(np.eye(rows)).T
+    assert W @ V @ W.T == pytest.approx(np.eye(rows), abs=1e-11)
+
+
+def test_few_series_are_fixed_effects_of_least_squares_with_their_columns():
+    covariance, likelihood, slopes = likelihood_and_design(3)
+    assert not covariance.is_random
+    assert covariance.names == ("constant", "proportional")
+    scatter = {name: DEVIATIONS[name] for name in covariance.names}
+    _, single, Z = dense(covariance, DEVIATIONS)
+    y = likelihood.residuals
+    # The gains sum to zero; offsets take the place of the law's constant column.
+    gains = [Z[:, 3 * k + 1] - Z[:, 1] for k in (1, 2)]
+    columns = np.column_stack([Z[:, [0, 3, 6]], *gains, Z[:, [2, 5, 8]]])
+    X = np.column_stack([slopes[:, 1], columns])
+    whiten = covariance.whitening(scatter)
+    beta, normal, _, squares = least_squares(X, y, np.diag(single))
+    own, rest, _, _ = np.linalg.lstsq(whiten(slopes[:, 1:].T).T, whiten(y), rcond=None)
+    assert own[0] == pytest.approx(beta[0], rel=1e-9)
+    assert rest[0] == pytest.approx(squares, rel=1e-9)
+    held = Likelihood(covariance, y, slopes[:, 1:])
+    assert held.parameter_covariance(scatter)[0, 0] == pytest.approx(normal[0, 0], rel=1e-9)
+
+
+def test_fixed_offsets_sum_to_zero_beside_the_laws_own():
+    model = NoiseModel("both", "group", drift=True, has_offset=True)
+    covariance, likelihood, slopes = likelihood_and_design(3, model)
+    scatter = {name: DEVIATIONS[name] for name in covariance.names}
+    _, single, Z = dense(covariance, DEVIATIONS)
+    sums = [Z[:, 3 * k + place] - Z[:, place] for k in (1, 2) for place in (0, 1)]
+    X = np.column_stack([slopes, *sums, Z[:, [2, 5, 8]]])
+    beta, normal, _, squares = least_squares(X, likelihood.residuals, np.diag(single))
+    whiten = covariance.whitening(scatter)
+    own, rest, _, _ = np.linalg.lstsq(whiten(slopes.T).T, whiten(likelihood.residuals), rcond=None)
+    assert own == pytest.approx(beta[:2], rel=1e-9)
+    assert rest[0] == pytest.approx(squares, rel=1e-9)
+    assert likelihood.parameter_covariance(scatter) == pytest.approx(normal[:2, :2], rel=1e-9)
+    # The effects of the series are those of the dummy columns.
+    left = likelihood.residuals - slopes @ beta[:2]
+    effects = FittedNoise(covariance, scatter).series_effects(-left)
+    assert effects[1:, :2].ravel() == pytest.approx(beta[2:6], rel=1e-8)
+    assert effects[:, :2].sum(axis=0) == pytest.approx(0.0, abs=1e-9)
+    assert effects[:, 2] == pytest.approx(beta[6:], rel=1e-8)
+
+
+def restricted(X, y, V):
+    """−2 ln of the restricted likelihood, up to a constant."""
+    squares = least_squares(X, y, V)[3]
+    normal = np.linalg.slogdet(X.T @ np.linalg.inv(V) @ X)[1]
+    return np.linalg.slogdet(V)[1] + normal + squares
+
+
+def test_the_restricted_likelihood_is_that_of_the_full_covariance():
+    covariance, likelihood, slopes = likelihood_and_design(7)
+    y, differences = likelihood.residuals, []
+    for factor in (1.0, 0.5, 2.0):
+        deviations = {name: value * factor for name, value in DEVIATIONS.items()}
+        V, _, _ = dense(covariance, deviations)
+        differences.append(likelihood(deviations) - restricted(slopes, y, V))
+    assert np.ptp(differences) == pytest.approx(0.0, abs=1e-9)
+    without = {**DEVIATIONS, "constant": 0.0, "drift": 0.0}
+    expected = restricted(slopes, y, dense(covariance, without)[0]) + differences[0]
+    assert likelihood(without) == pytest.approx(expected, rel=1e-11)
+
+
+def test_the_restricted_likelihood_counts_fixed_effects_among_the_parameters():
+    model = NoiseModel("both", "group", drift=True, has_offset=True)
+    covariance, likelihood, slopes = likelihood_and_design(4, model)
+    X, differences = np.hstack([slopes, covariance.fixed]), []
+    assert X.shape[1] == 2 + 3 + 3 + 4
+    for factor in (1.0, 0.5, 2.0):
+        scatter = {name: DEVIATIONS[name] * factor for name in covariance.names}
+        _, single, _ = dense(covariance, {**DEVIATIONS, **scatter})
+        expected = restricted(X, likelihood.residuals, np.diag(single))
+        differences.append(likelihood(scatter) - expected)
+    assert np.ptp(differences) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_no_deviation_at_all_is_no_likelihood():
+    model = NoiseModel("constant")
+    none, one = np.zeros(6), np.ones(6)
+    covariance = Covariance(model, one, none, one, one, np.zeros(6, dtype=int), none)
+    assert np.isinf(Likelihood(covariance, one, one[:, None])({"constant": 0.0}))
+
+
+def test_errors_and_the_likelihood_of_the_readings_are_those_of_the_full_covariance():
+    covariance, likelihood, slopes = likelihood_and_design(7)
+    V, _, _ = dense(covariance, DEVIATIONS)
+    _, normal, rest, _ = least_squares(slopes, likelihood.residuals, V)
+    assert likelihood.parameter_covariance(DEVIATIONS) == pytest.approx(normal, rel=1e-10)
+    expected = stats.multivariate_normal.logpdf(rest, cov=V)
+    assert likelihood.log_likelihood(DEVIATIONS) == pytest.approx(expected, rel=1e-11)
+
+
+def test_the_effects_of_the_series_solve_hendersons_equations():
+    covariance, likelihood, X = likelihood_and_design(7)
+    V, single, Z = dense(covariance, DEVIATIONS)
+    y = likelihood.residuals
+    R, G = 1 / single, np.tile([DEVIATIONS[n] ** 2 for n in ("offset", "gain", "drift")], 7)
+    left = np.block(
+        [
+            [(X.T * R) @ X, (X.T * R) @ Z],
+            [(Z.T * R) @ X, (Z.T * R) @ Z + np.diag(1 / G)],
+        ]
+    )
+    solution = np.linalg.solve(left, np.concatenate([(X.T * R) @ y, (Z.T * R) @ y]))
+    beta, _, rest, _ = least_squares(X, y, V)
+    assert solution[:2] == pytest.approx(beta, rel=1e-9)
+    effects = FittedNoise(covariance, DEVIATIONS).series_effects(-rest)
+    assert effects.ravel() == pytest.approx(solution[2:], rel=1e-9)
+
+
+def test_estimated_deviations_minimise_the_restricted_likelihood():
+    covariance, _, X = likelihood_and_design(7)
+    rng = np.random.default_rng(3)
+    V, _, _ = dense(covariance, DEVIATIONS)
+    y = np.linalg.cholesky(V) @ rng.normal(size=42)
+    likelihood = Likelihood(covariance, y, X)
+    best = estimate(likelihood)
+    names = [name for name in best if best[name] > 0]
+
+    def value(logarithms):
+        moved = {**best, **dict(zip(names, np.exp(logarithms), strict=True))}
+        return restricted(X, y, dense(covariance, moved)[0])
+
+    start = np.log([DEVIATIONS[name] for name in names])
+    options = {"fatol": 1e-10, "xatol": 1e-7, "maxiter": 4000, "maxfev": 4000}
+    found = minimize(value, start, method="Nelder-Mead", options=options)
+    assert [best[name] for name in names] == pytest.approx(np.exp(found.x), rel=1e-3)
+    # A deviation at zero cannot be made better by a little of it.
+    at_best = likelihood(best)
+    assert all(likelihood({**best, name: 0.02}) >= at_best for name in best if name not in names)
+
+
+# --- limits -----------------------------------------------------------------------------------
+
+
+def test_constant_scatter_alone_is_plain_least_squares():
+    frame = readings(11, 1, 20)
+    only = {"ignore": ["group"], "starts": 3}
+    plain = cc.fit(frame, "explicit", PAIR, objective="rms-penetration", **only)
+    # Errors of the load that are too small to matter make it a noise model.
+    model = cc.fit(frame, "explicit", PAIR, noise="constant", load_error=1e-9, **only)
+    r = 1e-3 * frame["penetration_um"] - plain.residuals["fitted_mm"]
+    sigma = float(np.sqrt((r**2).sum() / 18))
+    assert plain.uncertainty.residual_sigma == pytest.approx(sigma, rel=1e-9)
+    noise = model.uncertainty.noise
+    assert noise.deviations == {"constant": pytest.approx(sigma, rel=1e-6)}
+    for name, expected in plain.uncertainty.estimates.items():
+        actual = model.uncertainty.estimates[name]
+        assert actual.degrees_of_freedom == pytest.approx(18, rel=1e-3)
+        assert actual.value == pytest.approx(expected.value, rel=1e-7)
+        for key in ("standard_error", "low", "high"):
+            assert getattr(actual, key) == pytest.approx(getattr(expected, key), rel=1e-4)
+        assert actual.profile.low == pytest.approx(expected.profile.low, rel=1e-4)
+        assert actual.profile.high == pytest.approx(expected.profile.high, rel=1e-4)
+    assert model.uncertainty.log_likelihood < plain.uncertainty.log_likelihood
+    assert model.uncertainty.log_likelihood == pytest.approx(
+        plain.uncertainty.log_likelihood, abs=0.1
+    )
+
+
+def test_a_balanced_layout_has_the_error_and_the_degrees_of_an_analysis_of_variance():
+    # The mean of readings of random series: the mean square between the series over N, G − 1.
+    series, rows = 9, 5
+    rng = np.random.default_rng(2)
+    group = np.repeat(np.arange(series), rows)
+    y = 0.8 * rng.normal(size=series)[group] + 0.3 * rng.normal(size=group.size)
+    one, none = np.ones(group.size), np.zeros(group.size)
+
+    class Offsets(NoiseModel):
+        effects = ("offset",)
+
+    covariance = Covariance(Offsets("constant", "group"), one, none, one, one, group, none)
+    likelihood = Likelihood(covariance, y - y.mean(), one[:, None])
+    best = estimate(likelihood)
+    means = y.reshape(series, rows).mean(axis=1)
+    between = rows * means.var(ddof=1)
+    within = float(((y.reshape(series, rows) - means[:, None]) ** 2).sum()) / (series * (rows - 1))
+    assert best["constant"] == pytest.approx(np.sqrt(within), rel=1e-5)
+    assert best["offset"] == pytest.approx(np.sqrt((between - within) / rows), rel=1e-5)
+    degrees = Degrees.of(likelihood, best)
+    assert degrees.covariance[0, 0] == pytest.approx(between / y.size, rel=1e-5)
+    assert degrees(np.eye(1))[0] == pytest.approx(series - 1, rel=1e-3)
+
+
+# --- lmfit and iminuit ------------------------------------------------------------------------
+
+
+def fitted_by_lmfit(frame, predicted, start):
+    """The least squares of lmfit, of readings in mm."""
+    lmfit = require_package("lmfit")
+    parameters = lmfit.create_params(**start)
+
+    def residuals(values):
+        return predicted(**values.valuesdict()) - 1e-3 * frame["penetration_um"].to_numpy()
+
+    return lmfit.minimize(residuals, parameters, xtol=1e-12, ftol=1e-12)
+
+
+def scaled(law, frame):
+    """What the law predicts, times a factor of the stiffness and with an offset."""
+    load = frame["load_N_per_mm"].to_numpy()
+    return lambda stiffness_factor, offset: law.penetration(load / stiffness_factor, PAIR) + offset
+
+
+@pytest.fixture(scope="module")
+def constant():
+    """Readings with constant scatter, and a fit to them."""
+    frame = readings(21, 2)
+    return frame, cc.fit(frame, "explicit", PAIR, noise="constant", ignore=["group"])
+
+
+def test_lmfit_agrees_with_a_fit_of_constant_noise(constant):
+    frame, own = constant
+    peers = fitted_by_lmfit(frame, scaled(LAW, frame), {"stiffness_factor": 1.0, "offset": 0.0})
+    for name, estimated in own.uncertainty.estimates.items():
+        theirs = peers.params[name]
+        assert estimated.value == pytest.approx(theirs.value, rel=1e-6, abs=0)
+        assert estimated.standard_error == pytest.approx(theirs.stderr, rel=1e-3, abs=0)
+        assert estimated.degrees_of_freedom == peers.nfree
+    assert own.correlation.loc["stiffness_factor", "offset"] == pytest.approx(
+        peers.params["stiffness_factor"].correl["offset"], abs=1e-4
+    )
+    assert own.uncertainty.residual_sigma == pytest.approx(np.sqrt(peers.redchi), rel=1e-9)
+
+
+def test_information_criteria_of_two_laws_differ_as_lmfits_do(constant):
+    frame, own = constant
+    # Another law of as many parameters, and one of fewer.
+    power = cc.fit(frame, "power-one-pair", PAIR, noise="constant", ignore=["group"])
+    zeroed = cc.fit(frame, "liu", PAIR, noise="constant", ignore=["group"], fixed={"offset": 0.0})
+    load = frame["load_N_per_mm"].to_numpy()
+    start = {"stiffness_factor": 1.0, "offset": 0.0}
+    peer = fitted_by_lmfit(frame, scaled(LAW, frame), start)
+    of_power = fitted_by_lmfit(
+        frame,
+        lambda K, n: (load / K) ** (1 / n),
+        {name: power.coefficients[name] for name in ("K", "n")},
+    )
+    of_liu = fitted_by_lmfit(
+        frame,
+        lambda stiffness_factor: laws.Liu().penetration(load / stiffness_factor, PAIR),
+        {"stiffness_factor": 1.0},
+    )
+    assert (peer.nvarys, of_power.nvarys, of_liu.nvarys) == (2, 2, 1)
+    for fit, other in ((power, of_power), (zeroed, of_liu)):
+        assert fit.aic - own.aic == pytest.approx(other.aic - peer.aic, rel=1e-6)
+        assert fit.bic - own.bic == pytest.approx(other.bic - peer.bic, rel=1e-6)
+
+
+def test_iminuit_agrees_with_a_fit_of_constant_noise(constant):
+    iminuit = require_package("iminuit")
+    frame, own = constant
+    predicted = scaled(LAW, frame)
+    reading, sigma = 1e-3 * frame["penetration_um"].to_numpy(), own.uncertainty.residual_sigma
+
+    def chi_square(values):
+        return float((((predicted(*values) - reading) / sigma) ** 2).sum())
+
+    chi_square.errordef = iminuit.Minuit.LEAST_SQUARES
+    minuit = iminuit.Minuit(chi_square, [1.0, 1e-4], name=("stiffness_factor", "offset"))
+    minuit.tol, minuit.strategy = 1e-6, 2
+    minuit.migrad()
+    minuit.hesse()
+    for name, estimated in own.uncertainty.estimates.items():
+        assert estimated.value == pytest.approx(minuit.values[name], rel=1e-4, abs=0)
+        assert estimated.standard_error == pytest.approx(minuit.errors[name], rel=0.02, abs=0)
+    correlation = minuit.covariance.correlation()["stiffness_factor", "offset"]
+    assert own.correlation.loc["stiffness_factor", "offset"] == pytest.approx(correlation, abs=0.02)
+
+
+# --- findings ---------------------------------------------------------------------------------
+
+
+def found(frame, law="explicit", pair=PAIR, **settings):
+    """The findings of a fit by the name of their test."""
+    settings = {"starts": 2, "noise": "constant"} | settings
+    result = cc.fit(frame, law, pair, **settings)
+    return {finding.test: finding for finding in result.uncertainty.findings}
+
+
+def ungrouped(frame):
+    return frame.drop(columns="group")
+
+
+@pytest.mark.slow
+def test_series_that_differ_are_found_and_random_effects_allow_for_them():
+    frame = readings(1, offset=1e-4, gain=0.02)
+    findings = found(frame)
+    assert set(findings) == {"series"}  # the sequence is an echo of it
+    assert findings["series"].p < 1e-10
+    assert "the 8 series of the column group differ" in findings["series"].says
+    assert findings["series"].remedy == "allow for it with --group group"
+    assert found(frame, group="group") == {}
+
+
+@pytest.mark.slow
+def test_series_without_a_name_are_found_by_their_sequence():
+    frame = ungrouped(readings(1, offset=1e-4, gain=0.02))
+    finding = found(frame)["sequence"]
+    residuals = cc.fit(frame, "explicit", PAIR, noise="constant", starts=2).residuals["residual_mm"]
+    correlation = np.corrcoef(residuals[1:], residuals[:-1])[0, 1]
+    assert f"correlation {correlation:.1f}" in finding.says
+    assert "--group COLUMN" in finding.remedy
+    named = frame.assign(run=np.repeat(np.arange(8), 12).astype(str))
+    assert found(named, group="run") == {}
+
+
+def test_a_single_sweep_of_a_wrong_law_is_a_sequence_that_asks_for_another_order():
+    frame = ungrouped(readings(1, 1, 40, compliance=2e-6))
+    finding = found(frame, "winkler")["sequence"]
+    assert finding.remedy.startswith("repeat some loads, in another order")
+    assert "sequence" not in found(frame, free=["compliance"])
+
+
+@pytest.mark.slow
+def test_series_of_pairs_are_found_and_named_by_a_column():
+    parts = []
+    for number, (dR, factor) in enumerate(((0.03, 1.0), (0.1, 1.15), (0.3, 0.9))):
+        pair = CylinderPair.from_dR("internal", dR, STEEL, R_i=10.0, length=20.0)
+        load = np.geomspace(10.0, 1500.0, 12)
+        depth = LAW.penetration(load * factor, pair)
+        depth *= 1 + 0.01 * np.random.default_rng(number).normal(size=12)
+        columns = {"load_N_per_mm": load, "penetration_um": 1e3 * depth, "dR_um": 1e3 * dR}
+        parts.append(pd.DataFrame({**columns, "pin": f"p{number}"}))
+    frame = pd.concat(parts, ignore_index=True)
+    of_data = {"contact": "internal", "constants": CONSTANTS, "noise": None}
+    finding = found(frame, pair=None, ignore=["pin"], **of_data)["pairs"]
+    assert "differ between the 3 pairs" in finding.says
+    assert "--group COLUMN" in finding.remedy
+    assert found(frame, pair=None, group="pin", **of_data) == {}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("series", "rows"), [(1, 40), (8, 12)])
+def test_a_drift_is_found_where_loads_are_in_random_order(series, rows):
+    frame = readings(7, series, rows, drift=4e-4, shuffled=True)
+    group = {"group": "group"} if series > 1 else {"ignore": ["group"]}
+    finding = found(frame, **group)["drift"]
+    assert finding.p < 1e-4
+    assert finding.remedy == "allow for it with --drift"
+    assert found(frame, drift=True, **group) == {}
+
+
+def test_a_drift_follows_the_time_of_the_readings():
+    frame = ungrouped(readings(7, 1, 40, drift=4e-4, shuffled=True)).assign(time_s=np.arange(40.0))
+    by_load = frame.sort_values("load_N_per_mm")
+    assert "drift" in found(by_load)
+    assert "drift" not in found(by_load.drop(columns="time_s"))
+    assert found(by_load, drift=True) == {}
+
+
+def test_a_drift_along_one_sweep_cannot_be_told_from_the_law():
+    assert "drift" not in found(ungrouped(readings(7, 1, 40, drift=4e-4)))
+
+
+def test_scatter_that_grows_is_found_and_both_kinds_allow_for_it():
+    frame = ungrouped(readings(3, 4, proportional=0.03, constant=1e-5))
+    finding = found(frame)["spread"]
+    assert finding.says == "the scatter of the readings grows with them"
+    assert "--noise both" in finding.remedy
+    assert found(frame, noise="both") == {}
+
+
+def test_relative_scatter_that_falls_is_found_and_both_kinds_allow_for_it():
+    frame = ungrouped(readings(3, 4, constant=5e-5))
+    finding = found(frame, noise=None)["spread"]
+    assert finding.says == "the scatter of the readings relative to it falls with them"
+    of_model = found(frame, noise="proportional")["spread"]
+    assert of_model.says == "the scatter of the readings relative to that assumed falls with them"
+    assert "--noise both" in finding.remedy
+    assert found(frame, noise="both") == {}
+
+
+def test_branches_that_differ_are_found_and_one_of_them_agrees():
+    loading, unloading = readings(5, 1, 20), readings(6, 1, 20)[::-1]
+    unloading["penetration_um"] += 0.15
+    frame = ungrouped(pd.concat([loading, unloading], ignore_index=True))
+    findings = found(frame)
+    assert set(findings) == {"branches"}  # the drift and the sequence are echoes of it
+    assert findings["branches"].remedy == "fit one of them with --branch loading, and compare"
+    assert found(frame, branch="loading") == {}
+
+
+def test_a_law_that_misses_the_means_of_repeated_loads_is_found():
+    frame = ungrouped(readings(4, 6, compliance=1e-6))
+    finding = found(frame, "winkler")["repeats"]
+    assert "misses the means of repeated loads" in finding.says
+    assert "cylcontact choose" in finding.remedy
+    assert found(frame, free=["compliance"]) == {}
+
+
+CLEAN = {
+    "one series": (40, {"series": 1, "rows": 40}, {"ignore": ["group"]}),
+    "alike": (40, {}, {}),
+    "in random order": (40, {"shuffled": True}, {}),
+    "relative scatter": (40, {"constant": 0.0, "proportional": 0.01, "zero": 0.0}, {"noise": None}),
+    "random effects": (8, {"offset": 1e-4, "gain": 0.03}, {"group": "group"}),
+    "fixed effects": (20, {"series": 3, "offset": 1e-4, "gain": 0.03}, {"group": "group"}),
+}
+
+
+@pytest.mark.parametrize("name", CLEAN)
+@pytest.mark.slow
+def test_noise_as_assumed_is_found_no_more_often_than_by_chance(name):
+    number, simulated, settings = CLEAN[name]
+    settings = {"noise": "constant"} | settings
+    campaign = campaign_of(readings(0, **simulated), "explicit", PAIR, **settings)
+    sets = [
+        findings_of(refitted(campaign, readings(100 + seed, **simulated))) for seed in range(number)
+    ]
+    assert sum(map(bool, sets)) <= 0.05 * number
+
+
+# --- conflicts --------------------------------------------------------------------------------
+
+
+def with_column(name, value):
+    """A small table with one more column."""
+    return readings(0, 2, 6).assign(**{name: value})
+
+
+@pytest.mark.parametrize(
+    ("frame", "settings", "message"),
+    [
+        (
+            readings(0, 2, 6),
+            {"group": "group", "objective": "rms-penetration"},
+            "objective = 'rms-penetration': conflicts with group, which has a likelihood of its own"
+            "; keep one",
+        ),
+        (
+            readings(0, 2, 6),
+            {"drift": True, "objective": "rms-load"},
+            "objective = 'rms-load': conflicts with drift, which has a likelihood of its own",
+        ),
+        (
+            readings(0, 2, 6),
+            {"group": "group", "loss": "huber"},
+            "loss = 'huber': conflicts with group, whose noise is Gaussian; keep one of them",
+        ),
+        (
+            readings(0, 2, 6),
+            {"load_error": 0.01, "loss": "cauchy"},
+            "loss = 'cauchy': conflicts with load_error, whose noise is Gaussian",
+        ),
+        (
+            readings(0, 2, 6),
+            {"noise": "both", "loss": "cauchy"},
+            "loss = 'cauchy': conflicts with noise, whose noise is Gaussian",
+        ),
+        (
+            readings(0, 2, 6),
+            {"noise": "both", "objective": "rms-load"},
+            "objective = 'rms-load': conflicts with noise, which has a likelihood of its own",
+        ),
+        (
+            with_column("penetration_std_um", 0.05),
+            {"noise": "constant"},
+            "noise = 'constant': conflicts with penetration_std, which says the same",
+        ),
+        (
+            with_column("penetration_std_um", 0.05),
+            {"noise": "both"},
+            "noise = 'both': conflicts with the column penetration_std, which gives the noise",
+        ),
+        (
+            with_column("penetration_std_um", 0.05).assign(load_std_N_per_mm=1.0),
+            {"objective": "rms-penetration"},
+            "objective = 'rms-penetration': conflicts with load_std, which has a likelihood",
+        ),
+        (
+            readings(0, 2, 6),
+            {"noise": "constant", "objective": "rms-load"},
+            "noise = 'constant': conflicts with objective, which says the same; keep one of them",
+        ),
+        (readings(0, 2, 6), {"noise": "white"}, "noise = 'white': is not a known noise"),
+        (readings(0, 2, 6), {"load_error": 1.5}, "load_error = 1.5"),
+        (
+            readings(0, 2, 6),
+            {"free": ["c"], "fixed": {"c": 1.4}},
+            "free = 'c': is bounded, fixed or tied as well; keep one of them",
+        ),
+        (
+            readings(0, 2, 6),
+            {"free": ["kappa"]},
+            "free = 'kappa': is not a parameter of explicit for internal contact",
+        ),
+        (
+            readings(0, 4, 2),
+            {"group": "group", "noise": "constant"},
+            "group = '8 rows': are not more than 2 parameters and 6 effects of the series; measure",
+        ),
+        (readings(0, 2, 6), {"group": "date"}, "group = 'date'"),
+    ],
+)
+def test_what_contradicts_itself_is_told_in_a_line(frame, settings, message):
+    kept = {} if "group" in settings else {"ignore": ["group"]}
+    with pytest.raises(InputError) as caught:
+        cc.fit(frame, "explicit", PAIR, **settings, **kept)
+    assert message in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.fixture(scope="module")
+def series():
+    """Readings of six series, and their fit."""
+    frame = readings(31, 6, 8, offset=1e-4, gain=0.03)
+    return frame, cc.fit(frame, "explicit", PAIR, group="group", noise="constant", starts=3)
+
+
+@pytest.mark.slow
+def test_series_are_resampled_and_left_out_whole(series):
+    _, result = series
+    with pytest.raises(InputError, match="'rows': would tear apart the series of the noise model"):
+        study_noise(result, replicates=20)
+    study = study_noise(result, replicates=60, over="group", leave_out="group")
+    errors = {name: e.standard_error for name, e in result.uncertainty.estimates.items()}
+    assert study.bootstrap.standard_errors == pytest.approx(errors, rel=0.5)
+    assert [left.rows for left in study.left_out] == [8] * 6
+
+
+def test_a_series_left_out_is_judged_with_the_effects_of_a_random_one():
+    # Of five series four remain, which would be too few to estimate a deviation.
+    frame = readings(32, 5, 8, offset=2e-4, gain=0.03)
+    result = cc.fit(frame, "explicit", PAIR, group="group", noise="constant", starts=2)
+    problem = result.optimum.fit
+    deviations = {"proportional": 0.0, "drift": 0.0, **result.uncertainty.noise.deviations}
+    for left, rows in zip(
+        leave_one_out(result.optimum, "group"),
+        np.arange(40).reshape(5, 8),
+        strict=True,
+    ):
+        V, _, _ = dense(problem.noise.covariance.take(rows, np.zeros(8, int)), deviations)
+        law = problem.model.build(left.coefficients)
+        r = law.penetration(frame["load_N_per_mm"][rows].to_numpy(), PAIR)
+        r = r - 1e-3 * frame["penetration_um"][rows].to_numpy()
+        assert left.own_rms == pytest.approx(np.sqrt(r @ np.linalg.solve(V, r) / 8), rel=1e-6)
+
+
+# --- what a result does not depend on ---------------------------------------------------------
+
+
+def test_a_coefficient_at_its_bound_has_an_error(series):
+    frame, _ = series
+    # A rig stiffer than none at all: its compliance ends at the least that is allowed, 0.
+    frame = frame.assign(penetration_um=frame["penetration_um"] - 2e-4 * frame["load_N_per_mm"])
+    result = cc.fit(frame, "explicit", PAIR, group="group", noise="constant", **BOUNDED)
+    estimates = result.uncertainty.estimates
+    assert result.uncertainty.only_together == []
+    assert estimates["compliance"].verdict == "at a bound"
+    assert estimates["compliance"].standard_error > 0

@@ -1,0 +1,211 @@
+"""The optimisers: the same budget, the same answer for the same seed, the global optimum found."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from _cylcontact_bench.fig_optimizers import optimizer_runs
+
+from cylcontact import InputError
+from cylcontact.fitting import calibrate, read_campaign
+from cylcontact.fitting.calibration import problem_of
+from cylcontact.fitting.optimizer_comparison import (
+    as_text,
+    compare_optimizers,
+)
+from cylcontact.fitting.optimizers import (
+    OPTIMIZERS,
+    BudgetSpentError,
+    EvaluationBudget,
+    budget_of,
+)
+from cylcontact.fitting.polish import polish
+from cylcontact.reports.bench import Bench
+from tests.support.spec_files import assert_told, tree, write_bench
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def search(problem, optimizer, population, generations, crossover, seed):
+    """Search a problem with one of the optimisers."""
+    return OPTIMIZERS[optimizer].search(problem, population, generations, crossover, seed)
+
+
+@pytest.fixture(params=OPTIMIZERS)
+def optimizer(request):
+    """Each optimiser whose library is there."""
+    return request.param
+
+
+@pytest.fixture(params=[name for name, each in OPTIMIZERS.items() if each.spends_budget])
+def searching(request):
+    """Each optimiser that searches by itself."""
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def problem():
+    """The paper's external calibration, E up to 1000 GPa: three parameters, one basin."""
+    return problem_of(read_campaign(ROOT / "fitting/external-E1000.toml"), 1, lambda *_: None)[0]
+
+
+def test_every_optimiser_finds_the_optimum_that_is_known(problem, optimizer):
+    actual = search(problem, optimizer, 40, 60, "blend", seed=3)
+    point, value = polish(problem, actual.point)
+    assert value == pytest.approx(0.0547, abs=5e-5)
+    assert problem.coefficients(point) == pytest.approx(
+        {"a": 0.391, "b": 1.049, "n": 1.0933}, abs=5e-4
+    )
+
+
+def test_every_optimiser_searches_for_a_single_parameter(tmp_path, searching):
+    alone = {"parameters.n": {"value": 1.2, "fixed": True}}
+    problem, _ = problem_of(read_campaign(write_bench(tmp_path, alone)), 1, lambda *_: None)
+    values = [search(problem, searching, 20, 20, "blend", seed=seed).value for seed in range(4)]
+    assert values == pytest.approx([min(values)] * 4, rel=1e-2)
+
+
+def test_every_optimiser_keeps_to_the_budget(problem, searching):
+    spent = search(problem, searching, 20, 30, "blend", seed=3).evaluations
+    budget = budget_of(20, 30)
+    # The genetic search does not evaluate twins again; all others spend to the last.
+    assert (0.9 * budget <= spent <= budget) if searching == "genetic" else spent == budget
+
+
+def test_the_same_seed_gives_the_same_bits_whatever_the_global_generator(problem, optimizer):
+    actual = []
+    for state in (1, 2):
+        np.random.seed(state)  # noqa: NPY002 - the one that must play no part
+        before = np.random.get_state()[1].copy()  # noqa: NPY002
+        actual.append(search(problem, optimizer, 12, 20, "blend", seed=5))
+        assert (np.random.get_state()[1] == before).all()  # noqa: NPY002
+    assert actual[0].value == actual[1].value
+    assert actual[0].point.tobytes() == actual[1].point.tobytes()
+    assert search(problem, optimizer, 12, 20, "blend", seed=6).value != actual[0].value
+
+
+def test_the_value_is_that_of_the_point_which_lies_within_the_bounds(problem, optimizer):
+    actual = search(problem, optimizer, 12, 20, "blend", seed=5)
+    assert actual.value == problem.value(actual.point)
+    assert (actual.point >= problem.low).all()
+    assert (actual.point <= problem.high).all()
+
+
+def test_candidates_for_which_the_law_is_undefined_are_survived(problem, optimizer):
+    """With a and b also negative, K* is undefined over most of the box."""
+    wide = tuple(
+        replace(p, low=-3.0, high=1.5) if p.name in "ab" else p for p in problem.parameters
+    )
+    actual = search(replace(problem, parameters=wide), optimizer, 30, 40, "blend", seed=1)
+    assert np.isfinite(actual.value)
+
+
+def test_a_budget_is_spent_to_the_last_candidate_and_the_best_is_kept(problem):
+    metered = EvaluationBudget(problem, 5)
+    units = np.linspace(0.1, 0.9, 21).reshape(7, 3)
+    with pytest.raises(BudgetSpentError):
+        metered.values(units)
+    points = problem.low + units[:5] * (problem.high - problem.low)
+    assert metered.spent == 5
+    assert metered.value == problem.values(points).min()
+    assert (metered.point == points[problem.values(points).argmin()]).all()
+
+
+# --- campaigns --------------------------------------------------------------------------------
+
+
+def test_an_unknown_optimiser_is_refused(tmp_path):
+    path = write_bench(tmp_path, {"optimizer": "simplex"})
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert_told(
+        caught, path, "optimizer", "simplex", "is not a known optimiser", ", ".join(OPTIMIZERS)
+    )
+
+
+def test_a_missing_extra_is_named(small_campaign, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cma", None)  # what Python itself does for "not there"
+    spec = small_campaign.spec.model_copy(update={"optimizer": "cma"})
+    with pytest.raises(InputError) as caught:
+        calibrate(replace(small_campaign, spec=spec))
+    assert_told(
+        caught,
+        small_campaign.source,
+        "optimizer",
+        "cma",
+        "needs the extra 'peers'",
+        "make extras, or pip install 'cylcontact[peers]'",
+    )
+
+
+# --- the comparison ---------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def compared(small_campaign):
+    return compare_optimizers(small_campaign, list(OPTIMIZERS)[:3], jobs=2)
+
+
+def test_all_optimisers_share_seeds_and_polish(compared, small_result):
+    genetic, *others = (own for _, own in compared.groupby("optimizer", sort=False))
+    runs = small_result.runs
+    assert list(genetic["polished"]) == [run.objective for run in runs]
+    assert list(genetic["searched"]) == [run.objective_before_polish for run in runs]
+    for own in (genetic, *others):
+        assert list(own["seed"]) == [run.seed for run in runs]
+
+
+def test_the_table_counts_runs_in_the_best_basin(compared):
+    lines = as_text(compared).splitlines()[1:]
+    assert [line.split()[0] for line in lines] == list(OPTIMIZERS)[:3]
+    for line in lines:
+        own = compared[compared["optimizer"] == line.split()[0]]["polished"]
+        assert line.split()[-1] == f"{(own <= 1.001 * compared['polished'].min()).sum()}/3"
+
+
+def test_the_command_writes_the_file_and_shows_the_table(tmp_path, monkeypatch, run):
+    write_bench(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    arguments = ("--optimizer", "genetic,least-squares", "-o", "o.csv", "-j", 1)
+    code, said, _ = run("fit", "fitting/small.toml", *arguments)
+    assert code == 0
+    lines = said.splitlines()
+    assert [line.split()[0] for line in lines] == ["optimizer", "genetic", "least-squares"]
+    assert len((tmp_path / "o.csv").read_text().splitlines()) == 7
+    assert not [name for name in tree(tmp_path) if name.endswith((".lock", ".partial"))]
+
+
+# --- the figure -------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_the_figures_headline(figures):
+    """On the paper's internal campaign; the polish brings every run to the best."""
+    drawing = figures["fig_optimizers"].drawing
+    headline = dict(drawing.headline)
+    assert headline.pop("best objective") == pytest.approx(0.0637683, abs=5e-8)
+    assert headline == {f"{name}: share of runs in the best basin": 1.0 for name in OPTIMIZERS}
+    assert "seconds" not in drawing.table.columns
+    assert (drawing.table.groupby(["optimizer", "step"])["objective"].diff().dropna() >= 0).all()
+
+
+@pytest.mark.parametrize("contents", [None, "", "a,b\n1,2\n", "\0\0"])
+def test_a_comparison_that_is_not_there_is_asked_for(tmp_path, contents):
+    path = tmp_path / "optimizers-internal.csv"
+    if contents is not None:
+        path.write_text(contents)
+    with pytest.raises(InputError) as caught:
+        optimizer_runs(Bench(ROOT, tmp_path), "internal")
+    rule = "does not exist" if contents is None else "is not a comparison"
+    assert_told(caught, path, "", None, rule, "make it with: cylcontact fit")
+
+
+@pytest.mark.long
+def test_the_committed_comparison_is_what_the_command_gives():
+    fresh = compare_optimizers(read_campaign(ROOT / "fitting/internal.toml"), jobs=2)
+    committed = pd.read_csv(ROOT / "fitting/results/optimizers-internal.csv")
+    pd.testing.assert_frame_equal(fresh[["optimizer", "run", "seed"]], committed.iloc[:, :3])
+    np.testing.assert_allclose(fresh["polished"], committed["polished"], rtol=1e-6)

@@ -1,0 +1,200 @@
+"""Result files: written and read back whole, and refused when they are anything else."""
+
+import json
+import math
+import pickle
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cylcontact import InputError
+from cylcontact.fitting import FitResult, compare, fit_table, read_campaign
+from tests.support.measured_files import measured_campaign
+from tests.support.spec_files import DROP, assert_told, changed, labels, tree, write_bench
+
+COMMITTED = sorted((Path(__file__).resolve().parents[2] / "fitting/results").glob("*.json"))
+EXTERNAL = next(path for path in COMMITTED if path.stem == "external")
+
+
+# --- there and back ---------------------------------------------------------------------------
+
+
+def test_a_result_comes_back_as_it_was_saved(small_result, tmp_path):
+    path = tmp_path / "results/small.json"
+    small_result.save(path)
+    assert FitResult.read(path) == small_result
+    assert [file for file in tree(tmp_path) if file != "results"] == ["results/small.json"]
+
+
+def test_a_result_of_measurements_survives_pickling(tmp_path):
+    result = fit_table(measured_campaign(tmp_path, "johnson", starts=1))
+    assert len(result.residuals) == len(pickle.loads(pickle.dumps(result)).residuals)
+
+
+def test_saving_what_was_loaded_gives_the_same_bytes(small_result, tmp_path):
+    small_result.save(tmp_path / "one.json")
+    FitResult.read(tmp_path / "one.json").save(tmp_path / "two.json")
+    assert (tmp_path / "one.json").read_bytes() == (tmp_path / "two.json").read_bytes()
+
+
+@pytest.mark.parametrize("path", COMMITTED, ids=lambda path: path.stem)
+def test_every_committed_result_loads_and_saves_as_it_is(path, tmp_path):
+    result = FitResult.read(path)
+    assert result.name == path.stem
+    result.save(tmp_path / path.name)
+    assert (tmp_path / path.name).read_bytes() == path.read_bytes()
+
+
+def test_repeatable_leaves_out_times_and_provenance_only(small_result):
+    data, left = small_result.model_dump(), small_result.repeatable()
+    assert set(data) - set(left) == {"provenance"}
+    assert set(data["runs"][0]) - set(left["runs"][0]) == {"seconds"}
+    other = small_result.model_copy(
+        update={
+            "provenance": {},
+            "runs": [run.model_copy(update={"seconds": 99.0}) for run in small_result.runs],
+        }
+    )
+    assert other.repeatable() == left
+    assert other != small_result
+
+
+def test_a_result_says_what_it_was_made_with(small_result, small_campaign):
+    made_with = small_result.provenance
+    assert {"cylcontact", "git_commit", "spec_hashes", "python", "libraries"} == set(made_with)
+    assert set(made_with["spec_hashes"]) == {"campaign", "dataset"}
+    assert {"numpy", "scipy", "pygad"} <= set(made_with["libraries"])
+    assert small_result.settings == small_campaign.settings
+
+
+def git(folder, *arguments):
+    identity = ["-c", "user.name=n", "-c", "user.email=e", "-c", "commit.gpgsign=false"]
+    command = ["git", *identity, *arguments]
+    return subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+def test_the_commit_is_that_of_the_campaign_and_marked_when_changed(tmp_path):
+    campaign = read_campaign(write_bench(tmp_path))
+    git(tmp_path, "init", "--quiet")
+    git(tmp_path, "add", ".")
+    git(tmp_path, "commit", "--quiet", "--message", "all")
+    commit = git(tmp_path, "rev-parse", "HEAD").strip()
+    assert campaign.provenance["git_commit"] == commit
+    result = tmp_path / "fitting/results/small.json"
+    result.parent.mkdir()
+    result.write_text("{}")
+    git(tmp_path, "add", ".")
+    assert campaign.provenance["git_commit"] == commit  # results are what is made
+    write_bench(tmp_path, {"seed": 8})
+    assert campaign.provenance["git_commit"] == f"{commit}-dirty"
+
+
+# --- bad input --------------------------------------------------------------------------------
+
+REDO = "redo the fit"
+NUMBER, INTEGER = "must be a number", "must be an integer"
+NAMES = "must be the coefficients of its campaign: a, b, n"
+
+# Changes to a committed result; what stands after the file's name in the source of the error,
+# its key, value, rule and remedy.
+BAD_INPUT = [
+    # NaN in the settings
+    (
+        {"profiles.a.objective": [0.1, math.nan]},
+        *("", "profiles.a.objective.1", math.nan, "a finite number", "a value that fits"),
+    ),
+    (
+        {"settings.campaign.parameters.a.low": math.nan},
+        *(", settings.campaign", "parameters.a.low", math.nan, "a finite number", "lower bound"),
+    ),
+    # contradictions
+    ({"runs": []}, "", "runs", [], "must hold at least one run", REDO),
+    ({"coefficients": {"a": 0.4, "b": 0.9}}, "", "coefficients", ["a", "b"], NAMES, REDO),
+    ({"coefficients.m": 1.0}, "", "coefficients", ["a", "b", "m", "n"], NAMES, REDO),
+    ({"published.coefficients": {}}, "", "published.coefficients", [], NAMES, REDO),
+    ({"profiles.a.values": [0.4]}, "", "profiles.a", None, "as many values as", REDO),
+    ({"settings": {}}, "", "settings", None, "lacks the campaign or the dataset", REDO),
+    (
+        {"settings.campaign.seed": "1"},
+        *(", settings.campaign", "seed", "1", INTEGER, "the seed"),
+    ),
+    (
+        {"settings.dataset.axes.E.points": 0},
+        *(", settings.dataset", "axes.E.points", 0, "must be at least 2", "values = [...]"),
+    ),
+    (
+        {"settings.campaign.parameters.n": DROP},
+        *("", "parameters.n", None, "is required", "the law has a, b, n"),
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("changes", "where", "key", "value", "rule", "remedy"),
+    BAD_INPUT,
+    ids=labels(BAD_INPUT),
+)
+def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
+    tmp_path, changes, where, key, value, rule, remedy
+):
+    path = tmp_path / "r.json"
+    path.write_text(json.dumps(changed(json.loads(EXTERNAL.read_text("utf-8")), changes)))
+    with pytest.raises(InputError) as caught:
+        FitResult.read(path)
+    assert_told(caught, f"{path}{where}", key, value, rule, remedy)
+
+
+def test_a_profile_of_no_coefficient_is_refused(tmp_path):
+    data = json.loads(EXTERNAL.read_text("utf-8"))
+    data["profiles"]["m"] = data["profiles"]["a"]
+    (tmp_path / "r.json").write_text(json.dumps(data))
+    with pytest.raises(InputError, match=r"profiles\.m: must be that of a coefficient"):
+        FitResult.read(tmp_path / "r.json")
+
+
+def test_coefficients_of_a_run_are_checked_too(tmp_path):
+    data = json.loads(EXTERNAL.read_text("utf-8"))
+    del data["runs"][3]["coefficients"]["n"]
+    (tmp_path / "r.json").write_text(json.dumps(data))
+    with pytest.raises(InputError, match=r"runs\.3\.coefficients = \['a', 'b'\]: must be the"):
+        FitResult.read(tmp_path / "r.json")
+
+
+def test_a_foreign_table_is_refused_by_its_first_unknown_key(tmp_path):
+    path = tmp_path / "package.json"
+    path.write_text('{"name": "x", "dependencies": {}}')
+    with pytest.raises(InputError) as caught:
+        FitResult.read(path)
+    assert_told(caught, path, "dependencies", {}, "is not a known key", "name, law, contact")
+
+
+def test_a_result_that_loads_can_be_reported(tmp_path, small_result):
+    """Whatever passes the checks has a report, verdicts and a place in a comparison."""
+    small_result.save(tmp_path / "r.json")
+    result = FitResult.read(tmp_path / "r.json")
+    assert result.verdicts == small_result.verdicts
+    assert "small" in compare([result, FitResult.read(EXTERNAL)])
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "settings", "rule"),
+    [
+        ({"K_star": 50.0}, {}, "lies outside the bounds of its campaign, 0.5 to 10.0"),
+        ({"n": 0.5}, {}, "lies outside the bounds of its campaign, 1.0 to 1.5"),
+        ({}, {"value": 1.4, "fixed": True}, "must be the value that its campaign fixes, 1.4"),
+    ],
+)
+def test_coefficients_outside_the_campaigns_own_bounds_are_refused(
+    small_result, tmp_path, run, coefficients, settings, rule
+):
+    data = small_result.model_dump(exclude={"kind", "uncertainty"})
+    data["coefficients"] |= coefficients
+    data["settings"]["campaign"]["parameters"]["n"] |= settings
+    (tmp_path / "r.json").write_text(json.dumps(data))
+    for command in (("export", "--to", "c"), ("compare",)):
+        code, said, errors = run(command[0], tmp_path / "r.json", *command[1:])
+        assert (code, said, errors.count("\n")) == (2, "", 1)
+        assert rule in errors

@@ -1,0 +1,178 @@
+"""Ties: parameters set by arithmetic on others."""
+
+import ast
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cylcontact import InputError
+from cylcontact.fitting import FitResult, calibrate, fit_table, read_campaign
+from cylcontact.fitting.calibration import problem_of
+from cylcontact.fitting.problem import evaluate, require_valid
+from cylcontact.progress import silent
+from tests.support.spec_files import DROP, write_bench
+
+NAMES = ("a", "b", "n")
+TIED = {"parameters.K_star": DROP, "ties": {"K_star": "2*n"}}
+
+
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("a/10", 0.3),
+        ("1 + a/10", 1.3),
+        ("-a/10", -0.3),
+        ("+a - -b", 7.0),
+        ("2**a", 8.0),
+        ("-a**2", -9.0),
+        ("(a + b)*1e-1", 0.7),
+        ("a", 3.0),
+        ("  a - b - 1 ", -2.0),
+        ("0.5", 0.5),
+    ],
+)
+def test_expressions_are_arithmetic(expression, value):
+    require_valid({"n": expression}, ["a", "b"], NAMES, "campaign")
+    assert evaluate(expression, {"a": 3.0, "b": 4.0}) == pytest.approx(value, rel=1e-15)
+    arrays = {"a": np.full(5, 3.0), "b": np.full(5, 4.0)}
+    assert np.all(evaluate(expression, arrays) == evaluate(expression, {"a": 3.0, "b": 4.0}))
+
+
+numbers = st.floats(0.1, 10.0).map(lambda number: f"{number:.3f}")
+expressions = st.recursive(
+    st.one_of(numbers, st.sampled_from(["a", "b"])),
+    lambda inner: st.tuples(inner, st.sampled_from("+-*/"), inner).map(
+        lambda parts: f"({parts[0]} {parts[1]} {parts[2]})"
+    ),
+    max_leaves=6,
+)
+
+
+@given(expressions, st.floats(0.1, 10), st.floats(0.1, 10))
+def test_expressions_agree_with_python(expression, a, b):
+    tree = compile(ast.parse(expression, mode="eval"), "test", "eval")
+    try:
+        expected = eval(tree, {"__builtins__": {}}, {"a": a, "b": b})
+    except ZeroDivisionError:
+        assert not np.isfinite(evaluate(expression, {"a": a, "b": b}))
+        return
+    assert evaluate(expression, {"a": a, "b": b}) == expected
+
+
+@pytest.mark.parametrize("expression", ["a/0", "a**a**a**a", "0**-1", "(a - 3)/0", "1e300*1e300"])
+def test_arithmetic_without_a_value_is_not_a_number_or_infinite(expression):
+    assert not np.isfinite(evaluate(expression, {"a": 30.0}))
+
+
+ARITHMETIC = "may hold only numbers, names of parameters"
+
+
+@pytest.mark.parametrize(
+    ("ties", "key", "rule"),
+    [
+        ({"z": "a"}, "z", "is not a parameter of the law; its parameters: a, b, n"),
+        ({"a": "b"}, "a", "conflicts with [parameters.a]; keep one"),
+        ({"n": "x/10"}, "n", "names x, which is no parameter; use a, b"),
+        ({"n": "n + 1"}, "n", "names n, which is tied itself; use a, b"),
+        ({"b": "a", "n": "b"}, "n", "names b, which is tied itself; use a"),
+        *(
+            ({"n": text}, "n", ARITHMETIC)
+            for text in (
+                "",
+                "a +",
+                "a b",
+                "exp(a)",
+                "a.real",
+                "a[0]",
+                "[a]",
+                "a if a else b",
+                "a < b",
+                "a and b",
+                "not a",
+                "~1",
+                "a // 2",
+                "a % 2",
+                "a @ b",
+                "'a'",
+                "True",
+                "None",
+                "1j",
+                "1e999",
+                "lambda: 1",
+                "(a := 2)",
+                "a; b",
+                "a\nb",
+                "a\0",
+                "1or 2",
+                "__import__('os').getcwd()",
+                "().__class__",
+                "(" * 150 + "a" + ")" * 150,
+                "-" * 150 + "a" + "+0" * 50,
+                "a" + "+a" * 200,
+                "9" * 5000,
+            )
+        ),
+    ],
+)
+def test_what_cannot_be_a_tie_is_refused(ties, key, rule):
+    tables = [name for name in ("a", "b") if name not in ties or name == "a"]
+    with pytest.raises(InputError) as refused:
+        require_valid(ties, tables, NAMES, "campaign.toml")
+    message = str(refused.value)
+    assert message.startswith(f"campaign.toml: ties.{key}")
+    assert rule in message
+    assert "\n" not in message
+
+
+def test_a_tied_parameter_follows_the_others(tmp_path):
+    problem, _ = problem_of(read_campaign(write_bench(tmp_path, TIED)), 1, silent)
+    assert [p.name for p in problem.free] == ["n"]
+    point = np.array([1.2])
+    assert problem.coefficients(point) == {"K_star": 2.4, "n": 1.2}
+    assert problem.value(point) == problem.value_of({"K_star": 2.4, "n": 1.2})
+    assert pickle.loads(pickle.dumps(problem)).value(point) == problem.value(point)
+
+
+def test_a_fit_keeps_its_ties_and_says_so(tmp_path):
+    result = calibrate(read_campaign(write_bench(tmp_path, TIED)))
+    assert result.coefficients["K_star"] == 2 * result.coefficients["n"]
+    assert all(run.coefficients["K_star"] == 2 * run.coefficients["n"] for run in result.runs)
+    assert set(result.profiles) == {"n"}
+    result.save(tmp_path / "result.json")
+    again = FitResult.read(tmp_path / "result.json")
+    assert again == result
+    assert again.settings["campaign"]["ties"] == {"K_star": "2*n"}
+    (line,) = (line for line in str(again).splitlines() if line.startswith("K_star"))
+    assert line.endswith("= 2*n")
+
+
+def test_everything_tied_or_fixed_leaves_nothing_to_search(tmp_path):
+    fixed = {"parameters.n": {"value": 1.1, "fixed": True}}
+    with pytest.raises(InputError, match="all are fixed or tied; free at least one"):
+        read_campaign(write_bench(tmp_path, TIED | fixed))
+
+
+def test_a_tie_that_has_no_value_leaves_the_law_undefined(tmp_path):
+    broken = TIED | {"ties": {"K_star": "n/(n - n)"}}
+    with pytest.raises(InputError, match="within these bounds the law is undefined"):
+        problem_of(read_campaign(write_bench(tmp_path, broken)), 1, silent)
+
+
+def test_a_law_fitted_to_measurements_may_have_ties(tmp_path):
+    rows = [(dR, f) for dR in (0.05, 0.5) for f in (10.0, 30.0, 100.0, 300.0)]
+    n = 1.1
+    lines = [f"{f},{(f * dR / (2 * n * 1e5)) ** (1 / n)!r},{dR}" for dR, f in rows]
+    text = "load_N_per_mm,penetration_mm,dR_mm\n" + "\n".join(lines) + "\n"
+    (tmp_path / "table.csv").write_text(text)
+    (tmp_path / "campaign.toml").write_text(
+        'data = "table.csv"\ncontact = "internal"\nlaw = "power"\n'
+        '[constants]\nE_GPa = 182.0\nnu = 0.3\n[ties]\nK_star = "2*n"\n'
+    )
+    result = fit_table(read_campaign(tmp_path / "campaign.toml"))
+    assert result.coefficients == pytest.approx({"K_star": 2.2, "n": 1.1}, rel=1e-9)
+    assert list(result.uncertainty.estimates) == ["n"]
+    result.save(tmp_path / "result.json")
+    assert FitResult.read(tmp_path / "result.json") == result

@@ -1,0 +1,416 @@
+"""Persson's law against forty digits, direct quadrature and a numerical contact solver."""
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+from mpmath import mp
+
+from cylcontact import CylinderPair, InputError, Material
+from cylcontact.laws import Johnson, Persson
+from cylcontact.laws.conformal import load_at_angle, pressure
+from cylcontact.laws.foundation import DEPTH, Winkler
+from cylcontact.limits import hertz_stress
+from cylcontact.materials import material_in_MPa
+from tests.laws.test_conformal_any_pair import influence
+from tests.support.strategies import gaps, materials, powers_of_ten
+
+LAW = Persson()
+U = 0.8346152454776572  # the root of 2 − 2u² − ln(1 + u)
+LIMIT_ANGLE = 2 * np.arctan(np.sqrt(U))
+
+METHODS = ("load", "penetration", "stiffness")
+EPS = np.finfo(float).eps
+# With E* = 1 MPa and ΔR = 1 mm a load is φ and a penetration is δ/ΔR.
+UNIT = CylinderPair.from_dR("internal", 1.0, material_in_MPa("unit", E=2.0, nu=0.0))
+# R_i of a pair of ΔR = 1 mm and √(R_i·R_j) = 1 mm.
+GOLDEN = (1 + 5**0.5) / 2
+# Radii that are nearly the same.
+SLIM = CylinderPair.internal(10.0, 10.0 - 1e-6, Material("steel", 207e3, 0.3))
+
+load_numbers = powers_of_ten(-12, 8)
+peak_pressure = LAW.peak_pressure
+
+
+def contact_angle(load, pair):
+    """The semi-angle in radians."""
+    return np.radians(LAW.contact_angle(load, pair))
+
+
+# --- the formulas at high precision -----------------------------------------------------------
+
+
+def N_mp(u):
+    return 2 - 2 * u**2 - mp.log(1 + u)
+
+
+def U_mp():
+    return mp.findroot(N_mp, mp.mpf(U))
+
+
+def load_mp(u):
+    return 2 * mp.pi * u * (1 + u) / N_mp(u)
+
+
+def approach_mp(u):
+    small = mp.log(1 + u) / (2 * u * (1 + u)) - 2 / (1 + u) + 1 / (2 * (1 + u) ** 2)
+    return mp.log(4 * (1 + u) / u) + small
+
+
+def pressure_mp(angle, u):
+    """R·p/f, as Persson wrote it."""
+    y, B = mp.tan(angle / 2), mp.sqrt(1 + u)
+    s = mp.sqrt(abs(u - y**2))
+    logarithm = mp.log((B + s) / (B - s)) / (2 * mp.pi * u * (1 + u))
+    return 2 * s / (mp.pi * B * (1 + y**2)) + logarithm
+
+
+def arc_mp(phi):
+    """u under the load φ, by bracketing ln(u/(U − u)) with nothing of the package's."""
+    limit = U_mp()
+    bracket = (mp.log(phi) - 3, mp.log(phi) + 1)
+
+    def miss(spread):
+        return mp.log(load_mp(limit / (1 + mp.exp(-spread)))) - mp.log(phi)
+
+    spread = mp.findroot(miss, bracket, solver="anderson", tol=mp.mpf(10) ** (-mp.dps))
+    return limit / (1 + mp.exp(-spread))
+
+
+def integral_over_arc(integrand, u, *points):
+    """Integrate over θ from −ε to ε, with breaks at `points`."""
+    epsilon = 2 * mp.atan(mp.sqrt(u))
+    return mp.quad(integrand, sorted([-epsilon, mp.mpf(0), epsilon, *points]))
+
+
+def gap_mp(angle, u):
+    """π·E*/f·w(θ) by quadrature of the pressure, with the datum C = 2ln 2 − 3/2."""
+
+    def integrand(other):
+        alpha = angle - other
+        log = mp.log(2 * abs(mp.sin(alpha / 2)))
+        return pressure_mp(other, u) * (-2 * mp.cos(alpha) * log - mp.mpf(1) / 2)
+
+    return integral_over_arc(integrand, u, angle) + (2 * mp.log(2) - 1.5) * mp.cos(angle)
+
+
+ARCS = [1e-12, 1e-6, 1e-3, 0.05, 0.3, 0.7, 0.8346, U - 1e-9]
+
+
+@pytest.mark.parametrize("u", ARCS)
+def test_the_pressure_balances_the_load(u):
+    with mp.workdps(40):
+        u = mp.mpf(u)
+        carried = integral_over_arc(lambda a: pressure_mp(a, u) * mp.cos(a), u)
+        assert abs(carried - 1) < 1e-20
+
+
+@pytest.mark.parametrize("u", ARCS)
+def test_the_pressure_adds_up_to_what_the_penetration_was_derived_with(u):
+    with mp.workdps(40):
+        u = mp.mpf(u)
+        total = integral_over_arc(lambda a: pressure_mp(a, u), u)
+        assert abs(total * load_mp(u) / (2 * mp.pi * (2 / N_mp(u) - 1)) - 1) < 1e-20
+
+
+@pytest.mark.parametrize("part", [0.0, 0.3, 0.7, 1.0])
+@pytest.mark.parametrize("u", ARCS)
+def test_hole_and_pin_touch_all_along_the_arc(u, part):
+    """w(θ) = δcos θ − ΔR(1 − cos θ), with δ in closed form and w by quadrature."""
+    with mp.workdps(40):
+        u = mp.mpf(u)
+        angle = part * 2 * mp.atan(mp.sqrt(u))
+        initial = mp.pi / load_mp(u) * (1 - mp.cos(angle))
+        wanted = approach_mp(u) * mp.cos(angle) - initial
+        assert abs(gap_mp(angle, u) - wanted) < 1e-18 * approach_mp(u)
+
+
+@pytest.mark.parametrize("exponent", [-280, -100, -9, -3, -1, 0, 1, 3, 9, 100, 280])
+def test_the_law_holds_its_digits_however_small_or_complete_the_arc(exponent):
+    with mp.workdps(640):
+        t = mp.mpf(10) ** exponent  # u/(U − u)
+        u = U_mp() * t / (1 + t)
+        log = mp.log(1 + u)
+        phi, d = load_mp(u), load_mp(u) * approach_mp(u) / mp.pi
+        load_slope = (1 + 2 * u) / (u * (1 + u)) + (4 * u + 1 / (1 + u)) / N_mp(u)
+        Z_slope = -1 / (u * (1 + u)) + 2 / (1 + u) ** 2 - 1 / (1 + u) ** 3
+        Z_slope += (1 / (1 + u) - log * (1 + 2 * u) / (u * (1 + u))) / (2 * u * (1 + u))
+        compliance = (approach_mp(u) + Z_slope / load_slope) / mp.pi
+        exact = [d, phi, 1 / compliance, 2 * mp.atan(mp.sqrt(u)), phi * pressure_mp(mp.mpf(0), u)]
+        phi, d, *exact = (float(x) for x in (phi, d, *exact))
+    wide = CylinderPair.from_dR("internal", 1.0, UNIT.material_i, R_i=GOLDEN)
+    actual = (
+        LAW.penetration(phi, UNIT),
+        LAW.load(d, UNIT),
+        LAW.stiffness(d, UNIT),
+        contact_angle(phi, UNIT),
+        peak_pressure(phi, wide),
+    )
+    np.testing.assert_allclose(actual, exact, rtol=8 * EPS)
+
+
+# --- the law against quadrature and high precision --------------------------------------------
+
+
+@pytest.mark.slow
+@hypothesis_settings(max_examples=25)
+@given(powers_of_ten(-9, 4))
+@example(1e-9)
+@example(1e4)
+def test_the_penetration_is_the_quadrature_of_the_pressure(phi):
+    with mp.workdps(20):
+        exact = mp.mpf(phi) / mp.pi * gap_mp(mp.mpf(0), arc_mp(mp.mpf(phi)))
+    assert LAW.penetration(phi, UNIT) == pytest.approx(float(exact), rel=2e-15, abs=0)
+
+
+@given(load_numbers)
+@example(4 * np.pi / np.e**2)
+def test_both_directions_and_the_stiffness_hold_at_forty_digits(phi):
+    with mp.workdps(40):
+        u = arc_mp(mp.mpf(phi))
+        delta = float(mp.mpf(phi) * approach_mp(u) / mp.pi)
+        slope = mp.diff(load_mp, u) / mp.diff(lambda u: load_mp(u) * approach_mp(u) / mp.pi, u)
+        angle = float(2 * mp.atan(mp.sqrt(u)))
+    assert LAW.penetration(phi, UNIT) == pytest.approx(delta, rel=8 * EPS, abs=0)
+    assert LAW.load(delta, UNIT) == pytest.approx(phi, rel=32 * EPS, abs=0)
+    assert LAW.stiffness(delta, UNIT) == pytest.approx(float(slope), rel=32 * EPS, abs=0)
+    assert contact_angle(phi, UNIT) == pytest.approx(angle, rel=8 * EPS, abs=0)
+
+
+@given(load_numbers)
+def test_the_public_pressure_balances_the_load(phi):
+    pair = SLIM
+    f = phi * pair.E_star * pair.dR
+    # y = b·sin ψ takes the root out of the edges.
+    x, weights = np.polynomial.legendre.leggauss(60)
+    psi, b = np.pi / 2 * x, np.tan(contact_angle(f, pair) / 2)
+    y = b * np.sin(psi)
+    d_angle = np.pi / 2 * weights * 2 * b * np.cos(psi) / (1 + y**2)
+    angle, R = 2 * np.arctan(y), np.sqrt(pair.R_i * pair.R_j)
+    carried = np.sum(pressure(angle, f, pair) * np.cos(angle) * R * d_angle)
+    assert carried == pytest.approx(f, rel=1e-12, abs=0)
+
+
+@given(load_numbers)
+def test_the_angle_comes_back_from_its_load(phi):
+    """Near its limit the angle, being of double precision, holds fewer digits of the load."""
+    angle = contact_angle(phi, UNIT)
+    lost = EPS * (1 + phi)
+    assert load_at_angle(angle, UNIT) == pytest.approx(phi, rel=1e-14 + 32 * lost, abs=0)
+
+
+@given(powers_of_ten(-300, 300))
+def test_load_and_penetration_invert_each_other(x):
+    assert LAW.load(LAW.penetration(x, UNIT), UNIT) == pytest.approx(x, rel=32 * EPS, abs=0)
+    assert LAW.penetration(LAW.load(x, UNIT), UNIT) == pytest.approx(x, rel=32 * EPS, abs=0)
+
+
+@given(materials, gaps, load_numbers)
+def test_the_law_is_one_curve_in_dimensionless_variables(material, dR, phi):
+    pair = CylinderPair.from_dR("internal", dR, material)
+    f, d = phi * pair.E_star * dR, LAW.penetration(phi, UNIT)
+    assert LAW.penetration(f, pair) == pytest.approx(d * dR, rel=16 * EPS, abs=0)
+    assert LAW.load(d * dR, pair) == pytest.approx(f, rel=32 * EPS, abs=0)
+    slope = LAW.stiffness(d, UNIT) * pair.E_star
+    assert LAW.stiffness(d * dR, pair) == pytest.approx(slope, rel=32 * EPS, abs=0)
+
+
+# --- where the law begins and ends ------------------------------------------------------------
+
+
+@pytest.mark.parametrize("phi", [1e-9, 1e-7, 1e-5, 1e-3])
+def test_small_loads_are_those_of_hertz_and_johnson(phi):
+    """All depart from the half-plane in proportion to ε², hence to φ."""
+    f = phi * SLIM.E_star * SLIM.dR
+    half_width = 2 * np.sqrt(f * SLIM.R / (np.pi * SLIM.E_star))
+    a = np.sqrt(SLIM.R_i * SLIM.R_j) * contact_angle(f, SLIM)
+    assert a == pytest.approx(half_width, rel=phi, abs=0)
+    assert peak_pressure(f, SLIM) == pytest.approx(hertz_stress(f, SLIM), rel=phi, abs=0)
+    assert LAW.penetration(f, SLIM) == pytest.approx(Johnson().penetration(f, SLIM), rel=phi, abs=0)
+    x = np.linspace(-0.99, 0.99, 7)
+    ellipse = hertz_stress(f, SLIM) * np.sqrt(1 - x**2)
+    np.testing.assert_allclose(
+        pressure(x * contact_angle(f, SLIM), f, SLIM), ellipse, rtol=2 * phi + 1e-13
+    )
+
+
+@pytest.mark.parametrize("phi", [1e3, 1e5, 1e7])
+def test_large_loads_close_the_gap_in_proportion(phi):
+    """(ε∞ − ε)·φ → 2π√U/n with n = −dN/du at U, and d → φ·Z(U)/π."""
+    slope = 4 * U + 1 / (1 + U)
+    left = LIMIT_ANGLE - contact_angle(phi, UNIT)
+    assert left * phi == pytest.approx(2 * np.pi * np.sqrt(U) / slope, rel=2 / phi + phi * EPS)
+    Z = 1.430476152648423
+    assert phi / LAW.penetration(phi, UNIT) == pytest.approx(np.pi / Z, rel=2 / phi)
+    delta = LAW.penetration(phi, UNIT)
+    assert LAW.stiffness(delta, UNIT) == pytest.approx(np.pi / Z, rel=2 / phi)
+
+
+def test_the_angle_never_reaches_its_limit():
+    with mp.workdps(40):
+        assert float(U_mp()) == U
+    assert contact_angle(np.inf, UNIT) == pytest.approx(LIMIT_ANGLE, rel=EPS)
+    assert np.isnan(load_at_angle([LIMIT_ANGLE, 1.6, -0.1, np.nan], UNIT)).all()
+    assert load_at_angle(0.0, UNIT) == 0.0
+    assert contact_angle(0.0, UNIT) == 0.0
+
+
+def test_the_pressure_ends_with_the_contact_and_goes_round_with_the_angle():
+    f = 0.5 * SLIM.E_star * SLIM.dR
+    edge = contact_angle(f, SLIM)
+    np.testing.assert_array_equal(pressure([1.01 * edge, -2.0, np.pi], f, SLIM), 0.0)
+    assert pressure(0.9 * edge, f, SLIM) > 0
+    assert pressure(0.3 + 2 * np.pi, f, SLIM) == pytest.approx(pressure(0.3, f, SLIM), rel=1e-14)
+    assert np.isnan(pressure([np.nan, np.inf], f, SLIM)).all()
+
+
+def test_the_peak_is_the_closed_form():
+    f = np.array([1e-6, 0.1, 1.0, 100.0]) * SLIM.E_star * SLIM.dR
+    b, R = np.tan(contact_angle(f, SLIM) / 2), np.sqrt(SLIM.R_i * SLIM.R_j)
+    peak = f / (np.pi * R) * (2 * b / np.sqrt(1 + b**2) + np.arcsinh(b) / (b**2 * (1 + b**2)))
+    np.testing.assert_allclose(peak_pressure(f, SLIM), peak, rtol=1e-14)
+
+
+# --- an independent solution of the contact -----------------------------------------------------
+
+
+def solve_contact(phi, green, dR=1.0):
+    """Pressure at the nodes from 0 to 90°, penetration and contact, by an active set.
+
+    The contact is all of it at first; then nodes that pull leave, and nodes that overlap enter.
+    """
+    width, half = 2 * np.pi / green.size, green.size // 4
+    node = np.arange(half)
+    angle, twice = width * node, np.where(node > 0, 1.0, 0.0)
+    opening = green[abs(node[:, None] - node)] + twice * green[node[:, None] + node]
+    weight = (1 + twice) * np.cos(angle) * width * np.sinc(width / (2 * np.pi)) ** 2
+    contact = np.ones(half, dtype=bool)
+    for _ in range(30):
+        inside = np.flatnonzero(contact)
+        system = np.zeros((inside.size + 1, inside.size + 1))
+        system[:-1, :-1] = opening[np.ix_(inside, inside)]
+        system[:-1, -1], system[-1, :-1] = -np.cos(angle[inside]), weight[inside]
+        solution = np.linalg.solve(system, np.append(-dR * (1 - np.cos(angle[inside])), phi))
+        p, delta = np.zeros(half), solution[-1]
+        p[inside] = solution[:-1]
+        overlap = delta * np.cos(angle) - dR * (1 - np.cos(angle)) - opening @ p
+        renewed = np.where(contact, p > 0, overlap > 1e-12)
+        if np.array_equal(renewed, contact):
+            return angle, p, delta, contact
+        contact = renewed
+    raise AssertionError("the active set does not settle")
+
+
+NUMERICAL_LOADS = [0.1, 0.2, 0.63, 1.7, 5.0, 50.0, 1000.0]
+
+
+@pytest.fixture(scope="module")
+def green():
+    return influence(UNIT, 2048)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("phi", NUMERICAL_LOADS)
+def test_the_numerical_contact_has_the_same_pressure_and_angle(phi, green):
+    angle, p, _, contact = solve_contact(phi, green)
+    pair = CylinderPair.from_dR("internal", 1.0, UNIT.material_i, R_i=GOLDEN)
+    exact, edge = pressure(angle, phi, pair), contact_angle(phi, pair)
+    inner = angle < 0.9 * edge
+    np.testing.assert_allclose(p[inner], exact[inner], rtol=0, atol=2e-5 * exact[0])
+    # The edge falls between the last node in contact and the next.
+    assert abs(angle[contact].max() - edge) < angle[1]
+
+
+@pytest.mark.slow
+def test_the_numerical_contact_has_the_same_penetration_but_for_the_datum(green):
+    """The constant is C = 2ln 2 − 3/2 less the −1/2 that the mode n = 1 adds to the kernel."""
+    numerical = np.array([solve_contact(phi, green)[2] for phi in NUMERICAL_LOADS])
+    loads = np.array(NUMERICAL_LOADS)
+    shift = (LAW.penetration(loads, UNIT) - numerical) * np.pi / loads
+    np.testing.assert_allclose(shift, 2 * np.log(2) - 1, rtol=0, atol=3e-5)
+
+
+def test_the_numerical_contact_converges_to_the_law():
+    phi, errors = 1.0, []
+    pair = CylinderPair.from_dR("internal", 1.0, UNIT.material_i, R_i=GOLDEN)
+    for nodes in (256, 1024, 4096):
+        angle, p, _, _ = solve_contact(phi, influence(UNIT, nodes))
+        errors.append(np.sum(abs(p - pressure(angle, phi, pair))) * angle[1])
+    assert errors[0] > 6 * errors[1] > 36 * errors[2]
+    assert errors[2] < 1e-5
+
+
+# --- the foundation of Winkler ----------------------------------------------------------------
+
+
+@given(powers_of_ten(-8, 6), st.floats(0.2, 5.0))
+def test_the_foundation_is_the_sum_of_its_springs(d, depth):
+    with mp.workdps(40):
+        delta, k = mp.mpf(d), 1 / mp.mpf(depth)
+        epsilon = mp.acos(1 / (1 + delta))
+        load = 2 * k * mp.quad(lambda a: ((1 + delta) * mp.cos(a) - 1) * mp.cos(a), [0, epsilon])
+        slope = 2 * k * mp.quad(lambda a: mp.cos(a) ** 2, [0, epsilon])
+    law = Winkler(depth)
+    assert law.load(d, UNIT) == pytest.approx(float(load), rel=16 * EPS, abs=0)
+    assert law.stiffness(d, UNIT) == pytest.approx(float(slope), rel=16 * EPS, abs=0)
+
+
+@given(materials, gaps, load_numbers)
+def test_the_foundation_is_one_curve_too(material, dR, phi):
+    pair = CylinderPair.from_dR("internal", dR, material)
+    scaled = Winkler().penetration(phi * pair.E_star * dR, pair) / dR
+    assert scaled == pytest.approx(Winkler().penetration(phi, UNIT), rel=32 * EPS, abs=0)
+
+
+def test_the_default_depth_makes_complete_contact_as_stiff_as_perssons():
+    assert LAW.penetration(1e300, UNIT) * np.pi / 2e300 == pytest.approx(DEPTH, rel=4 * EPS)
+    assert Winkler().load(1e9, UNIT) == pytest.approx(LAW.load(1e9, UNIT), rel=1e-8)
+
+
+def test_the_foundation_is_too_soft_at_small_loads():
+    """f ~ δ^1.5, where the true contact is nearly linear."""
+    f = Winkler().load(np.array([1e-8, 1e-6]), UNIT)
+    assert np.log(f[1] / f[0]) / np.log(100) == pytest.approx(1.5, abs=1e-5)
+    assert Winkler().penetration(1e-6, UNIT) > 10 * LAW.penetration(1e-6, UNIT)
+
+
+# --- edges and bad input; test_every_law.py has the laws
+
+
+@pytest.mark.parametrize("law", [LAW, Winkler()])
+def test_nothing_ends_the_law(law):
+    assert law.load(np.inf, UNIT) == law.penetration(np.inf, UNIT) == np.inf
+    assert np.isfinite(law.stiffness(np.inf, UNIT))
+
+
+ASKED = [
+    *(lambda pair, m=m: getattr(LAW, m)(1.0, pair) for m in METHODS),
+    LAW.max_load,
+    LAW.max_penetration,
+    lambda pair: contact_angle(1.0, pair),
+    lambda pair: load_at_angle(1.0, pair),
+    lambda pair: pressure(0.0, 1.0, pair),
+    lambda pair: peak_pressure(1.0, pair),
+]
+
+
+@pytest.mark.parametrize("ask", ASKED)
+def test_rollers_and_different_materials_are_refused(ask, steel):
+    with pytest.raises(InputError, match=r"^Persson's law: pair.contact = 'external': must be int"):
+        ask(CylinderPair.external(10.0, 9.0, steel))
+    for other in (Material("bronze", 1e5, 0.3), Material("odd steel", 207e3, 0.2)):
+        with pytest.raises(InputError, match=f"material_j = '{other.name}': must have the same E"):
+            ask(CylinderPair.internal(10.0, 9.0, steel, material_j=other))
+    twin = Material("twin", steel.E, steel.nu)
+    assert ask(CylinderPair.internal(10.0, 9.0, steel, material_j=twin)) > 0
+    bare = CylinderPair.from_dR("internal", 0.5, steel)
+    if ask in ASKED[-2:]:
+        with pytest.raises(InputError, match="the contact pressure needs both radii"):
+            ask(bare)
+
+
+@pytest.mark.parametrize("depth", [0.0, -1.0, np.nan, np.inf])
+def test_a_foundation_needs_a_depth(depth):
+    with pytest.raises(InputError, match=r"^Winkler: depth = .*must be positive and finite"):
+        Winkler(depth)

@@ -1,0 +1,466 @@
+"""The law for any pair against printed numbers, closed forms, and a solution by harmonics."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+from mpmath import mp
+
+from cylcontact import CylinderPair, InputError, Material
+from cylcontact.laws import Conformal, Housing, Johnson, glauert
+from cylcontact.limits import hertz_stress
+from cylcontact.materials import material_in_MPa
+from tests.support.strategies import NOT_TOUCHING, powers_of_ten
+
+LAW = Conformal()
+METHODS = ("load", "penetration", "stiffness")
+ANGLES = ("contact_angle", "peak_pressure")
+MATERIALS = {
+    "steel": Material("steel", 207e3, 0.3),
+    "al": Material("aluminium", 70e3, 0.33),
+    "bronze": Material("bronze", 110e3, 0.34),
+    "PEEK": Material("PEEK", 3.6e3, 0.38),
+}
+# So large that ΔR = 1 mm is nothing beside it, and R_i = R_j.
+R = 2e6
+
+
+def pair_of(pin, hole, plane="strain", dR=1.0):
+    """A pair of named materials with R_i = R_j = R, as the theory takes them."""
+    bodies = MATERIALS[hole], MATERIALS[pin]
+    return CylinderPair("internal", dR, *bodies, R_i=R, R_j=R, plane=plane)
+
+
+def pair_of_shares(w_i, g_i, g_j, R_i=R, R_j=R):
+    """A pair in plane strain of E* = 1 MPa and ΔR = 1 mm with given shares and g = (κ−1)/(κ+1)."""
+    hole, pin = (
+        material_in_MPa(name, (1 - nu**2) / share, nu)
+        for name, share, nu in (
+            ("hole", w_i, (1 - 2 * g_i) / (2 - 2 * g_i)),
+            ("pin", 1 - w_i, (1 - 2 * g_j) / (2 - 2 * g_j)),
+        )
+    )
+    return CylinderPair("internal", 1.0, hole, pin, R_i=R_i, R_j=R_j)
+
+
+shares = st.floats(1e-3, 1 - 1e-3)
+contrasts = st.floats(0.0, 0.5)
+any_pairs = st.builds(pair_of_shares, shares, contrasts, contrasts)
+load_numbers = powers_of_ten(-12, 8)
+
+
+# --- printed numbers --------------------------------------------------------------------------
+
+# Pin, hole, plane, φ: ε in degrees, p₀R/f, d by Johnson's datum, C for a body force and the
+# harmonic n = 1 of a plate clamped at 20 R, d with it.
+CHECKS = [
+    ("steel", "steel", "strain", 0.3, 32.31302, 1.177145, 0.283428, 1.055013, 0.395033),
+    ("steel", "al", "strain", 0.03, 11.16521, 3.278727, 0.047932, 1.744896, 0.068004),
+    ("steel", "al", "strain", 1.0, 50.50110, 0.801989, 0.655212, 1.744896, 1.324271),
+    ("al", "steel", "strain", 0.3, 31.98661, 1.191797, 0.292268, 0.355948, 0.313882),
+    ("steel", "bronze", "strain", 1.0, 50.30638, 0.805908, 0.674658, 1.470073, 1.225424),
+    ("PEEK", "steel", "strain", 1.0, 50.82210, 0.806261, 0.731497, -0.351096, 0.502559),
+    ("steel", "al", "stress", 1.0, 51.03590, 0.794401, 0.633257, 1.740290, 1.302118),
+]
+
+
+@pytest.mark.parametrize(("pin", "hole", "plane", "phi", *(f"n{i}" for i in range(5))), CHECKS)
+def test_printed_numbers_come_out_to_their_last_digit(pin, hole, plane, phi, n0, n1, n2, n3, n4):
+    pair, housing = pair_of(pin, hole, plane), Housing(R_o=20 * R)
+    f = phi * pair.E_star
+    assert LAW.contact_angle(f, pair) == pytest.approx(n0, abs=5.1e-6)
+    assert LAW.peak_pressure(f, pair) * R / f == pytest.approx(n1, abs=5.1e-7)
+    assert LAW.penetration(f, pair) == pytest.approx(n2, abs=5.1e-7)
+    (kernel,) = housing.kernels(pair)[1]
+    assert housing.constant(pair) + 2 * kernel.g[1, 1] == pytest.approx(n3, abs=5.1e-7)
+    assert Conformal(n3).penetration(f, pair) == pytest.approx(n4, abs=6e-7)
+
+
+# --- closed forms at β = 0 --------------------------------------------------------------------
+
+
+def S_mp(phi, w):
+    """S under the load φ at β = 0, by bisection of S·K."""
+    low, high = mp.mpf(0), mp.mpf(1)
+    for _ in range(200):
+        middle = (low + high) / 2
+        H = 2 * middle - (1 - middle) ** 2 * mp.log(1 - middle) / middle
+        is_below = (1 - middle) ** 2 / middle - w * H > mp.pi / phi
+        low, high = (middle, high) if is_below else (low, middle)
+    return low
+
+
+@given(load_numbers, powers_of_ten(-6, 6))
+@hypothesis_settings(max_examples=40)
+def test_incompressible_bodies_of_any_moduli_are_the_closed_form(phi, ratio):
+    """ν = 0.5 makes β zero; π·E*·dδ/df has a closed form of its own."""
+    hole, pin = material_in_MPa("hole", 1.0, 0.5), material_in_MPa("pin", ratio, 0.5)
+    pair = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
+    assert pair.beta == 0
+    with mp.workdps(60):
+        w = mp.mpf(ratio) / (1 + mp.mpf(ratio))
+        S = S_mp(mp.mpf(phi), w)
+        b2, C = S / (1 - S), 2 * mp.log(2) - 1 - w
+        H = 2 * S - (1 - S) ** 2 * mp.log(1 - S) / S
+        d = mp.mpf(phi) / mp.pi * (-mp.log(S) + S**2 / 2 + w * H + C)
+        slope = -mp.log(S) - 1 + 2 * S - S**2 / 2 + C
+        slope += w * (1 + S) ** 2 / (1 + w * (b2 - mp.log(1 + b2)))
+        angle = mp.degrees(2 * mp.asin(mp.sqrt(S)))
+    f = phi * pair.E_star
+    assert LAW.penetration(f, pair) == pytest.approx(float(d), rel=1e-13)
+    assert LAW.load(float(d), pair) == pytest.approx(float(f), rel=1e-13)
+    assert LAW.contact_angle(f, pair) == pytest.approx(float(angle), rel=1e-13)
+    stiffness = float(mp.pi / slope) * pair.E_star
+    assert LAW.stiffness(float(d), pair) == pytest.approx(stiffness, rel=1e-12)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_no_ratio_of_moduli_is_too_large(nu, sign):
+    """The departure from one body being rigid is of first order in the other's share."""
+    phi = np.array([1e-6, 1e-2, 1.0, 1e3])
+
+    def asked(exponent):
+        hole, pin = (
+            material_in_MPa("hole", 1.0, nu),
+            material_in_MPa("pin", 10.0 ** (sign * exponent), nu),
+        )
+        pair = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
+        f = phi * pair.E_star
+        d = LAW.penetration(f, pair)
+        np.testing.assert_allclose(LAW.load(d, pair), f, rtol=1e-13)
+        return np.array([d, LAW.stiffness(d, pair) / pair.E_star])
+
+    rigid = asked(150)
+    for exponent in (3, 6, 9):
+        assert np.abs(asked(exponent) / rigid - 1).max() < 5 * 10.0**-exponent
+    for exponent in (16, 30, 300):
+        np.testing.assert_allclose(asked(exponent), rigid, rtol=1e-11)
+
+
+@pytest.mark.parametrize(("ratio", "limit"), [(1e12, 72.348301), (1.0, 84.827946)])
+def test_the_arc_ends_at_its_limit(ratio, limit):
+    hole, pin = material_in_MPa("hole", 1.0, 0.5), material_in_MPa("pin", ratio, 0.5)
+    pair = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
+    assert LAW.contact_angle(1e300, pair) == pytest.approx(limit, abs=1e-6)
+
+
+def test_a_rubber_pin_in_a_rigid_hole_can_close_all_around():
+    """(1 − S)² → 2w_i at complete contact, so the limit angle tends to 180° with w_i."""
+    w_i = np.array([0.25, 1e-4, 1e-8, 1e-12])
+    hole, pin = material_in_MPa("hole", 1.0, 0.5), material_in_MPa("pin", w_i / (1 - w_i), 0.5)
+    pair = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
+    limit = LAW.contact_angle(np.inf, pair)
+    assert limit[0] == pytest.approx(96.644995, abs=1e-6)
+    left = np.cos(np.radians(limit[2:]) / 2) ** 2
+    np.testing.assert_allclose(left, np.sqrt(2 * w_i[2:]), rtol=1e-3)
+
+
+# --- the series -------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_the_series_converges_so_that_its_error_can_be_measured():
+    b = np.array([0.01, 0.3, 0.8, 1.0])
+    for beta in (0.5, -0.5):
+        exact = glauert.glauert(b, beta, 512)
+        errors = []
+        for terms in (12, 24, 48):
+            found = glauert.glauert(b, beta, terms)
+            errors.append(
+                [np.max(np.abs(x / y - 1)) for x, y in zip(found[:3], exact[:3], strict=True)]
+            )
+        # With 12 and 48 terms: that of a and h goes about with their −6th power, the peak's −4th.
+        assert np.all(np.array(errors[0]) > np.array([2000, 2000, 225]) * errors[2])
+
+
+@pytest.mark.slow
+@given(any_pairs, st.floats(0.02, 0.98))
+@hypothesis_settings(max_examples=30)
+def test_the_interpolated_contact_is_the_series_of_four_times_the_terms(pair, part):
+    """From an arc of the series with many terms to its load, and back through the law."""
+    limit = np.radians(LAW.contact_angle(1e300, pair))
+    angle = part * limit
+    b, beta = np.tan(angle / 2), float(pair.beta)
+    exact = glauert.glauert(np.array([b]), beta, 400)
+    S, (w_i, _) = np.sin(angle / 2) ** 2, pair.shares
+    f = np.pi * S / (exact.a[0] - w_i * S * (1 + S * exact.h[0])) * pair.E_star
+    assert LAW.contact_angle(f, pair) == pytest.approx(np.degrees(angle), rel=1e-11)
+    assert LAW.peak_pressure(f, pair) * R / f == pytest.approx(exact.peak[0], rel=1e-9)
+
+
+@pytest.mark.slow
+def test_the_remainder_is_proportional_to_a_small_beta(monkeypatch):
+    angles = np.linspace(0.01, 3.0, 50)
+    for beta in (7e-6, -7e-6):
+        small = glauert.remainder(beta)
+        with monkeypatch.context() as patch:
+            patch.setattr(glauert, "_SMALL_BETA", 0.0)
+            full = glauert.remainder.__wrapped__(beta)
+        for name in ("additions", "peak"):
+            difference = getattr(small, name)(angles) - getattr(full, name)(angles)
+            assert np.max(np.abs(difference)) < 5e-10
+
+
+def test_complete_contact_of_a_rigid_hole_is_the_end_of_the_series():
+    """At ε = 180° p = (1 + cos θ)/π in units of f/R: 2Â = −2β and M = 5/2 + 5/2·β exactly."""
+    small = glauert.remainder(1e-5)
+    end = np.pi
+    assert small.additions(end)[0] / 1e-5 == pytest.approx(-2, abs=0.02)
+    assert small.additions(end)[2] / 1e-5 == pytest.approx(2.5, abs=0.02)
+
+
+# --- an independent solution: Michell's harmonics and straight pieces of pressure ---------------
+
+
+def influence(pair, nodes, harmonics=200):
+    """E* times the gap at the nodes of a unit circle by a hat-shaped pressure at node 0.
+
+    A pressure cos nθ, n ≥ 2, moves a surface by complex potentials: with φ = αz^(n+1),
+    ψ = βz^(n−1) the disk by −[κ/(n + 1) + 1/(n − 1)]/(4μ), with φ = αz^(1−n), ψ = βz^(−n−1) the
+    plate by [κ/(n − 1) + 1/(n + 1)]/(4μ) outwards; a uniform one by −(κ − 1)/(4μ) and 1/(2μ).
+    The harmonic n = 1 is left out: it is a rigid displacement.
+    """
+    (kappa_i, kappa_j), moduli = pair.kolosov, pair.moduli
+    mu_i, mu_j = moduli[0] * (kappa_i + 1) / 8, moduli[1] * (kappa_j + 1) / 8
+    n, width = np.arange(nodes * harmonics), 2 * np.pi / nodes
+    gap = np.zeros(n.size)
+    gap[0] = 1 / (2 * mu_i) + (kappa_j - 1) / (4 * mu_j)
+    k = n[2:]
+    gap[2:] = (kappa_i / (k - 1) + 1 / (k + 1)) / (4 * mu_i)
+    gap[2:] += (kappa_j / (k + 1) + 1 / (k - 1)) / (4 * mu_j)
+    hat = width / np.pi * np.sinc(n * width / (2 * np.pi)) ** 2
+    hat[0] /= 2
+    folded = (gap * hat).reshape(harmonics, nodes).sum(axis=0)
+    return np.fft.fft(folded).real * pair.E_star
+
+
+def solve_arc(pair, part, pieces):
+    """φ, L (without the harmonic n = 1) and R·p₀/f for ε = 2π·part, with `pieces` on half an arc.
+
+    The pressure is zero at the edge, where hole and pin still touch; K and L are found with it.
+    """
+    nodes = round(pieces / part)
+    green, width = influence(pair, nodes), 2 * np.pi / nodes
+    node, at = np.arange(pieces), np.arange(pieces + 1)
+    angle = width * at
+    mirrored = np.where(node > 0, green[at[:, None] + node], 0.0)
+    carried = np.where(node > 0, 2, 1) * np.cos(angle[:-1]) * width
+    carried *= np.sinc(width / (2 * np.pi)) ** 2
+    system = np.zeros((pieces + 2, pieces + 2))
+    system[:-1, :-2] = green[abs(at[:, None] - node)] + mirrored
+    system[:-1, -2], system[:-1, -1] = 1 - np.cos(angle), -np.cos(angle)
+    system[-1, :-2] = carried
+    solution = np.linalg.solve(system, np.append(np.zeros(pieces + 1), 1.0))
+    return np.array([1 / solution[-2], np.pi * solution[-1], solution[0]])
+
+
+def extrapolated(pair, part):
+    """φ, L and R·p₀/f without the errors of first and second order, and how far that is safe."""
+    values = [solve_arc(pair, part, pieces) for pieces in (48, 96, 192, 384)]
+    ratios = np.diff(values, axis=0)[:-1] / np.diff(values, axis=0)[1:]
+    first = [2 * fine - coarse for coarse, fine in pairwise(values)]
+    second = [(4 * fine - coarse) / 3 for coarse, fine in pairwise(first)]
+    return second[-1], np.abs(second[-1] - first[-1]) + np.abs(second[-1] - second[-2]), ratios
+
+
+PARTS = (1 / 32, 1 / 8, 3 / 16)
+NUMERICAL_PAIRS = {
+    "steel in aluminium": pair_of("steel", "al"),
+    "aluminium in steel": pair_of("al", "steel"),
+    "PEEK in steel": pair_of("PEEK", "steel"),
+    "steel in PEEK": pair_of("steel", "PEEK"),
+    "plane stress": pair_of("steel", "al", "stress"),
+    "extreme β": pair_of_shares(0.02, 0.02, 0.49),
+    "other extreme β": pair_of_shares(0.98, 0.49, 0.02),
+    **{
+        f"random {i}": pair_of_shares(w, g, h)
+        for i, (w, g, h) in enumerate(np.random.default_rng(7).uniform(0.02, 0.48, (4, 3)))
+    },
+}
+
+
+@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize(
+    "pair",
+    [
+        pytest.param(pair, id=name, marks=pytest.mark.slow if name.startswith("random") else ())
+        for name, pair in NUMERICAL_PAIRS.items()
+    ],
+)
+def test_the_solution_by_harmonics_is_the_same(pair, part):
+    solution, error, ratios = extrapolated(pair, part)
+    np.testing.assert_allclose(ratios, 2.0, atol=0.15)  # first order, by the edge
+    assert np.all(error < 4e-5 * solution)
+    assert_same(pair, part, solution, error)
+    # What the error turns out to be: that of the solution by harmonics is a cautious one.
+    assert_same(pair, part, solution, 1e-6 * solution)
+
+
+@pytest.mark.parametrize("part", [1 / 4, 3 / 8])
+def test_the_solution_by_harmonics_is_the_same_on_arcs_of_90_and_135_degrees(part):
+    """A soft pin, whose largest arc is 137.7°; there φ is as uncertain as 1/K."""
+    pair = pair_of_shares(0.001, 0.02, 0.01)
+    solution, error, _ = extrapolated(pair, part)
+    assert np.all(error[1:] < 3e-6 * np.array([1, 5]))
+    assert_same(pair, part, solution, error)
+
+
+def assert_same(pair, part, solution, error):
+    """Angle, L and peak of the law at the load of a solution, within its error.
+
+    Without n = 1 the kernel lacks (1 + β)/2·cos ψ, so L is smaller by C + (1 + β)/2.
+    """
+    phi, L, peak = solution
+    relative, f = error[0] / phi, phi * pair.E_star
+    angle = np.radians(LAW.contact_angle(f, pair))
+    assert angle == pytest.approx(2 * np.pi * part, rel=relative)
+    shift = LAW.constant(pair) + (1 + pair.beta) / 2
+    mine = np.pi * LAW.penetration(f, pair) / phi
+    assert mine == pytest.approx(L + shift, abs=error[1] + relative)
+    assert LAW.peak_pressure(f, pair) * R / f == pytest.approx(peak, abs=error[2] + relative * peak)
+
+
+# --- limits -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("pin", "hole"), [("steel", "al"), ("al", "steel"), ("PEEK", "steel")])
+def test_small_loads_are_those_of_hertz_and_johnson(pin, hole):
+    """The departure is of first order in ε, as the 2.5·(256/45π²)·β·√(πφ) of the derivation."""
+    pair = pair_of(pin, hole)
+    phi = np.array([1e-12, 1e-10, 1e-8, 1e-6])
+    f = phi * pair.E_star
+    half_width = 2 * np.sqrt(phi / np.pi)
+    angle = np.radians(LAW.contact_angle(f, pair))
+    assert np.all(np.abs(angle / half_width - 1) < np.sqrt(phi))
+    assert np.all(np.abs(LAW.peak_pressure(f, pair) / hertz_stress(f, pair) - 1) < np.sqrt(phi))
+    difference = np.pi * (LAW.penetration(f, pair) - Johnson().penetration(f, pair)) / phi
+    leading = 2.5 * 256 / (45 * np.pi**2) * pair.beta * np.sqrt(np.pi * phi)
+    np.testing.assert_allclose(difference[2:], leading[2:], rtol=0.01)
+    assert np.all(np.abs(difference[:2]) < 2e-5)
+
+
+# --- properties -------------------------------------------------------------------------------
+
+
+@given(any_pairs, load_numbers)
+def test_load_and_penetration_invert_each_other(pair, x):
+    assert LAW.load(LAW.penetration(x, pair), pair) == pytest.approx(x, rel=1e-13, abs=0)
+    assert LAW.penetration(LAW.load(x, pair), pair) == pytest.approx(x, rel=1e-13, abs=0)
+
+
+@pytest.mark.slow
+@given(any_pairs, load_numbers)
+def test_stiffness_by_reciprocity_is_the_derivative_of_the_load(pair, d):
+    step = 1e-4 * d
+    (low, high), slope = LAW.load([d - step, d + step], pair), LAW.stiffness(d, pair)
+    assert (high - low) / (2 * step) == pytest.approx(float(slope), rel=1e-7)
+
+
+@given(any_pairs, st.floats(-3.5, 1.5))
+@hypothesis_settings(max_examples=30)
+def test_the_arc_does_the_same_work_on_pressure_and_displacement(pair, exponent):
+    """(δ + ΔR)·df − ΔR·d(f·H) = f·dδ along the arc, with H from the series itself."""
+    f = 10.0**exponent * np.array([1 - 1e-4, 1.0, 1 + 1e-4])
+    delta = LAW.penetration(f, pair)
+    b = np.tan(np.radians(LAW.contact_angle(f, pair)) / 2)
+    H = 1 + np.sin(np.arctan(b)) ** 2 * glauert.glauert(b, float(pair.beta)).h
+    left = (delta[1] + 1) * (f[2] - f[0]) - (f[2] * H[2] - f[0] * H[0])
+    assert left == pytest.approx(f[1] * (delta[2] - delta[0]), rel=2e-6)
+
+
+@pytest.mark.slow
+@given(any_pairs, load_numbers, st.floats(0.0, 3.0))
+def test_a_datum_adds_its_constant_times_the_load(pair, phi, more):
+    f = phi * pair.E_star
+    C = float(LAW.constant(pair)) + more
+    added = Conformal(datum=C).penetration(f, pair) - LAW.penetration(f, pair)
+    assert added == pytest.approx(more * phi / np.pi, rel=1e-9, abs=1e-13 * phi)
+
+
+def test_the_pin_and_the_plate_of_a_housing_are_their_limits():
+    """Far away the plate is (4w_i/(κ_i + 1)²)(κ_i·ln ρ − 1/κ_i); a diametral load 2·ln 2 − 1."""
+    pair = pair_of("al", "steel")
+    (w_i, w_j), (kappa_i, kappa_j) = pair.shares, pair.kolosov
+    rho = 1e6
+    spread, line = (Housing(rho * R, pin=pin) for pin in ("body-force", "diametral"))
+    plate = 4 * w_i / (kappa_i + 1) ** 2 * (kappa_i * np.log(rho) - 1 / kappa_i)
+    (kernel,) = spread.kernels(pair)[1]
+    assert kernel.h == pytest.approx(plate, rel=1e-10)
+    assert spread.constant(pair) == pytest.approx(-w_j / (kappa_j + 1), rel=1e-14)
+    assert line.constant(pair) == pytest.approx(w_j * (2 * np.log(2) - 1), rel=1e-14)
+    f = np.geomspace(1e-3, 10, 5) * pair.E_star
+    number = Conformal(float(spread.constant(pair) + plate)).penetration(f, pair)
+    np.testing.assert_allclose(Conformal(spread).penetration(f, pair), number, rtol=1e-10)
+
+
+# --- arrays and edges -------------------------------------------------------------------------
+
+
+def test_families_of_materials_are_their_members():
+    moduli, ratios = np.array([[70e3], [207e3]]), np.array([0.3, 0.3, 0.4])
+    steel, loads = MATERIALS["steel"], np.array([10.0, 1e4, 1e6])
+    family = CylinderPair("internal", 0.01, steel, Material("pins", moduli, ratios), R, R)
+    datum = Conformal(Housing(R_o=5 * R))
+    for law, method in [(LAW, m) for m in (*METHODS, *ANGLES)] + [(datum, "load")]:
+        values = loads if method in ("penetration", *ANGLES) else loads * 1e-9
+        result = getattr(law, method)(values, family)
+        assert result.shape == (2, 3)
+        for (row, column), value in np.ndenumerate(result):
+            one = Material("pin", float(moduli[row, 0]), float(ratios[column]))
+            pair = CylinderPair("internal", 0.01, steel, one, R, R)
+            assert value == pytest.approx(
+                float(getattr(law, method)(values[column], pair)), rel=1e-13
+            )
+
+
+@pytest.mark.parametrize("method", ["penetration", *ANGLES])
+def test_ends_of_the_domain(method):
+    pair = pair_of("steel", "al")
+    ask = getattr(LAW, method)
+    assert np.isnan(ask(NOT_TOUCHING, pair)).all()
+    assert ask(0.0, pair) == 0
+    assert type(ask(1e-3, pair)) is np.float64
+    assert LAW.max_load(pair) == LAW.max_penetration(pair) == np.inf
+
+
+# --- bad input and what is shown --------------------------------------------------------------
+
+
+def test_the_datum_shows_in_the_repr():
+    assert repr(Conformal()) == "Conformal(datum='johnson')"
+    joint = Conformal(Housing(R_o=200.0, pin="diametral"))
+    assert "diametral" in joint._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (lambda: Conformal("body"), "Conformal: datum = 'body': must be 'johnson', a finite"),
+        (lambda: Conformal(np.inf), "Conformal: datum = inf: must be 'johnson', a finite"),
+        (lambda: Conformal(None), "Conformal: datum: must be 'johnson'"),
+        (
+            lambda: Conformal(np.array([1.0, 2.0])),
+            "Conformal: datum = array([1., 2.]): must be 'johnson', a finite",
+        ),
+        (
+            lambda: Conformal(-2.0).load(1.0, pair_of("steel", "steel")),
+            "Conformal: datum = -2.0: makes the penetration decrease at large loads; this pair "
+            "needs C > -1.54418",
+        ),
+        (
+            lambda: LAW.peak_pressure(
+                1.0, CylinderPair.from_dR("internal", 1.0, MATERIALS["steel"])
+            ),
+            "the contact pressure needs both radii",
+        ),
+    ],
+)
+def test_bad_input_is_one_line(ask, message):
+    with pytest.raises(InputError) as error:
+        ask()
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)

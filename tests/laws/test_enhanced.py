@@ -1,0 +1,177 @@
+import math
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+from cylcontact import CylinderPair, Material, laws
+from cylcontact.laws import PUBLISHED, Enhanced, ExternalCoefficients, InternalCoefficients
+from cylcontact.laws.enhanced import internal_exponent
+from tests.support.paper_equations import e_star, factor_and_exponent
+from tests.support.strategies import moduli, ratios
+
+LAW = Enhanced()
+PUBLISHED_Y = (1.51, -0.151, 0.0151, 1.151)
+
+# ΔR in mm over the whole range that Eq 6 states, on both sides of the switch of Y.
+INTERNAL = [0.005, 0.0075, 0.05, 0.1, 0.3, 0.349, 0.35, 0.5, 1.0, 3.0, np.nextafter(10.0, 0)]
+EXTERNAL = [1.0, 5.0, 140.0, 500.0]
+ALL = [("internal", dR) for dR in INTERNAL] + [("external", dR) for dR in EXTERNAL]
+in_range = st.tuples(st.just("internal"), st.floats(0.005, 9.999)) | st.tuples(
+    st.just("external"), st.floats(1.0, 1000.0)
+)
+
+
+def steel_pair(contact, dR):
+    return CylinderPair.from_dR(contact, dR, Material("steel", E=207e3, nu=0.3))
+
+
+def first_branch(dR):
+    return 1.51 * math.log(1000 * dR) ** -0.151
+
+
+def second_branch(dR):
+    return 0.0151 * dR + 1.151
+
+
+# --- Eqs 5 and 6 ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("contact", "dR"), ALL)
+def test_the_published_law_is_eqs_5_and_6(contact, dR):
+    pair = steel_pair(contact, dR)
+    K, n = factor_and_exponent(e_star(207e3, 0.3), dR, contact)
+    for load in (1.0, 10.0, 1000.0):
+        delta = (load / K) ** (1 / n)
+        assert LAW.penetration(load, pair) == pytest.approx(delta, rel=4e-15, abs=0)
+        assert LAW.load(delta, pair) == pytest.approx(load, rel=4e-15)
+
+
+@given(
+    in_range.filter(lambda at: at[0] == "external" or abs(at[1] - 0.34954) > 1e-6), moduli, ratios
+)
+def test_factor_and_exponent_are_eqs_5_and_6_for_any_material(at, E, nu):
+    pair = CylinderPair.from_dR(*at, Material("any", E=E, nu=nu))
+    contact, dR = at
+    K, n = factor_and_exponent(e_star(E, nu), dR, contact)
+    assert LAW.factor(pair) == pytest.approx(K, rel=2e-15, abs=0)
+    assert LAW.exponent(pair) == pytest.approx(n, rel=2e-15, abs=0)
+
+
+def test_the_published_coefficients_are_those_of_eq_6():
+    assert list(PUBLISHED) == ["internal", "external"]
+    assert list(asdict(PUBLISHED["internal"]).values()) == [
+        *(0.965, 0.0965),
+        *PUBLISHED_Y,
+        -0.005,
+    ]
+    assert list(asdict(PUBLISHED["external"]).values()) == [0.39, 0.85, 1.094]
+
+
+# --- Y and its two branches -------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def crossing():
+    return brentq(lambda dR: first_branch(dR) - second_branch(dR), 0.1, 1.0, xtol=1e-12)
+
+
+def test_Y_is_the_papers_branch_on_either_side_of_the_crossing(crossing):
+    below = np.geomspace(0.005, crossing, 400)[:-1]
+    above = np.geomspace(crossing, 10.0, 400)[1:]
+    expected_below = [first_branch(dR) for dR in below]
+    expected_above = [second_branch(dR) for dR in above]
+    np.testing.assert_allclose(
+        internal_exponent(below, *PUBLISHED_Y, 0.0), expected_below, rtol=1e-15
+    )
+    np.testing.assert_allclose(
+        internal_exponent(above, *PUBLISHED_Y, 0.0), expected_above, rtol=1e-15
+    )
+
+
+def test_factor_and_exponent_follow_other_coefficients():
+    """The switch of Y lies where the two branches meet, at other clearances than the paper's."""
+    own = InternalCoefficients(a=0.5, b=0.25, Y_offset=1.18, n_exponent=-0.1)
+    dR, law = np.array([0.05, 0.3]), Enhanced(own)
+    pair = steel_pair("internal", dR)
+    Y = np.array([first_branch(0.05), 0.0151 * 0.3 + 1.18])
+    np.testing.assert_allclose(law.exponent(pair), Y * dR**-0.1, rtol=1e-15)
+    np.testing.assert_allclose(law.factor(pair), (0.5 * dR + 0.25) * pair.E_star / dR, rtol=1e-15)
+
+
+# --- where the law is defined -----------------------------------------------------------------
+
+METHODS = ("load", "penetration", "stiffness")
+OUTSIDE = [1e-9, 0.001, 0.002, np.nextafter(0.005, 0.0), 10.0, 20.0]
+
+
+@pytest.mark.parametrize("dR", OUTSIDE)
+def test_outside_its_range_of_dR_the_internal_law_is_nan(dR):
+    pair = steel_pair("internal", dR)
+    answers = [getattr(LAW, method)(1e-3, pair) for method in METHODS]
+    answers += [LAW.max_load(pair), LAW.max_penetration(pair), LAW.factor(pair), LAW.exponent(pair)]
+    assert np.all(np.isnan(answers))
+
+
+@pytest.mark.parametrize(("contact", "dR"), [*ALL, ("external", 0.001), ("external", 1e4)])
+def test_inside_it_the_law_has_no_limit(contact, dR):
+    pair = steel_pair(contact, dR)
+    assert LAW.max_load(pair) == LAW.max_penetration(pair) == np.inf
+    assert np.all(np.isfinite([getattr(LAW, method)(1e-3, pair) for method in METHODS]))
+
+
+def test_nan_takes_only_the_pairs_outside_the_range():
+    pair = steel_pair("internal", [0.001, 0.05, 1.0, 10.0])
+    load = LAW.load(1e-3, pair)
+    np.testing.assert_array_equal(np.isnan(load), [True, False, False, True])
+    assert load[1] == LAW.load(1e-3, steel_pair("internal", 0.05))
+
+
+@pytest.mark.parametrize("changed", [{"b": -0.2}, {"a": 0.0, "b": 0.0}, {"Y_log_scale": -1.0}])
+def test_coefficients_that_give_no_stiffness_give_nan(changed):
+    """A negative or zero factor or exponent would give a load of the wrong sign, or none."""
+    no_Y = {"Y_slope": 0.0, "Y_offset": 0.0} if "Y_log_scale" in changed else {}
+    law = Enhanced(asdict(InternalCoefficients()) | changed | no_Y)
+    pair = steel_pair("internal", 0.05)
+    assert np.all(np.isnan([getattr(law, method)(1.0, pair) for method in METHODS]))
+    assert np.isnan(law.max_load(pair))
+
+
+# --- coefficients of one's own ----------------------------------------------------------------
+
+
+def test_coefficients_may_come_as_a_mapping_of_names():
+    by_name = Enhanced({"n": 1.1, "a": 0.4, "b": 0.8})
+    assert by_name == Enhanced(ExternalCoefficients(a=0.4, b=0.8, n=1.1))
+    pair = steel_pair("external", 100.0)
+    expected = 40.8 * 207e3 / (2 * 0.91) / 100.0 * 0.01**1.1
+    assert by_name.load(0.01, pair) == pytest.approx(expected, rel=2e-15)
+
+
+# --- Eq 9 -------------------------------------------------------------------------------------
+
+
+def test_the_difference_is_that_of_penetrations_at_equal_load_in_percent():
+    pair = steel_pair("internal", 0.05)
+    judged, truth = LAW.penetration(40.0, pair), laws.Johnson().penetration(40.0, pair)
+    difference = laws.difference_percent(LAW, laws.Johnson(), 40.0, pair)
+    assert difference == pytest.approx(100 * (judged / truth - 1), rel=0, abs=1e-13)
+
+
+def test_a_stiffer_law_differs_by_a_negative_percentage(pair):
+    soft, stiff = laws.PowerLaw(n=1.0, K=1.0), laws.PowerLaw(n=1.0, K=4.0)
+    assert laws.difference_percent(stiff, soft, 7.0, pair) == -75.0
+    assert laws.difference_percent(soft, stiff, 7.0, pair) == 300.0
+    assert laws.difference_percent(soft, soft, 7.0, pair) == 0.0
+
+
+def test_the_difference_is_nan_where_either_law_is_undefined_and_at_zero_load():
+    pair = steel_pair("internal", [[0.001], [0.05]])
+    beyond = 1.01 * laws.Johnson().max_load(steel_pair("internal", 0.05))
+    difference = laws.difference_percent(LAW, laws.Johnson(), [0.0, -1.0, 10.0, beyond], pair)
+    np.testing.assert_array_equal(
+        np.isfinite(difference), [[False] * 4, [False, False, True, False]]
+    )

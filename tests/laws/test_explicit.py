@@ -1,0 +1,96 @@
+"""The explicit law: its promised accuracy, its inverse, and that it holds everywhere."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+
+from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact.fitting import FitResult
+from cylcontact.laws.explicit import CALIBRATED
+from cylcontact.materials import material_in_MPa
+
+UNIT = material_in_MPa("of unit composite modulus", E=2.0, nu=0.0)
+STEEL = Material("steel", E=207e3, nu=0.3)
+LAW = laws.Explicit()
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def unit_pair(contact):
+    """E* = 1 MPa and ΔR = 1 mm: a load is φ and a penetration d."""
+    return CylinderPair.from_dR(contact, 1.0, UNIT)
+
+
+@pytest.mark.parametrize(
+    ("contact", "reference", "phi", "percent"),
+    [
+        ("internal", laws.Persson(), np.geomspace(1e-6, 60, 20001), 0.12),
+        ("external", laws.Johnson(), np.geomspace(1e-9, 0.02, 20001), 0.07),
+    ],
+)
+def test_load_is_as_accurate_as_promised(contact, reference, phi, percent):
+    pair = unit_pair(contact)
+    load = LAW.load(reference.penetration(phi, pair), pair)
+    error = 100 * np.abs(load / phi - 1).max()
+    assert 0.5 * percent < error < percent
+
+
+def test_explicit_penetration_is_as_accurate_as_promised():
+    pair, phi = unit_pair("internal"), np.geomspace(1e-6, 60, 20001)
+    ratio = laws.explicit_penetration(phi, pair) / laws.Persson().penetration(phi, pair)
+    assert 0.36 < 100 * np.abs(ratio - 1).max() < 0.37
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_formula_in_forty_digits(contact):
+    mp.dps = 40
+    c, A, B = (mpf(float(v)) for v in vars(CALIBRATED[contact]).values())
+    for d in np.geomspace(1e-14, 1e8, 45):
+        x = mpf(float(d))
+        L = c + mp.log(1 + A / x * (c + mp.log(1 + A / x * mp.log(B / x))))
+        assert float(LAW.load(d, unit_pair(contact))) == pytest.approx(float(mp.pi * x / L), 4e-15)
+
+
+@given(
+    E=st.floats(1e2, 1e7),
+    nu=st.floats(0, 0.5),
+    dR=st.floats(1e-4, 1e3),
+    depth=st.floats(-12, 6),
+    contact=st.sampled_from(["internal", "external"]),
+)
+def test_round_trip_and_scaling(E, nu, dR, depth, contact):
+    pair = CylinderPair.from_dR(contact, dR, material_in_MPa("any", E=E, nu=nu))
+    d = 10.0**depth
+    load = LAW.load(d * dR, pair)
+    assert LAW.penetration(load, pair) == pytest.approx(d * dR, rel=1e-12)
+    assert load / (pair.E_star * dR) == pytest.approx(LAW.load(d, unit_pair(contact)), rel=1e-12)
+
+
+def test_the_one_line_penetration_is_zero_at_first_touch_and_nan_for_a_negative_load():
+    pair = CylinderPair.from_dR("internal", 0.05, STEEL)
+    np.testing.assert_array_equal(laws.explicit_penetration([0.0, -1.0], pair), [0.0, np.nan])
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "rule"),
+    [
+        ({"c": 0.0, "A": 0.4, "B": 4.0}, "must be positive and finite"),
+        ({"c": 1.4, "A": np.inf, "B": 4.0}, "must be positive and finite"),
+        ({"c": 0.01, "A": 1.0, "B": 0.5}, "a logarithm fails at some penetration"),
+    ],
+)
+def test_constants_that_make_no_law_are_refused(coefficients, rule):
+    with pytest.raises(InputError, match=rule):
+        laws.Explicit(coefficients)
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_rounded_constants_are_those_the_campaign_found(contact):
+    result = FitResult.read(ROOT / f"fitting/results/explicit-{contact}.json")
+    for name, value in result.coefficients.items():
+        assert getattr(CALIBRATED[contact], name) == pytest.approx(value, rel=5e-4)
+    assert result.objective.value < 0.09
+    assert laws.Explicit(result.coefficients).coefficients.c == result.coefficients["c"]

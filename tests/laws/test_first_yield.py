@@ -1,0 +1,237 @@
+"""First yield by von Mises and Tresca."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from cylcontact import CylinderPair, Material, laws, limits
+from cylcontact.stress import pressure_along
+from cylcontact.yield_search import Body, _rows, _table
+from tests.laws.test_stress import michell
+
+STEEL = Material("steel", 207e3, 0.3, yield_stress=250.0)
+ALUMINIUM = Material("aluminium", 70e3, 0.33, yield_stress=150.0)
+PEEK = Material("PEEK", 3.6e3, 0.38, yield_stress=100.0)
+
+
+def snug(hole, pin, stress_to_stiffness, plane="strain"):
+    """A pair with R = 1 mm and E*·ΔR = 1 N/mm over σ_Y of the hole, by scaling the clearance."""
+    sheet = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin, plane=plane)
+    dR = hole.yield_stress / (sheet.E_star * stress_to_stiffness)
+    R_i = dR / 2 + np.sqrt(1 + dR**2 / 4)  # √(R_i·R_j) = 1
+    return CylinderPair.from_dR("internal", dR, hole, R_i=R_i, material_j=pin, plane=plane)
+
+
+def von_mises(rr, hoop, shear, nu):
+    across = nu * (rr + hoop)
+    sides = (rr - hoop) ** 2 + (hoop - across) ** 2 + (across - rr) ** 2
+    return np.sqrt(sides / 2 + 3 * shear**2)
+
+
+def tresca(rr, hoop, shear, nu):
+    radius, middle = np.hypot((rr - hoop) / 2, shear), (rr + hoop) / 2
+    principal = np.stack([middle - radius, middle + radius, nu * (rr + hoop)])
+    return principal.max(axis=0) - principal.min(axis=0)
+
+
+EQUIVALENT = {"von Mises": von_mises, "Tresca": tresca}
+
+
+def hertz_constant(nu, criterion):
+    """The largest equivalent stress below an elliptic pressure of peak 1, and its depth over b."""
+
+    def stress(z):
+        root = np.hypot(1, z)
+        along, down = -((1 + 2 * z**2) / root - 2 * z), -1 / root
+        return float(-EQUIVALENT[criterion](along, down, 0.0, nu))
+
+    inside = minimize_scalar(stress, bounds=(0.1, 2), method="bounded", options={"xatol": 1e-10})
+    return max((-inside.fun, inside.x), (-stress(0.0), 0.0))
+
+
+# --- rollers ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("criterion", ["von Mises", "Tresca"])
+@pytest.mark.parametrize("R_j", [7.0, np.inf])
+@pytest.mark.parametrize("nu", [0.0, 0.1, 0.2, 0.3, 0.45])
+def test_rollers_yield_where_hertz_s_stresses_on_the_axis_do(nu, R_j, criterion):
+    pair = CylinderPair.external(10.0, R_j, Material("any", 1e5, nu, yield_stress=300.0))
+    at = limits.first_yield(pair, criterion)
+    constant, depth = hertz_constant(nu, criterion)
+    assert limits.hertz_stress(at.load, pair) * constant == pytest.approx(300.0, rel=1e-6)
+    assert at.depth == pytest.approx(depth * limits.hertz_half_width(at.load, pair), rel=1e-2)
+    assert at.body == "i"
+
+
+def test_the_roller_with_the_lower_yield_stress_yields_first():
+    pair = CylinderPair.external(10.0, 7.0, STEEL, material_j=ALUMINIUM)
+    at = limits.first_yield(pair)
+    assert at.body == "j"
+    peak = limits.hertz_stress(at.load, pair)
+    assert peak * hertz_constant(0.33, "von Mises")[0] == pytest.approx(150.0, rel=1e-6)
+
+
+def test_thin_rollers_yield_at_the_surface_where_the_paper_says():
+    """Equal pressures in the plane and none across: von Mises's stress is the pressure."""
+    pair = CylinderPair.external(10.0, 7.0, STEEL, plane="stress")
+    at = limits.first_yield(pair)
+    assert at.load == pytest.approx(limits.yield_load(pair, "Hertz"), rel=1e-6)
+    assert at.depth == 0.0
+
+
+# --- a pin in a hole ----------------------------------------------------------------------------
+
+# φ at first yield; f_Y over the paper's estimate (von Mises, Tresca), f_Y/(σ_Y·R) and the depth
+# over R·sin ε (von Mises), for equal bodies of ν = 0.3. Found by another program and rounded.
+EQUAL = [
+    (1e-5, 3.20, 2.75, 0.0100, 0.70),
+    (0.01, 2.75, 2.29, 0.294, 0.65),
+    (0.1, 2.16, 1.77, 0.824, 0.47),
+    (0.3, 1.60, 1.30, 1.229, 0.29),
+    (0.5, 1.24, 1.00, 1.393, 0.16),
+    (0.7, 0.97, 0.78, 1.457, 0.06),
+    (1.0, 0.69, 0.55, 1.471, 0.0),
+    (3.0, 0.22, 0.17, 1.451, 0.0),
+    (10.0, 0.064, 0.049, 1.418, 0.0),
+]
+
+
+@pytest.mark.parametrize(("phi", "mises", "tresca_ratio", "plain", "depth"), EQUAL)
+def test_a_steel_pin_in_steel_yields_at_these_loads(phi, mises, tresca_ratio, plain, depth):
+    for criterion, ratio in (("von Mises", mises), ("Tresca", tresca_ratio)):
+        # φ_Hertz = π·T² with T = σ_Y·R/(E*·ΔR), so that φ = ratio·π·T².
+        pair = snug(STEEL, STEEL, np.sqrt(phi / (ratio * np.pi)))
+        at = limits.first_yield(pair, criterion)
+        found = at.load / limits.yield_load(pair, "Hertz")
+        assert found == pytest.approx(ratio, rel=8e-3)
+        assert at.load / (pair.E_star * pair.dR) == pytest.approx(phi, rel=8e-3)
+        assert at.body == "hole"
+        if criterion == "von Mises":
+            assert at.load / 250.0 == pytest.approx(plain, rel=8e-3)
+            epsilon = np.radians(laws.Conformal().contact_angle(at.load, pair))
+            assert at.depth / np.sin(epsilon) == pytest.approx(depth, abs=0.012)
+
+
+PAIRS = [(STEEL, STEEL), (ALUMINIUM, STEEL), (STEEL, ALUMINIUM), (STEEL, PEEK), (PEEK, STEEL)]
+# T of the hole.
+STIFFNESS = [0.4, *(pytest.param(T, marks=pytest.mark.slow) for T in (0.1, 1.5))]
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+@pytest.mark.parametrize("criterion", ["von Mises", "Tresca"])
+@pytest.mark.parametrize("T", STIFFNESS)
+@pytest.mark.parametrize("materials", PAIRS, ids=lambda pair: "/".join(m.name for m in pair))
+def test_at_first_yield_michell_s_stresses_reach_the_yield_stress_of_that_body_alone(
+    materials, T, criterion, plane
+):
+    pair = snug(*materials, T, plane)
+    at = limits.first_yield(pair, criterion)
+    b = np.tan(np.radians(laws.Conformal().contact_angle(at.load, pair)) / 2)
+    depth = np.append(np.geomspace(0.15, 3, 60) * b, np.linspace(0.3, 0.98, 20))
+    depth = np.append(depth[depth < 0.98], at.depth)
+    for name, material, kappa in zip(("hole", "pin"), materials, pair.kolosov, strict=True):
+        r = 1 - depth if name == "pin" else 1 + depth
+        body = "pin" if name == "pin" else "plate"
+        nu = material.nu if plane == "strain" else 0.0
+        stress = michell(r.astype(complex), body, float(b), float(pair.beta), float(kappa))
+        inside = at.load * EQUIVALENT[criterion](*stress, nu)
+        rim = surface(at.load, pair, name, kappa)
+        largest = max(inside[depth > 0].max(), EQUIVALENT[criterion](*rim, 0.0, nu))
+        if name == at.body:
+            assert largest == pytest.approx(material.yield_stress, rel=1e-3)
+            there = EQUIVALENT[criterion](*rim, 0.0, nu) if at.depth == 0 else inside[-1]
+            assert there == pytest.approx(material.yield_stress, rel=1e-3)
+        else:
+            assert largest <= material.yield_stress * (1 + 1e-3)
+
+
+def surface(load, pair, name, kappa):
+    """σ_rr and σ_θθ of the rim at θ = 0, R = 1."""
+    peak = float(laws.Conformal().peak_pressure(load, pair))
+    if name == "pin":
+        return -peak, -peak
+    b = np.tan(np.radians(laws.Conformal().contact_angle(load, pair)) / 2)
+    H = 2 * np.pi * pressure_along(np.array([b]), float(pair.beta)).mean.item()
+    return -peak, -peak + load * (H / np.pi + 2 * kappa / (np.pi * (kappa + 1)))
+
+
+def test_large_loads_yield_the_hole_s_surface_by_tresca_at_a_closed_form():
+    for T in (1.0, 3.0, 100.0):
+        pair = snug(STEEL, STEEL, T)
+        at = limits.first_yield(pair, "Tresca")
+        b2 = np.tan(np.radians(laws.Conformal().contact_angle(at.load, pair)) / 2) ** 2
+        H = (2 * b2 + np.log1p(b2) / b2) / (1 + b2)
+        assert at.load * (H / np.pi + 3.6 / (np.pi * 2.8)) == pytest.approx(250.0, rel=2e-5)
+        assert at.depth == 0.0
+
+
+def test_a_narrow_contact_in_a_hole_yields_as_rollers_do():
+    for plane in ("strain", "stress"):
+        wide = snug(STEEL, STEEL, 1e-7, plane)
+        rollers = CylinderPair.external(2.0, 2.0, STEEL, plane=plane)
+        ratios = [limits.yield_load(p) / limits.yield_load(p, "Hertz") for p in (wide, rollers)]
+        assert ratios[0] == pytest.approx(ratios[1], rel=1e-5)
+
+
+def test_a_soft_strong_pin_and_a_weak_one_yield_in_their_own_body():
+    weak = Material("weak steel", 207e3, 0.3, yield_stress=50.0)
+    assert limits.first_yield(snug(STEEL, weak, 0.1)).body == "pin"
+    assert limits.first_yield(snug(weak, STEEL, 0.1)).body == "hole"
+
+
+# --- shapes, families and accuracy --------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_families_of_pairs_yield_as_their_members_do():
+    E, nu = np.array([100e3, 200e3]), np.array([[0.2], [0.3], [0.4]])
+    family = Material("family", E, nu, yield_stress=250.0)
+    for build in (CylinderPair.internal, CylinderPair.external):
+        at = limits.first_yield(build(10.0, 9.9, family, material_j=STEEL))
+        assert at.load.shape == at.body.shape == at.depth.shape == (3, 2)
+        for m in range(3):
+            for n in range(2):
+                one = Material("one", E[n], nu[m, 0], yield_stress=250.0)
+                single = limits.first_yield(build(10.0, 9.9, one, material_j=STEEL))
+                assert at.load[m, n] == pytest.approx(single.load, rel=1e-9)
+                assert at.body[m, n] == single.body
+
+
+@pytest.mark.parametrize("name", ["hole", "pin"])
+@pytest.mark.parametrize("criterion", ["von Mises", "Tresca"])
+@pytest.mark.parametrize(
+    ("beta", "kappa", "nu"), [(0.0, 2.2, 0.2), (0.1, 1.9, 0.3), (-0.3, 1.4, 0.4)]
+)
+def test_the_table_is_within_2e_4_between_its_arcs(name, criterion, beta, kappa, nu):
+    body = Body(name, kappa, nu)
+    table = _table(body, beta, criterion)
+    angle = np.random.default_rng(3).uniform(0, 0.999, 500) * table.angle[-1]
+    exact = _rows(angle, body, beta, criterion).ratio
+    assert np.interp(angle, table.angle, table.ratio) == pytest.approx(exact, rel=2e-4)
+
+
+def test_a_small_beta_changes_no_more_than_the_table_may_be_wrong():
+    angle = np.radians([10.0, 40.0, 70.0])
+    one, other = (_rows(angle, Body("hole", 1.8, 0.3), beta, "von Mises") for beta in (1e-4, 0.0))
+    assert one.ratio == pytest.approx(other.ratio, rel=3e-5)
+
+
+# --- the warning --------------------------------------------------------------------------------
+
+
+def test_a_load_above_first_yield_is_warned_of():
+    pair = CylinderPair.internal(10.0, 9.5, STEEL, material_j=ALUMINIUM)
+    at = limits.first_yield(pair)
+    sentence = limits.yield_warning([1.0, np.nan, 5000.0], pair)
+    assert f"5,000 N/mm, is above first yield at {at.load:,.0f} N/mm" in sentence
+    assert f"in the pin, {at.depth:.2g} mm below its surface" in sentence
+    assert limits.yield_warning([1.0, 0.99 * at.load], pair) is None
+    sheets = CylinderPair.external(10.0, 9.5, STEEL, plane="stress")
+    assert "in body i, at its surface" in limits.yield_warning(1e6, sheets)
+    unknown = Material("unknown", 1e5, 0.3)
+    for pair in (
+        CylinderPair.from_dR("internal", 0.5, STEEL),
+        CylinderPair.internal(10.0, 9.5, STEEL, material_j=unknown),
+    ):
+        assert limits.yield_warning(1e9, pair) is None

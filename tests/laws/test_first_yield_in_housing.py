@@ -1,0 +1,200 @@
+"""First yield in a housing: against finite elements of its ring, the plate, and printed loads."""
+
+import numpy as np
+import pytest
+
+from cylcontact import CylinderPair, InputError, Material, limits
+from cylcontact.laws import Conformal, Housing, Sector, glauert
+from tests.support.ring_elements import RingOfElements
+
+STEEL = Material("steel", 207e3, 0.3, yield_stress=250.0)
+BRONZE = Material("bronze", 110e3, 0.34, yield_stress=200.0)
+CLAMPS = {
+    "full": "rim",
+    "near60": Sector(60, "near"),
+    "far180": Sector(180, "far"),
+    "far60": Sector(60, "far"),
+}
+
+
+def snug(T, hole=STEEL, pin=STEEL):
+    """A pair with R = 1 mm and σ_Y·R/(E*·ΔR) = T."""
+    sheet = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
+    dR = hole.yield_stress / (float(sheet.E_star) * T)
+    R_i = dR / 2 + np.sqrt(1 + dR**2 / 4)
+    return CylinderPair.from_dR("internal", dR, hole, R_i=R_i, material_j=pin)
+
+
+# f_Y/(σ_Y·R) of the housing at φ = .1, 1 and 5, from finite elements of another program; printed.
+PRINTED = {
+    ("full", 1.3): (0.69, 1.46, 2.01),
+    ("full", 2): (0.77, 1.39, 1.60),
+    ("full", 10): (0.82, 1.46, 1.44),
+    ("near60", 2): (0.75, 1.04, 0.98),
+    ("far180", 1.3): (0.19, 0.34, 0.42),
+    ("far180", 2): (0.66, 0.80, 0.91),
+    ("far180", 3): (0.84, 1.21, 1.25),
+    ("far60", 1.5): (0.20, 0.31, 0.36),
+    ("far60", 2): (0.45, 0.56, 0.63),
+}
+
+
+@pytest.mark.parametrize(("k", "phi"), [(0, 0.1), (1, 1.0), (2, 5.0)])
+@pytest.mark.parametrize(("clamp", "rho"), PRINTED)
+def test_first_yield_is_as_printed(clamp, rho, k, phi):
+    printed = PRINTED[clamp, rho][k]
+    pair = snug(phi / printed)  # f = φ·E*·ΔR and f_Y = printed·σ_Y·R there
+    first = limits.first_yield(pair, housing=Housing(rho * float(pair.R_i), CLAMPS[clamp]))
+    assert first.load / 250.0 == pytest.approx(printed, rel=0.012, abs=0.008)
+    assert first.body == "hole"
+    if clamp == "far60":
+        assert first.depth == 0
+        assert 55 < first.angle < 115
+
+
+def largest_by_elements(pair, housing, load, cells, ring=(0.0, 9.9)):
+    """The largest equivalent stress under the pressure of the series, and where, between radii."""
+    R_i, (kernel, *_) = float(pair.R_i), housing.kernels(pair)[1]
+    arc = np.radians(float(Conformal(housing).contact_angle(load, pair)))
+    b = np.tan(arc / 2)
+    a = glauert.glauert(np.array([b]), float(pair.beta), 96, kernel.g).coefficients[0]
+    radii = [1.0, *(radius / R_i for _, radius in housing.layers), housing.R_o / R_i]
+    materials = [pair.material_i, *(material for material, _ in housing.layers)]
+    elements = RingOfElements(radii, materials, housing.clamp, cells, arc)
+
+    def pressure(theta):
+        v = np.arccos(np.clip(np.tan(theta / 2) / b, -1, 1))
+        return np.sin(np.multiply.outer(v, 2 * np.arange(a.size) + 1)) @ a
+
+    r, theta, mises = elements.stresses(elements.moved(elements.pressed(pressure)))
+    mises = np.where((r.mean(axis=1) > ring[0]) & (r.mean(axis=1) < ring[1]), mises.T, 0).T
+    if housing.clamp != "rim":  # the ends of the clamp are singular
+        half, wall = np.radians(housing.clamp.angle / 2), radii[-1] - radii[-2]
+        end = half if housing.clamp.side == "near" else np.pi - half
+        out = (r > radii[-1] - wall / 2) & (radii[-1] * np.abs(theta - end) < wall)
+        mises = np.where(out, 0, mises)
+    at = mises.argmax()
+    return mises.max(), r.flat[at], np.degrees(theta.flat[at])
+
+
+CASES = [  # σ_Y·R/(E*·ΔR) of the hole
+    ("full", 1.3, 0.3),
+    pytest.param("full", 2.0, 0.05, marks=pytest.mark.slow),
+    pytest.param("near60", 2.0, 1.0, marks=pytest.mark.slow),
+    pytest.param("far180", 1.3, 0.02, marks=pytest.mark.slow),  # above the contact on the rim
+    ("far180", 1.3, 0.5),
+    ("far60", 1.5, 0.5),
+    ("far60", 2.0, 3.0),
+]
+
+
+@pytest.mark.parametrize(
+    ("hole", "pin"), [(STEEL, STEEL), pytest.param(BRONZE, STEEL, marks=pytest.mark.slow)]
+)
+@pytest.mark.parametrize(("clamp", "rho", "T"), CASES)
+def test_at_first_yield_elements_of_the_ring_reach_the_yield_stress(clamp, rho, T, hole, pin):
+    pair = snug(T, hole, pin)
+    housing = Housing(rho * float(pair.R_i), CLAMPS[clamp])
+    first = limits.first_yield(pair, housing=housing)
+    assert first.body == "hole"
+    for cells, error in ((6, 0.02), (12, 0.0015)):
+        m, r, angle = largest_by_elements(pair, housing, first.load, cells)
+        assert m * first.load == pytest.approx(hole.yield_stress, rel=error)
+        assert r - 1 == pytest.approx(first.depth, abs=0.02)
+        assert angle == pytest.approx(first.angle, abs=4)
+
+
+def test_a_bush_in_a_lug_yields_where_elements_say():
+    """The bush is strong, so that the lug around it yields first."""
+    bush, lug = Material("bush", 110e3, 0.34, 400.0), Material("lug", 70e3, 0.33, 60.0)
+    pair = snug(3.0, bush)
+    R_i = float(pair.R_i)
+    housing = Housing(2 * R_i, layers=[(lug, 1.2 * R_i)])
+    first = limits.first_yield(pair, housing=housing)
+    assert first.body == "layer 1"
+    assert f"in layer 1, {first.depth:.2g} mm below the hole's surface" in str(first)
+    m, r, _ = largest_by_elements(pair, housing, first.load, 12, (1.2, 2.0))
+    assert m * first.load == pytest.approx(60.0, rel=0.003)
+    assert r - 1 == pytest.approx(first.depth, abs=0.02)
+    m, *_ = largest_by_elements(pair, housing, first.load, 12, (1.0, 1.2))
+    assert m * first.load < 400.0
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+@pytest.mark.parametrize("criterion", ["von Mises", "Tresca"])
+@pytest.mark.parametrize("dR", [0.5, 0.01])
+def test_a_large_ring_is_the_plate(criterion, plane, dR):
+    for hole, pin in ((STEEL, STEEL), (BRONZE, STEEL), (STEEL, BRONZE)):
+        pair = CylinderPair.internal(10.0, 10.0 - dR, hole, material_j=pin, plane=plane)
+        plate = limits.first_yield(pair, criterion)
+        ring = limits.first_yield(pair, criterion, housing=Housing(3e4))
+        assert ring.load == pytest.approx(float(plate.load), rel=5e-4)
+        assert (str(ring.body), ring.angle) == (str(plate.body), 0)
+        assert ring.depth == pytest.approx(float(plate.depth), rel=0.05, abs=1e-3)
+
+
+def test_many_pairs_are_each_of_them():
+    R_j, housing = np.array([9.5, 9.99, 9.5]), Housing(20.0, Sector(60, "far"))
+    many = limits.first_yield(CylinderPair.internal(10.0, R_j, STEEL), housing=housing)
+    for k, radius in enumerate(R_j):
+        one = limits.first_yield(CylinderPair.internal(10.0, radius, STEEL), housing=housing)
+        assert one.load == many.load[k]
+        assert one.angle == many.angle[k]
+        assert str(one.body) == many.body[k]
+
+
+def test_a_pin_that_leaves_its_eye_before_anything_yields_has_no_load():
+    strong = Material("aluminium", 70e3, 0.33, 5e3)
+    pair = CylinderPair.internal(10.0, 9.99, strong, material_j=STEEL)
+    first = limits.first_yield(pair, yield_stress=5e3, housing=Housing(13.0, Sector(300, "far")))
+    assert np.isnan(first.load)
+    assert "no load at which the pin touches its housing along one arc" in str(first)
+
+
+def test_a_load_above_first_yield_of_an_eye_is_warned_of():
+    pair, eye = CylinderPair.internal(10.0, 9.99, STEEL), Housing(20.0, Sector(60, "far"))
+    limit = float(limits.yield_load(pair, housing=eye))
+    assert limit < 0.5 * float(limits.yield_load(pair))
+    assert limits.yield_warning(1.01 * limit, pair) is None
+    assert "° from the load" in limits.yield_warning(1.01 * limit, pair, eye)
+    assert limits.yield_warning(0.99 * limit, pair, eye) is None
+
+
+def test_the_table_of_laws_says_where_an_eye_yields(run):
+    options = ("--pin", "high-strength steel", "--hole", "bronze", "--Ri", 10, "--Rj", 9.95)
+    code, said, errors = run("laws", *options, "--load", 1000, "--R-o", 15, "--clamp", "far:60")
+    assert code == 0
+    (line,) = [line for line in said.splitlines() if line.startswith("first yield")]
+    assert line.startswith("first yield at 3,320 N/mm (von Mises, in the hole, 0.16 mm below")
+    assert line.endswith("in this housing at 487 N/mm (von Mises, in the hole, at its surface, "
+                         "89° from the load)")  # fmt: skip
+    assert "above first yield at" in errors
+
+
+@pytest.mark.parametrize(
+    ("housing", "pair", "message"),
+    [
+        (
+            Housing.from_compliances([-0.1, 0.4, -0.05, -0.001, 0.0]),
+            CylinderPair.internal(10.0, 9.9, STEEL),
+            "has no stresses to look for",
+        ),
+        (Housing(20.0), CylinderPair.external(10.0, 9.0, STEEL), "must be internal"),
+        (
+            Housing(20.0, layers=[(Material("lug", 70e3, 0.33), 12.0)]),
+            CylinderPair.internal(10.0, 9.9, STEEL),
+            "yield_stress: is not known for all materials",
+        ),
+    ],
+)
+def test_what_has_no_first_yield_is_refused_in_a_line(housing, pair, message):
+    with pytest.raises(InputError, match=message) as error:
+        limits.first_yield(pair, housing=housing)
+    assert "\n" not in str(error.value)
+
+
+def test_the_papers_estimate_knows_no_housing():
+    with pytest.raises(
+        InputError, match=r"housing = Housing.* is nothing that the criterion 'Hertz'"
+    ):
+        limits.yield_load(CylinderPair.internal(10.0, 9.9, STEEL), "Hertz", housing=Housing(20.0))

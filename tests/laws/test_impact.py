@@ -1,0 +1,375 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp
+from scipy.integrate import solve_ivp
+
+from cylcontact import CylinderPair, InputError, Material
+from cylcontact.impact import (
+    FACTORS,
+    achieved_restitution,
+    bounded_ratio,
+    dissipative_load,
+    dynamic_correction,
+    exact_factor,
+    friction_load,
+    hysteresis_factor,
+)
+from cylcontact.laws import Enhanced, Johnson, PowerLaw
+from cylcontact.mechanism import contact
+from tests.support.strategies import ROUNDING, powers_of_ten
+
+PUBLISHED = [name for name in FACTORS if name != "exact"]
+
+# Restitutions and factors that occur, and others right up to the ends of their ranges.
+restitutions = st.one_of(
+    st.floats(1e-3, 1.0),
+    powers_of_ten(-300, 0),
+    powers_of_ten(-15, -1).map(lambda short: 1.0 - short),
+)
+
+V0, V1 = 1.0, 5.0
+
+normal_loads = st.floats(0.0, 1e9)
+velocities = st.one_of(st.floats(-1e6, 1e6), st.floats(-2 * V1, 2 * V1))
+coefficients = st.floats(0.0, 10.0)
+bounds = st.tuples(st.one_of(st.just(0.0), powers_of_ten(-9, 3)), powers_of_ten(-9, 3)).map(
+    lambda pair: (pair[0], pair[0] + pair[1])
+)
+planes = st.tuples(st.floats(-1e5, 1e5), st.floats(-1e5, 1e5)).map(np.array)
+angles = st.floats(0.0, 2 * np.pi)
+
+
+# --- an isolated impact, simulated ------------------------------------------------------------
+
+SHAFT = CylinderPair.internal(10.0, 9.5, Material("steel", E=207e3, nu=0.3), length=10.0)
+ROLLERS = CylinderPair.external(80.0, 60.0, Material("steel", E=207e3, nu=0.3), length=10.0)
+IMPACTS = {
+    "power, n = 1": (PowerLaw(n=1.0, K=3e5), SHAFT),
+    "power, n = 1.1": (PowerLaw(n=1.1, K=3e5), SHAFT),
+    "power, n = 1.5": (PowerLaw(n=1.5, K=3e5), SHAFT),
+    "johnson, internal": (Johnson(), SHAFT),
+    "johnson, external": (Johnson(), ROLLERS),
+    "enhanced, internal": (Enhanced(), SHAFT),
+    "enhanced, external": (Enhanced(), ROLLERS),
+}
+
+
+def simulated_restitution(law, pair, chi, speed, mass=1e-4):
+    """Let 0.1 kg (mass in tonnes) meet the other body at `speed` in mm/s, and bounce off."""
+
+    def rates(_time, state):
+        depth, rate = state
+        # A trial step may end just outside, where a law has no answer.
+        elastic = pair.length * law.load(max(depth, 0.0), pair)
+        return rate, -dissipative_load(elastic, rate, speed, chi) / mass
+
+    def separation(_time, state):
+        return state[0]
+
+    separation.terminal, separation.direction = True, -1
+    flight = solve_ivp(
+        rates,
+        (0.0, 1.0),
+        (0.0, speed),
+        "DOP853",
+        events=separation,
+        rtol=1e-11,
+        atol=(1e-16, 1e-11 * speed),
+    )
+    assert flight.status == 1, "the bodies did not part"
+    return -flight.y_events[0][0, 1] / speed
+
+
+# χ, speed in mm/s and mass in tonnes, of which only χ matters.
+@pytest.mark.parametrize(
+    ("chi", "speed", "mass"), [(0.1425, 10.0, 1e-4), (1.5, 5000.0, 1e-4), (9.0, 500.0, 1e-6)]
+)
+@pytest.mark.parametrize("impact", IMPACTS)
+def test_a_simulated_impact_achieves_what_the_closed_form_says(impact, chi, speed, mass):
+    achieved = simulated_restitution(*IMPACTS[impact], chi, speed, mass)
+    assert achieved == pytest.approx(achieved_restitution(chi), abs=1e-9)
+
+
+@pytest.mark.parametrize("wanted", [0.2, 0.9])
+@pytest.mark.parametrize("impact", ["johnson, internal", "enhanced, external"])
+def test_the_exact_factor_makes_an_impact_rebound_as_wanted(impact, wanted):
+    chi = exact_factor(wanted)
+    achieved = simulated_restitution(*IMPACTS[impact], chi, speed=500.0)
+    assert achieved == pytest.approx(wanted, abs=1e-9)
+
+
+def test_an_impact_slower_than_the_floor_dissipates_less():
+    """The floor is 1 mm/s; a quarter of that speed leaves a quarter of the factor."""
+    achieved = simulated_restitution(*IMPACTS["power, n = 1.1"], 2.0, speed=0.25)
+    assert achieved == pytest.approx(achieved_restitution(2.0 / 4), abs=1e-9)
+
+
+# --- achieved restitution and exact factor, against high precision ----------------------------
+
+
+def exact_restitution(chi):
+    """[1 + W₀(−(1 + χ)·exp(−(1 + χ)))]/χ with 120 digits, of which the branch point takes 80."""
+    with mp.workdps(120):
+        chi = mp.mpf(float(chi))
+        return (1 + mp.lambertw(-(1 + chi) * mp.exp(-(1 + chi))).real) / chi
+
+
+def exact_chi(restitution):
+    """The root of χ(1 + e) = ln[(1 + χ)/(1 − χe)], sought in ln(1 − χe), with 80 digits."""
+    with mp.workdps(80):
+        e = mp.mpf(float(restitution))
+
+        def chi(log):
+            return -mp.expm1(log) / e
+
+        def residual(log):
+            # Over log² it has no double root at χ = 0 and changes sign once.
+            return (mp.log1p(chi(log)) - log - chi(log) * (1 + e)) / log**2
+
+        ends = (-(1 + e) / e - 1, -(1 - e) / 2)
+        return chi(mp.findroot(residual, ends, solver="ridder"))
+
+
+@pytest.mark.parametrize("chi", [*np.geomspace(1e-12, 1e3, 61), *np.linspace(1.0, 6.0, 41)])
+def test_the_achieved_restitution_is_exact_to_a_few_roundings(chi):
+    error = abs(float(achieved_restitution(chi) / exact_restitution(chi) - 1))
+    assert error < 8 * ROUNDING
+
+
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        *np.linspace(0.01, 0.99, 50),
+        *(1 - np.geomspace(1e-15, 0.1, 31)),
+        *np.geomspace(3e-4, 0.9, 20),
+    ],
+)
+def test_the_exact_factor_is_exact_to_a_few_roundings(wanted):
+    error = abs(float(exact_factor(wanted) / exact_chi(wanted) - 1))
+    assert error < 8 * ROUNDING
+
+
+def test_without_a_factor_nothing_is_lost():
+    left = achieved_restitution([0.0, 1e-300, 1e-100, 1e-16])
+    np.testing.assert_allclose(left, 1.0, rtol=0, atol=2 * ROUNDING)
+    assert left[0] == 1.0
+
+
+@pytest.mark.parametrize("chi", [50.0, 1e4, 1e16, 1e100, 1e307])
+def test_a_large_factor_leaves_its_inverse(chi):
+    """1 − χe = −W₀(…) → (1 + χ)·exp(−(1 + χ)), below rounding from χ = 42 on."""
+    assert achieved_restitution(chi) == pytest.approx(1 / chi, rel=4 * ROUNDING, abs=0)
+    assert exact_factor(1 / chi) == pytest.approx(chi, rel=8 * ROUNDING, abs=0)
+
+
+@given(restitutions)
+def test_the_exact_factor_achieves_what_is_wanted(wanted):
+    assert achieved_restitution(exact_factor(wanted)) == pytest.approx(
+        wanted, rel=16 * ROUNDING, abs=0
+    )
+
+
+@given(powers_of_ten(-6, 300))
+def test_the_exact_factor_of_an_achieved_restitution_is_the_factor(chi):
+    """1 − e is all that e says about a small χ: so much of the digits is gone."""
+    left = float(achieved_restitution(chi))
+    assert exact_factor(left) == pytest.approx(chi, rel=16 * ROUNDING * (1 + 1 / chi), abs=0)
+
+
+def test_over_the_whole_range_both_fall_strictly():
+    assert np.all(np.diff(achieved_restitution(np.geomspace(1e-9, 1e9, 2001))) < 0)
+    assert np.all(np.diff(exact_factor(np.linspace(1e-3, 1.0, 2001))) < 0)
+
+
+@given(powers_of_ten(-300, 1))
+def test_an_isolated_impact_is_never_clipped(chi):
+    """The load at separation is F_el·(1 − χe)."""
+    assert chi * achieved_restitution(chi) < 1
+
+
+# --- the published factors --------------------------------------------------------------------
+
+# By hand: at e = 1/2, at 9/10, and close to 1 over 1 − e, where 3/2 is exact.
+BY_HAND = {
+    "hunt-crossley": (3 / 4, 3 / 20, 3 / 2),
+    "herbert-mcwhannell": (1.0, 15 / 91, 3 / 2),
+    "lee-wang": (3 / 8, 3 / 40, 3 / 4),
+    "lankarani-nikravesh": (9 / 16, 57 / 400, 3 / 2),
+    "gonthier": (3 / 2, 19 / 90, 2.0),
+    "zhiying-qishao": (9 / 16 * math.e, 57 / 400 * math.exp(0.2), 3 / 2),
+    "flores": (8 / 5, 8 / 45, 8 / 5),
+    "hu-guo": (3 / 2, 1 / 6, 3 / 2),
+}
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_a_published_factor_has_the_values_worked_out_by_hand(name):
+    *values, slope = BY_HAND[name]
+    factor = hysteresis_factor(name)
+    np.testing.assert_allclose(factor([0.5, 0.9]), values, rtol=1e-15)
+    # Close to an elastic impact it loses its share of what it should.
+    lost = (1 - achieved_restitution(factor(1 - 1e-6))) / 1e-6
+    assert lost == pytest.approx(slope / 1.5, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", FACTORS)
+def test_every_factor_grows_from_nothing_as_the_wanted_restitution_falls(name):
+    chi = hysteresis_factor(name)(np.linspace(0.01, 1.0, 100))
+    assert np.all(np.diff(chi) < 0)
+    assert chi[-1] == 0.0
+
+
+def test_four_factors_cannot_stop_a_body_whatever_is_wanted():
+    least = {name: achieved_restitution(FACTORS[name](1e-12)) for name in PUBLISHED}
+    assert {name for name, e in least.items() if e > 0.45} == set(PUBLISHED[:4])
+
+
+# --- the load ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("rate", "factor", "load"),
+    # K = 2, n = 1.5, δ = 4 mm make 16 N, and 4 mm/s at first touch; then fast parting, unknowns.
+    [(3.0, 0.5, 22.0), (-4.0, 1.0, 0.0), (-3.0, 1.0, 4.0), (-1e6, 1.0, 0.0), (np.nan, 1.0, np.nan)],
+)
+def test_the_load_is_eq_3_and_never_pulls(rate, factor, load):
+    np.testing.assert_equal(dissipative_load(16.0, rate, 4.0, factor), load)
+    np.testing.assert_equal(dissipative_load(np.nan, rate, 4.0, factor), np.nan)
+    np.testing.assert_equal(dissipative_load(16.0, rate, np.nan, factor), np.nan)
+
+
+@pytest.mark.parametrize("impact_rate", [2.0, 1e-300, 0.0, -5.0])
+def test_below_the_floor_the_floor_counts(impact_rate):
+    assert dissipative_load(100.0, 3.0, impact_rate, 0.5, floor=2.0) == 175.0
+    assert dissipative_load(100.0, 3.0, 6.0, 0.5, floor=2.0) == 125.0
+
+
+@given(st.floats(-1e300, 1e300))
+def test_the_damping_is_bounded_and_that_of_the_paper_in_an_isolated_impact(u):
+    bounded = float(bounded_ratio(u))
+    assert bounded == pytest.approx(contact.bounded_ratio(u), rel=1e-15, abs=0)
+    assert bounded == u if abs(u) <= 10 else 10 <= abs(bounded) <= min(20, abs(u))
+    assert bounded == -bounded_ratio(-u)
+
+
+def test_the_bound_is_twice_continuously_differentiable():
+    """The formula beyond the bend, with 50 digits, has the slope 1 and the curvature 0 there."""
+    with mp.workdps(50):
+        bent = lambda u: 10 * (1 + (u / 10 - 1) / mp.sqrt(1 + (u / 10 - 1) ** 2))  # noqa: E731
+        assert abs(mp.diff(bent, 10, 1) - 1) < 1e-20
+        assert abs(mp.diff(bent, 10, 2)) < 1e-20
+        assert float(bent(mp.mpf(17))) == pytest.approx(float(bounded_ratio(17.0)), rel=1e-15)
+
+
+@given(st.floats(0, 1e9), st.floats(-1e6, 1e6), st.floats(0, 1e6), st.floats(0, 1e6))
+def test_the_load_lies_between_nothing_and_the_elastic_load_while_the_bodies_part(
+    elastic, rate, impact_rate, chi
+):
+    load = dissipative_load(elastic, rate, impact_rate, chi)
+    assert load >= 0
+    assert (load - elastic) * rate >= 0  # the damping takes energy out, whichever way they move
+
+
+def test_arrays_broadcast_and_single_numbers_give_numpy_scalars():
+    elastic, rate = np.ones((4, 1)), np.ones(3)
+    assert dissipative_load(elastic, rate, 1.0, 0.5).shape == (4, 3)
+    assert dissipative_load(1.0, 1.0, 1.0, np.full((2, 1), 0.5)).shape == (2, 1)
+    assert friction_load(np.ones((4, 1)), rate, 0.1, V0, V1).shape == (4, 3)
+    single = [dissipative_load(1.0, 1.0, 1.0, 0.5), achieved_restitution(0.5)]
+    single += [friction_load(1.0, 1.0, 0.1, V0, V1), dynamic_correction(1.0, V0, V1)]
+    single += [factor(0.5) for factor in FACTORS.values()]
+    assert {type(value) for value in single} == {np.float64}
+    shapes = [achieved_restitution(np.ones((2, 3))).shape]
+    shapes += [factor(np.full((2, 3), 0.5)).shape for factor in FACTORS.values()]
+    assert set(shapes) == {(2, 3)}
+
+
+# --- friction, Eqs 14 and 15 ------------------------------------------------------------------
+
+
+def test_the_correction_is_eq_15():
+    speeds = [0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 7.0, np.inf]
+    expected = [0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0]
+    assert dynamic_correction(speeds, V0, V1).tolist() == expected
+    assert dynamic_correction([0.0, 1.0, 2.0, 4.0], 0.0, 4.0).tolist() == [0.0, 0.25, 0.5, 1.0]
+    assert dynamic_correction(1e308, 0.0, 1e-308) == 1.0
+
+
+@given(velocities, bounds)
+def test_the_correction_lies_between_zero_and_one_and_does_not_see_the_direction(speed, bounds):
+    c_d = dynamic_correction(speed, *bounds)
+    assert 0 <= c_d <= 1
+    assert c_d == dynamic_correction(-speed, *bounds)
+
+
+def test_the_friction_is_eq_14():
+    """50 N, c_f = 0.1: 5 N in full sliding, a quarter of that at v0 + (v1 − v0)/4."""
+    velocities = [-20.0, -2.0, -1.0, -0.0, 0.0, 1.0, 2.0, 20.0]
+    expected = [5.0, 1.25, 0.0, 0.0, 0.0, 0.0, -1.25, -5.0]
+    load = friction_load(50.0, velocities, 0.1, V0, V1)
+    assert load.tolist() == expected
+    assert not np.signbit(load[3:5]).any()  # no negative zero
+    assert np.isnan(friction_load([-1.0, -1e-300, -np.inf, np.nan], 20.0, 0.1, V0, V1)).all()
+    assert np.isnan(friction_load(50.0, np.nan, 0.1, V0, V1))
+
+
+@given(normal_loads, velocities, coefficients, bounds)
+def test_friction_brakes_by_at_most_coulombs_and_turns_with_the_velocity(
+    normal_load, velocity, coefficient, bounds
+):
+    load = friction_load(normal_load, velocity, coefficient, *bounds)
+    assert load * velocity <= 0
+    assert abs(load) <= coefficient * normal_load
+    if abs(velocity) >= bounds[1]:
+        assert abs(load) == coefficient * normal_load
+    assert friction_load(normal_load, -velocity, coefficient, *bounds) == -load
+
+
+@given(planes, planes, angles, normal_loads, coefficients)
+def test_on_two_bodies_in_the_plane_it_dissipates(v_i, v_j, angle, normal_load, coefficient):
+    """f_i·v_i + f_j·v_j ≤ 0 with Eq 13's f_i = f_t·t and f_j = −f_i, either way t points."""
+    tangent = np.array([np.cos(angle), np.sin(angle)])
+    force, turned = (
+        friction_load(normal_load, (v_i - v_j) @ t, coefficient, V0, V1) * t
+        for t in (tangent, -tangent)
+    )
+    np.testing.assert_array_equal(force, turned)
+    rounding = 8 * ROUNDING * np.abs(force).sum() * (np.abs(v_i) + np.abs(v_j)).sum()
+    assert force @ v_i - force @ v_j <= rounding
+
+
+# --- bad input --------------------------------------------------------------------------------
+
+REFUSED = [
+    *(
+        (factor, "restitution", [0.0, -0.5, 1.0000001, np.nan, np.inf])
+        for factor in FACTORS.values()
+    ),
+    (exact_factor, "restitution", [[0.5, 1.5]]),
+    (achieved_restitution, "chi", [-1e-9, -1.0, np.nan, np.inf, [0.5, -0.5]]),
+    (lambda chi: dissipative_load(1.0, 1.0, 1.0, chi), "chi", [-1.0, np.nan]),
+    (lambda v: dissipative_load(1.0, 1.0, 1.0, 0.5, floor=v), "floor", [0.0, -1.0, np.nan, np.inf]),
+    (hysteresis_factor, "name", ["anagnostopoulos"]),
+    (
+        lambda speeds: friction_load(1.0, 1.0, 0.1, *speeds),
+        "v0, v1",
+        [(-1.0, 5.0), (5.0, 5.0), (5.0, 1.0), (np.nan, 5.0), (1.0, np.nan), (1.0, np.inf)],
+    ),
+    (
+        lambda coefficient: friction_load(1.0, 1.0, coefficient, V0, V1),
+        "coefficient",
+        [-0.1, np.nan, np.inf, [0.1, -0.1]],
+    ),
+]
+
+
+@pytest.mark.parametrize(("act", "key", "values"), REFUSED)
+def test_what_is_out_of_its_range_is_refused(act, key, values):
+    for value in values:
+        with pytest.raises(InputError) as caught:
+            act(value)
+        assert (caught.value.key, str(caught.value.value)) == (key, str(value))

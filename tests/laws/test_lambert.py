@@ -1,0 +1,89 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from mpmath import mp
+
+from cylcontact.laws.lambert import branch_distance
+from tests.support.strategies import ROUNDING, fractions
+
+DENSE = np.concatenate(
+    [
+        10.0 ** -np.linspace(0.001, 300, 2001),
+        1 - 10.0 ** -np.linspace(1, 16, 1001),
+        1 - np.arange(1, 65) * 2.0**-53,  # the last 64 numbers below 1
+        np.arange(1, 20) * 5e-324,  # the first subnormals
+    ]
+)
+
+
+def exact(p):
+    """w at 40 digits, from mpmath's own Lambert function."""
+    return -1 - mp.lambertw(-mp.mpf(float(p)) / mp.e, -1).real
+
+
+def worst_error(ps):
+    """The largest error of w, in roundings of 1 + w."""
+    with mp.workdps(40):
+        errors = [
+            abs(mp.mpf(float(w)) - exact(p)) / (1 + exact(p))
+            for p, w in zip(ps, branch_distance(ps), strict=True)
+        ]
+        return float(max(errors)) / ROUNDING
+
+
+def test_w_is_exact_to_two_units_in_the_last_place_of_one_plus_w():
+    assert worst_error(DENSE) < 4
+
+
+@given(fractions)
+def test_w_is_as_exact_anywhere(p):
+    assert worst_error(np.array([p * (1 - ROUNDING)])) < 4
+
+
+def test_w_solves_its_defining_equation():
+    p = np.array([1e-200, 1e-3, 0.3, 0.5, 0.7, 0.99])
+    w = branch_distance(p)
+    assert np.all(abs(w - np.log1p(w) + np.log(p)) <= 4 * ROUNDING * (1 + w))
+
+
+def test_no_p_meets_the_pole_in_the_closed_form_start():
+    """Barry's denominator vanishes at −ln p = 346.05; every float around it must be harmless."""
+    ps = 5.165522670299373e-151 * (1 + np.arange(-500, 500) * 2.0**-52)
+    with mp.workdps(40):
+        expected = [float(exact(p)) for p in ps[::50]]
+    w = branch_distance(ps)
+    np.testing.assert_allclose(w[::50], expected, rtol=4 * ROUNDING)
+    assert np.all(np.diff(w) <= 4 * ROUNDING * w[1:])
+
+
+@pytest.mark.parametrize(("p", "w"), [(1.0, 0.0), (0.0, np.inf), (-0.0, np.inf)])
+def test_the_ends_are_exact(p, w):
+    assert branch_distance(np.array(p)) == w
+
+
+@pytest.mark.parametrize("p", [np.nextafter(1.0, 2.0), -5e-324, 2.0, -1.0, np.inf, np.nan])
+def test_outside_zero_to_one_there_is_no_w(p):
+    assert np.isnan(branch_distance(np.array(p)))
+
+
+def test_the_shape_is_kept_and_a_single_number_gives_a_numpy_scalar():
+    assert branch_distance(np.full((2, 3), 0.5)).shape == (2, 3)
+    assert type(branch_distance(np.float64(0.5))) is np.float64
+
+
+@pytest.mark.parametrize(
+    "view",
+    [
+        lambda p: p.reshape(3, -1).T,
+        lambda p: p.reshape(3, -1)[:, ::2],
+        lambda p: p[::-3],
+        lambda p: p[:0],
+        lambda p: p.astype(np.float32),
+    ],
+    ids=["transposed", "columns", "backwards", "empty", "single"],
+)
+def test_any_layout_of_the_array_gives_each_element_its_own_number(view):
+    p = view(np.linspace(0, 1, 9 * 2340))
+    one_by_one = np.array([branch_distance(value) for value in p.ravel()]).reshape(p.shape)
+    assert np.array_equal(branch_distance(p), one_by_one)
+    assert np.array_equal(p, view(np.linspace(0, 1, 9 * 2340)))

@@ -1,0 +1,186 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp
+from scipy.optimize import brentq
+
+from cylcontact import CylinderPair, Material, laws, limits
+from cylcontact.materials import material_in_MPa
+from tests.support.strategies import NOT_TOUCHING, ROUNDING, gaps, loads, materials
+
+ALUMINIUM = Material("aluminium", E=69e3, nu=0.33, yield_stress=276.0)
+TITANIUM = Material("titanium", E=120e3, nu=0.34, yield_stress=830.0)
+
+PLANE = CylinderPair.external(10.0, np.inf, ALUMINIUM, material_j=TITANIUM)
+
+radii_pairs = st.builds(
+    lambda contact, R_j, ratio, one, other: getattr(CylinderPair, contact)(
+        ratio * R_j, R_j, one, material_j=other
+    ),
+    st.sampled_from(["internal", "external"]),
+    gaps,
+    st.floats(1.001, 100.0),
+    materials,
+    materials,
+)
+equal_pairs = st.builds(
+    lambda R_j, ratio, material: CylinderPair.internal(ratio * R_j, R_j, material),
+    gaps,
+    st.floats(1.001, 100.0),
+    materials,
+)
+
+
+# --- Eq 7 and Fig 7: Hertz and yield ----------------------------------------------------------
+
+
+@given(radii_pairs, loads)
+def test_hertz_stress_is_the_peak_of_the_elliptic_pressure_that_carries_the_load(pair, load):
+    """Half width b = 2√(fR/(πE*)); an ellipse of half axes b and p0 has the area π·b·p0/2 = f."""
+    with mp.workdps(40):
+        bodies = (pair.material_i, pair.material_j)
+        E_star = 1 / sum((1 - mp.mpf(m.nu) ** 2) / mp.mpf(m.E) for m in bodies)
+        R = mp.mpf(pair.R_i) * mp.mpf(pair.R_j) / mp.mpf(float(pair.dR))
+        b = 2 * mp.sqrt(load * R / (mp.pi * E_star))
+        p0 = 2 * load / (mp.pi * b)
+        error = abs(mp.mpf(float(limits.hertz_stress(load, pair))) / p0 - 1)
+    assert error < 6 * ROUNDING
+
+
+@pytest.mark.parametrize("dR", [0.001, 0.0075, 0.05, 0.5, 2.0])
+def test_the_paper_s_yield_load_is_the_closed_form_of_fig_7(dR):
+    pair = CylinderPair.from_dR("internal", dR, ALUMINIUM, R_i=10.0)
+    E_star = 69e3 / (2 * (1 - 0.33**2))
+    expected = math.pi * 276.0**2 * 10.0 * (10.0 - dR) / (E_star * dR)
+    assert limits.yield_load(pair, "Hertz") == pytest.approx(expected, rel=2e-15)
+
+
+@given(radii_pairs, st.floats(1.0, 5000.0))
+def test_the_stress_at_the_paper_s_yield_load_is_the_yield_stress(pair, stress):
+    load = limits.yield_load(pair, "Hertz", yield_stress=stress)
+    assert limits.hertz_stress(load, pair) == pytest.approx(stress, rel=1e-15, abs=0)
+
+
+def test_the_weaker_of_two_materials_counts_unless_a_yield_stress_is_given(pair):
+    mixed = CylinderPair.internal(10.0, 9.9, TITANIUM, material_j=ALUMINIUM)
+    assert limits.yield_load(mixed, "Hertz") == limits.yield_load(mixed, "Hertz", 276.0)
+    double = 2 * pair.material_i.yield_stress
+    own = limits.yield_load(pair, "Hertz")
+    assert limits.yield_load(pair, "Hertz", double) == pytest.approx(4 * own, rel=1e-15)
+
+
+# --- Eq 8, Figs 8 and 9: where Johnson's law ends ---------------------------------------------
+
+
+@given(materials, gaps)
+def test_johnsons_limits_are_those_of_eq_8(material, dR):
+    pair = CylinderPair.from_dR("external", dR, material)
+    with mp.workdps(40):
+        E_star = mp.mpf(material.E) / (2 * (1 - mp.mpf(material.nu) ** 2))
+        load = float(4 * mp.pi * E_star * mp.mpf(dR) / mp.e**2)
+        penetration = float(4 * mp.mpf(dR) / mp.e**2)
+    assert limits.johnson_limit_load(pair) == pytest.approx(load, rel=6 * ROUNDING, abs=0)
+    assert laws.Johnson().max_penetration(pair) == pytest.approx(
+        penetration, rel=6 * ROUNDING, abs=0
+    )
+
+
+def test_johnsons_limit_loads_are_those_of_the_paper():
+    for material, dR, paper in ((ALUMINIUM, [0.0075, 0.01], [494, 658]), (TITANIUM, 0.0075, 865)):
+        pair = CylinderPair.from_dR("internal", dR, material)
+        assert limits.johnson_limit_load(pair).round().tolist() == paper
+
+
+@given(equal_pairs)
+def test_the_stress_at_johnsons_limit_is_the_closed_form_of_fig_9(pair):
+    E_star = pair.material_i.E / (2 * (1 - pair.material_i.nu**2))
+    expected = 2 / math.e * E_star * pair.dR / math.sqrt(pair.R_i * pair.R_j)
+    assert limits.stress_at_johnson_limit(pair) == pytest.approx(expected, rel=2e-15, abs=0)
+
+
+# --- where the two limits meet ----------------------------------------------------------------
+
+
+def at_clearance(dR, R_i, material):
+    return CylinderPair.from_dR("internal", dR, material, R_i=R_i)
+
+
+@pytest.mark.parametrize("material", [ALUMINIUM, TITANIUM], ids=lambda m: m.name)
+@pytest.mark.parametrize("R_i", [5.0, 10.0, 100.0])
+def test_yield_and_johnsons_limit_meet_at_the_clearance_that_a_root_finder_finds(R_i, material):
+    def excess(dR):
+        pair = at_clearance(dR, R_i, material)
+        return math.log(limits.johnson_limit_load(pair) / limits.yield_load(pair, "Hertz"))
+
+    root = brentq(excess, 1e-6 * R_i, 0.5 * R_i, xtol=1e-15 * R_i)
+    pair = at_clearance(1.0, 2 * R_i, material)
+    clearance = limits.elastic_limit_clearance(R_i, pair)
+    assert clearance == pytest.approx(root, rel=1e-12)
+    assert excess(0.5 * clearance) < 0 < excess(2 * clearance)
+
+
+@pytest.mark.parametrize("strength", [1e-8, 1e-3, 1.0, 1e3, 1e8])
+def test_the_clearance_solves_its_quadratic_for_any_ratio_of_strength_to_stiffness(strength):
+    material = material_in_MPa("any", E=2.0, nu=0.0, yield_stress=strength)  # E* = 1
+    pair = CylinderPair.from_dR("internal", 1.0, material)
+    with mp.workdps(60):
+        m = (mp.e * mp.mpf(strength) / 2) ** 2
+        root = float((mp.sqrt(m**2 + 4 * m) - m) / 2)
+    assert limits.elastic_limit_clearance(1.0, pair) == pytest.approx(root, rel=1e-15, abs=0)
+
+
+# --- shapes -----------------------------------------------------------------------------------
+
+
+def test_limits_take_the_shape_of_the_pair(pairs):
+    for limit in (limits.yield_load, limits.johnson_limit_load, limits.stress_at_johnson_limit):
+        assert limit(pairs).shape == (3, 1)
+    assert limits.hertz_stress([1.0, 2.0], pairs).shape == (3, 2)
+    assert limits.elastic_limit_clearance(np.array([5.0, 10.0]), pairs).shape == (2,)
+    pair = CylinderPair.internal(10.0, 9.9, ALUMINIUM)
+    assert type(limits.hertz_stress(np.array(1.0), pair)) is np.float64
+    assert type(limits.yield_load(pair)) is np.float64
+
+
+def test_hertz_pressure_carries_the_load_and_ends_at_the_half_width(pair):
+    load = np.array([1.0, 100.0, 1e4])
+    half_width = limits.hertz_half_width(load, pair)
+    x = np.linspace(-1, 1, 20001)[:, None] * half_width
+    carried = np.trapezoid(limits.hertz_pressure(x, load, pair), x, axis=0)
+    assert carried == pytest.approx(load, rel=1e-6)
+    assert limits.hertz_pressure(1.0001 * half_width, load, pair) == pytest.approx(0.0)
+    assert limits.hertz_pressure(0.0, load, pair) == pytest.approx(
+        limits.hertz_stress(load, pair), rel=1e-15
+    )
+
+
+def test_hertz_half_width_is_that_of_the_gap_it_closes(pair):
+    """Elliptic pressure makes the curvature p₀·2/(b·E*) of the two surfaces: it must be 1/R."""
+    for one, curvature in ((pair, 1 / pair.R_j - 1 / pair.R_i), (PLANE, 1 / 10.0)):
+        peak, half_width = limits.hertz_stress(70.0, one), limits.hertz_half_width(70.0, one)
+        assert 2 * peak / (half_width * one.E_star) == pytest.approx(curvature, rel=1e-13)
+
+
+def test_a_plane_is_what_ever_larger_rollers_come_to():
+    flatter = CylinderPair.external(10.0, 1e10, ALUMINIUM, material_j=TITANIUM)
+    for limit in (
+        lambda pair: limits.hertz_stress([1.0, 100.0], pair),
+        lambda pair: limits.hertz_half_width([1.0, 100.0], pair),
+        lambda pair: limits.yield_load(pair, "Hertz"),
+        limits.yield_load,
+        lambda pair: limits.first_yield(pair, "Tresca").depth,
+    ):
+        assert limit(PLANE) == pytest.approx(limit(flatter), rel=1e-8)
+    assert limits.first_yield(PLANE).body == "i"
+    assert "in body i" in limits.yield_warning(1e6, PLANE)
+
+
+def test_hertz_contact_without_load_has_no_width_and_no_pressure(pair):
+    assert limits.hertz_half_width(0.0, pair) == limits.hertz_stress(0.0, pair) == 0.0
+    for limit in (limits.hertz_stress, limits.hertz_half_width):
+        assert np.isnan(limit(NOT_TOUCHING, pair)).all()
+    assert limits.hertz_pressure([0.0, 0.1], 0.0, pair) == pytest.approx([0.0, 0.0])
+    assert np.isnan(limits.hertz_pressure(0.0, -1.0, pair))

@@ -1,0 +1,241 @@
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from mpmath import mp
+
+from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact.pair import unusual_lengths
+from tests.support.strategies import ROUNDING, gaps, materials, moduli, ratios
+
+STEEL, BRASS = Material("steel", 207e3, 0.3), Material("brass", 100e3, 0.34)
+FAMILY = Material("family", E=[1e5, 2e5, 3e5], nu=0.3)
+
+
+# --- derived numbers ----------------------------------------------------------------------------
+
+
+@given(moduli, ratios)
+def test_E_star_of_equal_materials_is_E_over_two_one_minus_nu_squared(E, nu):
+    pair = CylinderPair.from_dR("internal", 1.0, Material("any", E, nu))
+    with mp.workdps(40):
+        error = abs(mp.mpf(float(pair.E_star)) * 2 * (1 - mp.mpf(nu) ** 2) / mp.mpf(E) - 1)
+    assert error < 6 * ROUNDING
+
+
+@given(materials, materials)
+def test_compliances_add_in_any_order_with_nu_in_plane_strain_alone(one, other):
+    pair = CylinderPair.external(1.0, 2.0, one, material_j=other)
+    with mp.workdps(40):
+        compliance = sum((1 - mp.mpf(m.nu) ** 2) / mp.mpf(m.E) for m in (one, other))
+        error = abs(mp.mpf(float(pair.E_star)) * compliance - 1)
+    assert error < 6 * ROUNDING
+    assert CylinderPair.external(2.0, 1.0, other, material_j=one).E_star == pair.E_star
+    sheet = replace(pair, plane="stress")
+    assert 1 / sheet.E_star == pytest.approx(1 / one.E + 1 / other.E, rel=4 * ROUNDING)
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+@given(materials, materials)
+def test_dundurs_parameters_are_those_of_shear_modulus_and_kappa(plane, one, other):
+    """Dundurs (1969) with body 1 the hole, from μ and κ; a swap of the bodies changes the sign."""
+    pair = CylinderPair.from_dR("internal", 1.0, one, material_j=other, plane=plane)
+    (mu_i, mu_j), (k_i, k_j) = ((m.E / (2 * (1 + m.nu)) for m in (one, other)), pair.kolosov)
+    total = mu_j * (k_i + 1) + mu_i * (k_j + 1)
+    alpha = (mu_i * (k_j + 1) - mu_j * (k_i + 1)) / total
+    beta = (mu_i * (k_j - 1) - mu_j * (k_i - 1)) / total
+    assert pair.alpha == pytest.approx(alpha, abs=8 * ROUNDING)
+    assert pair.beta == pytest.approx(beta, abs=8 * ROUNDING)
+    (w_i, w_j), swapped = pair.shares, CylinderPair.from_dR("internal", 1.0, other, material_j=one)
+    assert w_i + w_j == pytest.approx(1)
+    assert -w_i / 2 - ROUNDING <= pair.beta <= w_j / 2 + ROUNDING
+    if plane == "strain":
+        assert swapped.beta == -pair.beta
+
+
+def test_equal_bodies_have_no_alpha_and_no_beta_and_a_soft_pin_positive_ones():
+    equal = CylinderPair.from_dR("internal", 1.0, STEEL)
+    assert equal.alpha == equal.beta == 0
+    soft = CylinderPair.from_dR("internal", 1.0, STEEL, material_j=Material("soft", 1e3, 0.3))
+    assert (soft.alpha > 0.9, soft.beta > 0.2) == (True, True)
+
+
+def test_dR_is_the_difference_of_the_radii_inside_and_their_sum_outside():
+    inside, outside = (build(10.0, 9.5, STEEL) for build in BUILD)
+    assert (inside.dR, inside.R, outside.dR, outside.R) == (0.5, 190.0, 19.5, 95.0 / 19.5)
+    assert type(inside.E_star) is type(inside.R) is type(inside.dR) is np.float64
+
+
+BUILD = (CylinderPair.internal, CylinderPair.external)
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+@given(gaps, gaps)
+def test_from_dR_finds_the_radius_that_gives_its_dR(contact, one, other):
+    assume(one != other)
+    R_i, R_j = max(one, other), min(one, other)
+    dR = R_i - R_j if contact == "internal" else R_i + R_j
+    pair = CylinderPair.from_dR(contact, dR, Material("any", 1e5, 0.3), R_i=R_i)
+    assert (pair.contact, pair.dR, pair.R_i) == (contact, dR, R_i)
+    # ΔR has been rounded, and R_j may be the small one of two large numbers.
+    assert pair.R_j == pytest.approx(R_j, rel=0, abs=2 * ROUNDING * dR)
+    bare = CylinderPair.from_dR(contact, dR, pair.material_i, length=3.0)
+    assert (bare.R_i, bare.R_j, bare.length) == (None, None, 3.0)
+
+
+def test_arrays_of_radii_and_materials_broadcast():
+    pair = CylinderPair.internal([[10.0], [20.0]], 9.0, STEEL, material_j=FAMILY)
+    assert pair.E_star.shape == (3,)
+    np.testing.assert_array_equal(pair.R, [[90.0], [180.0 / 11.0]])
+
+
+def test_what_is_derived_is_computed_once_and_neither_it_nor_the_pair_can_be_changed():
+    gaps, radii, moduli = np.array([0.5, 1.0]), [10.0, 20.0], np.array([2e5, 1e5])
+    pair = CylinderPair.from_dR("internal", gaps, Material("any", moduli, 0.3), R_i=radii)
+    gaps[:], radii[0], moduli[:] = -1.0, 0.0, -1.0
+    np.testing.assert_array_equal(pair.dR, [0.5, 1.0])
+    np.testing.assert_array_equal(pair.R_i, [10.0, 20.0])
+    np.testing.assert_array_equal(pair.material_i.E, [2e5, 1e5])
+    assert pair.E_star is pair.E_star
+    for values in (pair.dR, pair.E_star, pair.beta, *pair.shares):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 2.0
+    assert replace(pair, material_j=STEEL).E_star.tolist() != pair.E_star.tolist()
+    with pytest.raises(AttributeError, match="cannot assign to field 'dR'"):
+        pair.dR = 1.0
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(pair)
+
+
+# --- which pair it is ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("build", BUILD)
+def test_one_material_serves_both_bodies_unless_the_second_is_given(build):
+    alone, mixed = build(10.0, 9.0, STEEL), build(10.0, 9.0, STEEL, material_j=BRASS)
+    assert (alone.material_i, alone.material_j) == (STEEL, STEEL)
+    assert (mixed.material_i, mixed.material_j) == (STEEL, BRASS)
+
+
+def test_pin_and_hole_are_other_names_of_the_materials():
+    expected = CylinderPair.internal(10.0, 9.0, STEEL, 5.0, BRASS)
+    assert CylinderPair.internal(10.0, 9.0, length=5.0, pin=BRASS, hole=STEEL) == expected
+    of_dR = CylinderPair.from_dR("internal", 1.0, pin=BRASS, hole=STEEL, length=5.0, R_i=10.0)
+    assert of_dR == expected
+
+
+@pytest.mark.parametrize(
+    ("change", "equal"),
+    [
+        ({}, True),
+        ({"R_i": np.array([10, 20]), "R_j": np.array([9, 18])}, True),
+        ({"R_j": [9.0, 18.5]}, False),
+        ({"R_i": 30.0}, False),
+        ({"length": 5.0}, False),
+        ({"plane": "stress"}, False),
+        ({"material_j": Material("steel", 207e3, 0.31)}, False),
+    ],
+)
+def test_pairs_are_equal_when_all_their_values_are(change, equal):
+    values = {"R_i": [10.0, 20.0], "R_j": [9.0, 18.0], "material": STEEL}
+    pair, other = CylinderPair.internal(**values), CylinderPair.internal(**values | change)
+    assert (pair == other) is equal
+    assert pickle.loads(pickle.dumps(other)) == replace(other) == other
+    bare, outside = (CylinderPair.from_dR(c, [1.0, 2.0], STEEL) for c in ("internal", "external"))
+    assert bare not in (pair, other, outside)
+
+
+def test_a_plane_has_the_effective_radius_of_the_roller_and_no_finite_dR():
+    pair = CylinderPair.external([10.0, 20.0], np.inf, STEEL, 5.0, BRASS)
+    assert pair.is_flat
+    assert np.isinf(pair.dR).all()
+    assert pair.R.tolist() == [10.0, 20.0]
+    assert CylinderPair.external(3.0, [np.inf, np.inf], STEEL).R.tolist() == [3.0, 3.0]
+    assert pickle.loads(pickle.dumps(pair)) == pair == replace(pair)
+    assert pair != CylinderPair.external([10.0, 20.0], 5.0, STEEL, 5.0, pair.material_j)
+    assert not unusual_lengths(pair)
+
+
+IN_ANY_PLANE = {"johnson", "persson", "conformal", "explicit", "winkler"} | {
+    "parametric",
+    "explicit-pair",
+}
+
+
+@pytest.mark.parametrize("name", laws.LAWS)
+@pytest.mark.parametrize("method", ["load", "penetration", "stiffness", "max_load"])
+def test_laws_that_are_stated_for_plane_strain_refuse_plane_stress(name, method):
+    law = laws.LAWS[name]()
+    sheet = CylinderPair.internal(10.0, 9.5, STEEL, 10.0, plane="stress")
+    arguments = () if method == "max_load" else (1e-3,)
+    if name in IN_ANY_PLANE:
+        # One material in plane stress is another in plane strain, with the same E*.
+        strain = CylinderPair.internal(10.0, 9.5, Material("same", STEEL.E, 0.0), 10.0)
+        assert getattr(law, method)(*arguments, sheet) == getattr(law, method)(*arguments, strain)
+    else:
+        with pytest.raises(InputError, match="plane = 'stress': must be 'strain'"):
+            getattr(law, method)(*arguments, sheet)
+
+
+# --- no pair contradicts itself -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+@pytest.mark.parametrize("changes", [{"dR": 0.6}, {"R_i": 11.0}, {"R_j": 9.4}])
+def test_radii_and_clearance_agree_also_after_a_change(contact, changes):
+    pair = getattr(CylinderPair, contact)(10.0, 9.5, STEEL)
+    with pytest.raises(InputError, match=r"CylinderPair: dR = .* contradicts R_i = .* and R_j"):
+        replace(pair, **changes)
+    assert replace(pair, dR=float(pair.dR) * (1 + 1e-9)).dR != pair.dR
+    with pytest.raises(InputError, match="contradicts"):  # one of many
+        replace(pair, dR=np.array([pair.dR, 1.1 * pair.dR]))
+
+
+@pytest.mark.parametrize(
+    ("lengths", "key"),
+    [
+        ({"dR": 5.0, "R_i": 10.0, "R_j": np.inf}, "dR"),
+        ({"dR": np.inf, "R_i": 10.0, "R_j": 5.0}, "dR"),
+        ({"dR": np.inf, "R_i": 10.0}, "dR"),
+        ({"dR": np.inf, "R_j": np.inf}, "dR"),
+        ({"dR": np.inf, "R_i": np.inf, "R_j": np.inf}, "R_i"),
+        ({"dR": [15.0, np.inf], "R_i": 10.0, "R_j": [5.0, np.inf]}, "dR"),
+    ],
+)
+def test_a_plane_is_refused_unless_all_its_lengths_say_so(lengths, key):
+    with pytest.raises(InputError) as caught:
+        CylinderPair("external", material_i=STEEL, material_j=STEEL, **lengths)
+    assert caught.value.key == key
+    with pytest.raises(InputError, match="must be positive and finite"):
+        CylinderPair("internal", material_i=STEEL, material_j=STEEL, **lengths | {"dR": np.inf})
+
+
+@pytest.mark.parametrize(
+    ("make", "key"),
+    [
+        (lambda m: CylinderPair.internal(10.0, 9.0, m, plane="bent"), "plane"),
+        (lambda m: CylinderPair("internal", 0.1, m, "bronze"), "material_j"),
+        (lambda m: CylinderPair.internal([10.0, 11.0, 12.0], [9.0, 9.5], m), ""),
+        (lambda m: CylinderPair.external([10.0, 11.0, 12.0], [9.0, 9.5], m), ""),
+        (lambda m: CylinderPair.from_dR("internal", [0.1, 0.2], m, R_i=[1.0, 2.0, 3.0]), ""),
+        (lambda m: CylinderPair("internal", [0.1, 0.2], m, m, R_i=[1.0, 2.0, 3.0]), ""),
+        (lambda m: CylinderPair.internal("10", 9.0, m), "R_i"),
+        (lambda m: CylinderPair.internal(10.0, None, m), "R_j"),
+        (lambda m: CylinderPair.internal(10.0, 9.0 + 1j, m), "R_j"),
+        (lambda m: CylinderPair.internal([[10.0], [10.0, 11.0]], 9.0, m), "R_i"),
+        (lambda m: CylinderPair.internal(10.0, 9.0, m, length="long"), "length"),
+        (lambda m: CylinderPair.from_dR("internal", None, m), "dR"),
+        (lambda _: CylinderPair.from_dundurs(1.0, 0.0), "alpha"),
+        (lambda _: CylinderPair.from_dundurs(0.0, 0.3), "beta"),
+        (lambda _: Material("m", [207e3, 70e3], [0.3, 0.3, 0.3]), ""),
+        (lambda _: Material("m", 207e3, "0.3"), "nu"),
+        (lambda _: Material("m", 207e3, 0.3, "250"), "yield_stress"),
+    ],
+)
+def test_what_is_no_number_or_no_such_thing_is_refused_in_one_line(make, key):
+    with pytest.raises(InputError) as caught:
+        make(STEEL)
+    assert caught.value.key == key
+    assert len(str(caught.value).splitlines()) == 1

@@ -1,0 +1,134 @@
+"""Functions of the user's own that misbehave: each is told in one line, and nothing is written."""
+
+import pytest
+
+from cylcontact import InputError
+from tests.support.measured_files import write_measured
+from tests.support.spec_files import tree
+
+POWER = "K * pair.E_star / pair.dR * penetration**1.1"
+HEAD = "import sys\nimport numpy as np\n"
+# What a law `load(penetration, pair, K)` does, and what is said of it. None of them is a law.
+BODIES = {
+    "sys.exit(0)": "stopped with SystemExit: 0",
+    "raise SystemExit('over')": "stopped with SystemExit: over",
+    "raise ValueError('two\\nlines')": "stopped with ValueError: two lines",
+    "raise MemoryError": "stopped with MemoryError",
+    "return load(penetration, pair, K)": "stopped with RecursionError",
+    f"return -{POWER}": "lies outside the domain",
+    "return K * np.sin(300 * penetration)": "grow",
+    "return K * penetration / (1 + (penetration / 1e-3)**2)": "decreases with the penetration at",
+    "return K + 0 * penetration": "does not grow with the penetration at",
+    f"return {POWER} - 50": "is negative",
+    "return penetration[:-1]": "returns an array of another shape",
+    "return 1.0": "returns an array of another shape",
+    "return np.zeros((200, 100_000))": "returns an array of another shape",
+    "return np.zeros(1 << 45)": "stopped with",
+    "return penetration + np.nan": "lies outside the domain",
+    "return penetration + 1j": "returns complex numbers",
+    "return penetration > 0": "returns true or false",
+    "return ['much'] * penetration.size": "returns text",
+    "return None": "returns what is not an array of numbers",
+    "return penetration.astype(object)": "returns what is not an array of numbers",
+    "return {'load': penetration}": "returns what is not an array of numbers",
+    "yield penetration": "returns what is not an array of numbers",
+    "return penetration * missing": "stopped with NameError",
+}
+MODULES = {
+    "def load(:": "cannot be imported (SyntaxError",
+    "1 / 0": "cannot be imported (ZeroDivisionError",
+    "raise SystemExit(0)": "cannot be imported (SystemExit: 0)",
+    "import sys; sys.exit()": "cannot be imported (SystemExit",
+    "import absent_module": "cannot be imported (ModuleNotFoundError",
+    "\0": "cannot be imported",
+    "load = 3": "is not a function of mine",
+    "class load: pass": "must take a penetration, a pair and named constants",
+}
+GIVEN = "--E 207GPa --nu 0.3 --Ri 10 --bound K=1:10 --runs 2 -j 1"
+# Names that are not of a module and a function beside the table.
+NAMES = (
+    "..mine:load",
+    "/etc/mine:load",
+    "mine/../mine:load",
+    "mine:",
+    ":load",
+    "mine:a.b",
+    "a b:c",
+)
+
+
+@pytest.fixture
+def fit(tmp_path, run):
+    """Fit a law of a module mine.py to points of a power law, with little patience."""
+    table = write_measured(tmp_path / "measured.csv", "power", "internal")
+
+    def fit(module, law="mine:load", objective="rms-log-load", *more):
+        (tmp_path / "mine.py").write_text(module)
+        return run(
+            *("fit", table, "--law", law, "--contact", "internal", *GIVEN.split()),
+            *("--objective", objective, "-o", tmp_path / "r.json", *more),
+        )
+
+    return fit
+
+
+def refused(fit, tmp_path, rule, *arguments):
+    """Check that a fit is refused in one line, without a file."""
+    before = {*tree(tmp_path)} | {"mine.py"}
+    code, said, errors = fit(*arguments)
+    assert (code, said) == (2, ""), errors
+    assert len(errors.splitlines()) == 1
+    assert rule in errors
+    assert {*tree(tmp_path)} <= before | {"r.json.partial"}  # runs, before their best is refused
+
+
+def law(body):
+    return f"{HEAD}\ndef load(penetration, pair, K):\n    {body}\n"
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_a_law_that_misbehaves_is_told_in_one_line(fit, tmp_path, body):
+    objective = "rms-load" if "sin" in body or "- 50" in body else "rms-log-load"
+    refused(fit, tmp_path, BODIES[body], law(body), "mine:load", objective)
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_a_module_that_misbehaves_is_told_in_one_line(fit, tmp_path, module):
+    refused(fit, tmp_path, MODULES[module], module + "\n")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_only_the_name_of_a_module_and_a_function_is_imported(fit, tmp_path, name):
+    refused(fit, tmp_path, "cannot be imported: it does not name", law(f"return {POWER}"), name)
+
+
+def test_what_a_law_prints_is_no_part_of_the_report(fit):
+    _, plain, _ = fit(law(f"return {POWER}"))
+    code, said, _ = fit(law(f"print('a look'); return {POWER}"))
+    assert (code, said) == (0, plain)
+
+
+def test_a_law_that_writes_into_its_arguments_changes_nothing_outside(fit):
+    _, plain, _ = fit(law(f"return {POWER}"))
+    code, said, _ = fit(law(f"f = {POWER}; penetration[...] = 0; return f"))
+    assert (code, said) == (0, plain)
+
+
+def test_a_module_named_as_one_of_pythons_is_the_users_own(fit, tmp_path):
+    (tmp_path / "random.py").write_text(law(f"return {POWER}"))
+    assert fit("", "random:load")[0] == 0
+
+
+def test_runs_of_a_law_that_was_changed_are_not_resumed(fit, tmp_path, monkeypatch):
+    def full(*_):
+        raise InputError("disk", "", None, "is full", "make room")
+
+    monkeypatch.setattr("cylcontact.fitting.results.FitResult.save", full)
+    assert fit(law(f"return {POWER}"))[0] == 2
+    kept = (tmp_path / "r.json.partial").read_bytes()
+    monkeypatch.undo()
+    changed = law(f"return 2 * {POWER}")
+    code, _, errors = fit(changed, "mine:load", "rms-log-load", "--resume")
+    assert (code, len(errors.splitlines())) == (2, 1)
+    assert "belongs to other work: its campaign or settings differ" in errors
+    assert (tmp_path / "r.json.partial").read_bytes() == kept

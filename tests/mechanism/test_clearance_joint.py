@@ -1,0 +1,638 @@
+"""The joint as a force element: the library's own, and its exports along whole trajectories."""
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cylcontact import CylinderPair, InputError, Material, dissipation, laws
+from cylcontact.export import JOINT_TARGETS, export_joint
+from cylcontact.mechanism import (
+    JointState,
+    contact,
+    isolated_impact,
+    joint_from,
+    read_joint,
+    simulate,
+)
+from cylcontact.mechanism.joint import BEYOND_LAW, YIELDS
+from cylcontact.spec import read_toml
+from tests.support.export_runners import compile_with, run_program
+from tests.support.joint_runners import RUNNERS, run_c, run_library, run_octave, run_python, write
+from tests.support.mechanism_cases import slider_crank
+from tests.support.spec_files import DROP, changed
+
+# The FMU, an archive, has tests/export/test_fmu.py.
+SOURCES = {target: suffix for target, suffix in JOINT_TARGETS.items() if target != "fmu"}
+
+ROOT = Path(__file__).resolve().parents[2]
+JOINT = read_toml(ROOT / "datasets/joint.toml")
+ALUMINIUM = {"E": 69.0, "nu": 0.33}
+STEEL = {"E": 207.0, "nu": 0.3}
+CASES = [
+    (law, clearance)
+    for law in ("johnson", "enhanced", "explicit", "parametric", "conformal")
+    for clearance in (0.02, 0.5)
+]
+each_case = pytest.mark.parametrize("case", CASES, ids="{0[0]}-{0[1]}".format)
+# In the order of the columns that a runner answers.
+FORCES, MOMENTS, LENGTHS, RATES = [0, 1, 6, 7, 11, 12], [2, 3], [4], [5, 8, 13]
+POWER, FLAG = 9, 10
+
+
+def joint_for(law, clearance, units="SI", **changes):
+    """Return the joint of the slider-crank; parametric is the law for its unlike materials."""
+    pin = ALUMINIUM if law == "parametric" else STEEL
+    data = {
+        # A name each: C++ shares the constants of classes of one name between libraries.
+        "name": f"{law}-{clearance}", "units": units, "length": 10.0, "law": law,
+        "bearing": {"R": 10.0, **STEEL}, "pin": {"R": 10.0 - clearance, **pin},
+        "dissipation": {"factor": "lankarani-nikravesh", "restitution": 0.9},
+        "friction": {"coefficient": 0.1, "v0": 1.0, "v1": 10.0},
+    }  # fmt: skip
+    return joint_from(changed(data, changes))
+
+
+@cache
+def run_of(law, clearance):
+    """Two revolutions of the slider-crank with that joint."""
+    mechanism = slider_crank(law, 10.0 - (10.0 - clearance))
+    joint = joint_for(law, clearance)
+    joints = (replace(j, clearance=joint) if j.clearance else j for j in mechanism.joints)
+    mechanism = replace(mechanism, joints=tuple(joints))
+    return simulate(mechanism, revolutions=2, beyond="tangent")
+
+
+def elastic_force(joint, penetration):
+    return contact.elastic_force(penetration, joint.block, joint.kernel.parameters)
+
+
+def rows_of(run, relative=True):
+    """Return impact rate and motion at every recorded state, to the bodies' own centres of mass.
+
+    Relative ones put the origin into the centre of the hole: what a trajectory in minimal
+    coordinates knows of the joint exactly.
+    """
+    joint = run.mechanism.clearance
+    rate = np.where(run.in_contact, np.maximum(run.impact_rate, joint.contact.rate_floor), 0.0)
+    rows = np.zeros((run.time.size, 13))
+    rows[:, 0] = rate
+    for first, body in ((1, joint.i), (7, joint.j)):
+        rows[:, first : first + 3] = run.coordinates[:, body]
+        rows[:, first + 3 : first + 6] = run.velocities[:, body]
+    if relative:
+        rows[:, 1:3] = rows[:, 4:6] = 0.0
+        rows[:, 7:9], rows[:, 10:12] = -run.eccentricity, -run.eccentricity_rate
+    return rows
+
+
+def absolute_joint(law, clearance):
+    """Return the joint with the points that the bodies of the slider-crank have it at."""
+    c = run_of(law, clearance).mechanism.clearance
+    points = {
+        f"{body}.point": [x * 1e3 for x in point]
+        for body, point in (("bearing", c.point_i), ("pin", c.point_j))
+    }
+    return joint_for(law, clearance, **points)
+
+
+def assert_close(actual, wanted, tolerance):
+    """Compare answers, each to a part of the largest of its kind."""
+    for columns in (FORCES, MOMENTS, LENGTHS, RATES, [POWER]):
+        peak = np.abs(wanted[:, columns]).max()
+        np.testing.assert_allclose(
+            actual[:, columns], wanted[:, columns], rtol=0, atol=tolerance * peak
+        )
+    np.testing.assert_array_equal(actual[:, FLAG], wanted[:, FLAG])
+
+
+# --- the library's own ---
+
+
+@each_case
+def test_the_joint_gives_the_trajectorys_own_forces(case):
+    run, joint = run_of(*case), joint_for(*case)
+    answers = run_library(joint, rows_of(run))
+    peak, touching = run.normal_force.max(), run.in_contact
+    own = np.column_stack([run.force, run.normal_force, run.friction_force, -run.force])
+    np.testing.assert_allclose(
+        answers[touching][:, FORCES], own[touching], rtol=0, atol=1e-12 * peak
+    )
+    # The row of an event, before the contact begins, may be deep in by the rounding of its time.
+    free = answers[~touching]
+    assert np.abs(free[:, FORCES]).max() <= 1e-10 * peak
+    assert (free[free[:, 4] <= 0][:, [*FORCES, *MOMENTS, POWER, FLAG]] == 0).all()
+    np.testing.assert_allclose(answers[:, 4], run.penetration, rtol=0, atol=1e-18)
+    np.testing.assert_allclose(answers[:, 5], run.penetration_rate, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(answers[:, 8], run.tangential_velocity, rtol=1e-12, atol=1e-12)
+    # The power is what the ledgers add up; its integral by the trapezoidal rule.
+    lost = run.normal_dissipation + run.friction_dissipation
+    assert np.trapezoid(answers[:, POWER], run.time) == pytest.approx(lost[-1], rel=5e-3)
+
+
+@each_case
+def test_moments_are_those_of_the_compiled_contact(case):
+    run, joint = run_of(*case), joint_for(*case)
+    answers, rows = run_library(joint, rows_of(run)), rows_of(run)
+    block = joint.block.copy()
+    for row, answer in zip(rows[run.in_contact][::7], answers[run.in_contact][::7], strict=True):
+        motion = (*-row[7:9], *-row[10:12], row[6], row[12])
+        wanted = contact.forces_at(tuple(motion), row[0], block, joint.kernel.parameters)
+        np.testing.assert_allclose(answer[2:4], wanted[2:4], rtol=1e-12, atol=1e-15)
+
+
+@each_case
+def test_accept_along_a_trajectory_keeps_its_impact_rates(case):
+    run, joint = run_of(*case), joint_for(*case)
+    rows = rows_of(run)
+    state, kept = joint.start(), []
+    for row in rows:
+        state = joint.accept(state, row[1:7], row[7:])
+        kept.append(state.impact_rate)
+    # Where the event's root rounds to no contact, the first is the next step, 2 nm deep.
+    inside = run.in_contact & (run.penetration > 5e-9)
+    np.testing.assert_allclose(np.array(kept)[inside], rows[inside, 0], rtol=1e-2)
+
+
+@each_case
+def test_forces_and_moments_balance_and_dissipate(case):
+    joint, rows = absolute_joint(*case), rows_of(run_of(*case), relative=False)
+    answers = run_library(joint, rows)
+    force, moment, opposite = answers[:, :2], answers[:, 2:4], answers[:, 11:13]
+    peak = np.abs(force).max()
+    assert peak > 1e4
+    np.testing.assert_array_equal(force, -opposite)
+    about_origin = (
+        moment.sum(axis=1)
+        + rows[:, 1] * force[:, 1] - rows[:, 2] * force[:, 0]
+        + rows[:, 7] * opposite[:, 1] - rows[:, 8] * opposite[:, 0]
+    )  # fmt: skip
+    np.testing.assert_allclose(about_origin, 0.0, atol=1e-13 * peak)
+    assert (answers[:, POWER] >= 0).all()
+    assert answers[:, POWER].max() > 0
+    # The power of the wrench, by the motion of the bodies, is what is lost and what is stored.
+    spins = rows[:, [6, 12]]
+    power = (
+        (force * rows[:, 4:6]).sum(axis=1) + (opposite * rows[:, 10:12]).sum(axis=1)
+        + (moment * spins).sum(axis=1)
+    )  # fmt: skip
+    elastic = np.array([elastic_force(joint, d) for d in answers[:, 4]])
+    balance = power + answers[:, POWER] + elastic * answers[:, 5]
+    np.testing.assert_allclose(balance, 0.0, atol=1e-12 * peak * np.abs(rows[:, 3:]).max())
+
+
+def test_only_the_motion_against_each_other_matters():
+    """Seen from the turning bearing, and from a frame that moves and turns at will."""
+    joint, rows = absolute_joint("explicit", 0.5), rows_of(run_of("explicit", 0.5), relative=False)
+    wanted = run_library(joint, rows)
+    moving = rows.copy()
+    origin, drift = np.array([0.3, -0.2]), np.array([1.5, 0.7])
+    turn, spin = 0.8, 40.0
+    cosine, sine = np.cos(turn), np.sin(turn)
+    into = np.array([[cosine, sine], [-sine, cosine]])
+    for first in (1, 7):
+        place, speed = rows[:, first : first + 2] - origin, rows[:, first + 3 : first + 5] - drift
+        speed = speed - spin * np.column_stack((-place[:, 1], place[:, 0]))
+        moving[:, first : first + 2], moving[:, first + 3 : first + 5] = (
+            place @ into.T,
+            speed @ into.T,
+        )
+        moving[:, first + 2] -= turn
+        moving[:, first + 5] -= spin
+    answers = run_library(joint, moving)
+    peak = np.abs(wanted[:, FORCES]).max()
+    assert np.abs(wanted[:, 7]).max() > 100.0
+    inside = np.abs(wanted[:, 4]) > 1e-12
+    close = {"rtol": 0, "atol": 1e-9 * peak}
+    np.testing.assert_allclose(answers[inside, :2] @ into, wanted[inside, :2], **close)
+    np.testing.assert_allclose(answers[inside][:, MOMENTS], wanted[inside][:, MOMENTS], **close)
+    np.testing.assert_allclose(answers[inside, POWER], wanted[inside, POWER], rtol=1e-6, atol=1e-6)
+
+
+# --- in other languages ---
+
+
+@each_case
+@pytest.mark.parametrize("language", RUNNERS)
+def test_exports_agree_with_library_and_trajectory(language, case, tmp_path):
+    run, joint = run_of(*case), joint_for(*case)
+    rows = rows_of(run)[:: 8 if language == "matlab" else 1]
+    answers = RUNNERS[language](joint, rows, tmp_path)
+    assert_close(answers, run_library(joint, rows), 1e-12)
+
+
+@pytest.mark.slow
+@each_case
+def test_matlab_agrees_at_every_state(case, tmp_path):
+    joint, rows = joint_for(*case), rows_of(run_of(*case))
+    assert_close(RUNNERS["matlab"](joint, rows, tmp_path), run_library(joint, rows), 1e-12)
+
+
+@pytest.mark.parametrize("units", ["SI", "mm"])
+@pytest.mark.parametrize("language", RUNNERS)
+def test_exports_agree_where_the_bodies_are_and_in_both_units(language, units, tmp_path):
+    case = ("explicit", 0.5)
+    rows = rows_of(run_of(*case), relative=False)[::8]
+    wanted = run_library(absolute_joint(*case), rows)
+    joint = replace(absolute_joint(*case), units=units)
+    scale = joint.in_mm / 1e3
+    length = np.array([0, 1, 2, 4, 5, 7, 8, 10, 11])  # of the inputs, all but angles and spins
+    rows[:, length] /= scale
+    answers = RUNNERS[language](joint, rows, tmp_path)
+    assert_close(answers, run_library(joint, rows), 1e-12)
+    answers[:, [*MOMENTS, *LENGTHS, *RATES, POWER]] *= scale
+    # On the surface rounding decides whether there is a contact.
+    decided = np.abs(wanted[:, 4]) > 1e-15
+    assert decided.mean() > 0.95
+    assert_close(answers[decided], wanted[decided], 1e-12 if units == "SI" else 1e-9)
+
+
+# --- how it is called ---
+
+DEEP, CLEAR = 1.01, 0.5  # of the clearance
+
+
+def motion(joint, part, rate, spin=0.0):
+    """Return a bearing at rest and a pin moving outwards along (0.6, 0.8), in the joint's units."""
+    away = part * float(joint.pair.dR) / joint.in_mm
+    pin = [0.6 * away, 0.8 * away, 0.0, 0.6 * rate, 0.8 * rate, spin]
+    return [0.0] * 6, pin
+
+
+def accepted(joint, state, *moves):
+    """Return the state after some accepted steps."""
+    for move in moves:
+        state = joint.accept(state, *motion(joint, *move))
+    return state
+
+
+def test_accept_keeps_the_rate_of_the_first_touch_until_the_contact_ends():
+    joint = joint_for("explicit", 0.05)
+    assert joint.start() == (0.0,)
+    free = accepted(joint, joint.start(), (CLEAR, 0.3))
+    touched = accepted(joint, free, (DEEP, 0.3))
+    pressed = accepted(joint, touched, (DEEP, 2.0), (DEEP, -0.2))
+    assert free.impact_rate == 0.0
+    assert touched.impact_rate == pytest.approx(0.3, rel=1e-12)
+    assert pressed == touched
+    assert accepted(joint, pressed, (CLEAR, -0.2)).impact_rate == 0.0
+    # Too slow, or leaving: the floor.
+    for rate in (1e-6, -0.5):
+        assert accepted(joint, joint.start(), (DEEP, rate)).impact_rate == joint.rate_floor == 1e-3
+
+
+def test_evaluate_is_pure_and_takes_a_trial_step_across_the_onset_as_it_is():
+    joint = joint_for("explicit", 0.05, **{"friction.coefficient": 0.0})
+    state, move = joint.start(), motion(joint, DEEP, 0.3)
+    trial, again = (joint.evaluate(state, *move) for _ in range(2))
+    kept = joint.evaluate(joint.accept(state, *move), *move)
+    assert state == joint.start()
+    assert trial.normal_force == again.normal_force == kept.normal_force
+    elastic = float(joint.law.load(trial.penetration * 1e3, joint.pair)) * 10.0
+    assert trial.normal_force == pytest.approx(elastic * (1 + joint.chi), rel=1e-12)
+
+
+def test_a_grazing_start_cannot_make_the_damping_run_away():
+    joint = joint_for("explicit", 0.05)
+    grazing = accepted(joint, joint.start(), (DEEP, 1e-9))
+    for rate in (1e-3, 0.1, 10.0, 1e4):
+        wrench = joint.evaluate(grazing, *motion(joint, DEEP, rate))
+        elastic = float(joint.law.load(wrench.penetration * 1e3, joint.pair)) * 10.0
+        wanted = dissipation.dissipative_load(elastic, rate * 1e3, 1.0, joint.chi)
+        assert wrench.normal_force == pytest.approx(float(wanted), rel=1e-9)
+        assert wrench.normal_force <= elastic * (1 + 20 * joint.chi)
+
+
+def test_centres_that_coincide_have_a_normal():
+    joint = joint_for("explicit", 0.05)
+    wrench = joint.evaluate(joint.start(), [0.0] * 6, [0.0, 0.0, 0.0, -0.2, 0.1, 0.0])
+    assert wrench.penetration == pytest.approx(-5e-5, rel=1e-12)
+    assert wrench.penetration_rate == 0.2
+    assert (wrench.force_bearing == 0).all()
+
+
+def test_states_may_be_arrays():
+    joint = joint_for("parametric", 0.05)
+    bearing, pin = motion(joint, DEEP, 0.1, spin=30.0)
+    pins = np.tile(pin, (2, 3, 1))
+    pins[1] *= CLEAR
+    state = joint.accept(joint.start(), bearing, pins)
+    wrench, one = joint.evaluate(state, bearing, pins), joint.evaluate(joint.start(), bearing, pin)
+    assert state.impact_rate.shape == wrench.flag.shape == (2, 3)
+    assert wrench.force_pin.shape == (2, 3, 2)
+    assert (wrench.force_pin[0] == one.force_pin).all()
+    assert (wrench.force_pin[1] == 0).all()
+
+
+def test_the_flag_tells_first_yield_and_the_end_of_the_law():
+    soft = {"bearing.yield_stress": 100.0, "pin.yield_stress": 200.0}
+    joint = joint_for("johnson", 0.05, **soft)
+    last = joint.block["last_penetration"]
+    assert last == pytest.approx(0.9 * float(joint.law.max_penetration(joint.pair)))
+    yields = float(joint.law.penetration(joint.first_yield / 10.0, joint.pair))
+    assert yields < last
+    flags = [
+        int(joint.evaluate(joint.start(), *motion(joint, 1 + delta / 0.05, 0.1)).flag)
+        for delta in (0.99 * yields, 1.01 * yields, 0.999 * last, 1.001 * last)
+    ]
+    assert flags == [0, YIELDS, YIELDS, YIELDS + BEYOND_LAW]
+    unknown = joint_for("johnson", 0.05, **{"pin.yield_stress": 200.0})
+    assert unknown.first_yield == np.inf
+    assert unknown.evaluate(unknown.start(), *motion(unknown, 1.9, 0.1)).flag == BEYOND_LAW
+
+
+@pytest.mark.parametrize("language", RUNNERS)
+@pytest.mark.parametrize("law", ["johnson", "conformal", "explicit"])
+def test_exports_flag_and_start_as_the_library(language, law, tmp_path):
+    joint = joint_for(law, 0.05, **{"bearing.yield_stress": 100.0, "pin.yield_stress": 200.0})
+    rows = [
+        [rate, *bearing, *pin]
+        for rate in (0.0, 0.002, 0.5)
+        for part in (0.0, 0.5, 1.0 + 1e-9, 1.1, 1.4, 3.0, 1200.0)
+        for speed in (-0.3, 0.0, 1e-5, 0.1, 50.0)
+        for bearing, pin in [motion(joint, part, speed, spin=3.0)]
+    ]
+    answers = RUNNERS[language](joint, np.array(rows), tmp_path)
+    wanted = run_library(joint, np.array(rows))
+    flags = set(wanted[:, FLAG])
+    assert flags == ({0, 1} if law == "explicit" else {0, 1, 3})
+    np.testing.assert_allclose(answers, wanted, rtol=1e-9, atol=1e-9)
+
+
+TWO = """
+#include <stdio.h>
+#include "left.h"
+#include "right.h"
+int main(void)
+{
+    const double still[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    const double slow[6] = {51e-6, 0.0, 0.0, 0.01, 0.0, 0.0};
+    const double fast[6] = {51e-6, 0.0, 0.0, 0.09, 0.0, 0.0};
+    left_state a, b;
+    right_state c;
+    left_wrench w;
+    left_start(&a); left_start(&b); right_start(&c);
+    left_accept(&a, still, slow); right_accept(&c, still, slow); left_accept(&b, still, fast);
+    for (int k = 0; k < 3; k++) left_evaluate(&b, still, slow, &w);
+    printf("%.17g %.17g %.17g %.17g\\n", a.impact_rate, b.impact_rate, c.impact_rate,
+        w.normal_force);
+    return 0;
+}
+"""
+
+
+def test_joints_in_one_program_have_states_of_their_own(tmp_path):
+    first = joint_for("explicit", 0.05, name="left")
+    second = joint_for("conformal", 0.05, name="right")
+    sources = [write(first, "c", tmp_path, "left"), write(second, "c", tmp_path, "right")]
+    (tmp_path / "main.c").write_text(TWO)
+    flags = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-O2")
+    compile_with("gcc", *flags, *sources, tmp_path / "main.c", "-o", tmp_path / "two", "-lm")
+    a, b, c, normal = map(float, run_program(tmp_path / "two").split())
+    assert (a, b, c) == (0.01, 0.09, 0.01)
+    pin = [51e-6, 0.0, 0.0, 0.01, 0.0, 0.0]
+    wanted = first.evaluate(JointState(0.09), [0.0] * 6, pin).normal_force
+    assert normal == pytest.approx(float(wanted), rel=1e-12)
+
+
+# A pin that drops freely into a fixed bearing: flight, impact and flight back.
+DROP_OF_A_PIN = """
+1;
+addpath('{folder}');
+global joint rate
+joint = element(); rate = joint.start();
+function dx = motion(t, x)
+    global joint rate
+    w = joint.evaluate(rate, zeros(1, 6), [x(1), 0, 0, x(2), 0, 0]);
+    dx = [x(2); w.force_pin(1) / {mass}];
+end
+function [value, stops, direction] = touch(t, x)
+    global joint
+    w = joint.evaluate(0, zeros(1, 6), [x(1), 0, 0, x(2), 0, 0]);
+    value = w.penetration; stops = 1; direction = 0;
+end
+warning('off', 'integrate_adaptive:unexpected_termination'); % the event
+set = odeset('RelTol', 1e-10, 'AbsTol', 1e-14, 'Events', @touch, 'InitialStep', 1e-9, ...
+    'MaxStep', 1e-6);
+[t, x] = ode45(@motion, [0, 1e-3], [0; {speed}], set);
+% The root is right to rounding: a picosecond later the pin is inside.
+onset = x(end, :)' + 1e-12 * [x(end, 2); 0];
+rate = joint.accept(rate, zeros(1, 6), [onset(1), 0, 0, onset(2), 0, 0]);
+[t, x] = ode45(@motion, [0, 1e-3], onset, set);
+printf('%.17g %.17g %.17g %.17g\\n', rate, x(end, 2), max(x(:, 1)), t(end));
+"""
+
+
+def test_a_pin_dropped_in_octave_bounces_as_in_the_library(tmp_path):
+    changes = {"dissipation.factor": "exact", "dissipation.restitution": 0.8}
+    joint, mass, speed = joint_for("explicit", 0.05, **changes), 0.14, 0.5
+    write(joint, "matlab", tmp_path)
+    text = DROP_OF_A_PIN.format(folder=tmp_path, mass=mass, speed=speed)
+    rate, left, deepest, duration = map(float, run_octave(text, tmp_path).split())
+    assert rate == pytest.approx(speed, rel=1e-6)
+    assert -left / speed == pytest.approx(0.8, rel=1e-6)
+    impact = isolated_impact(joint.law, joint.pair, joint.chi, mass, speed)
+    clearance = float(joint.pair.dR) * 1e-3
+    assert deepest - clearance == pytest.approx(impact.max_penetration, rel=1e-4)
+    assert duration == pytest.approx(impact.duration, rel=1e-5)
+
+
+# --- what it says ---
+
+
+@pytest.mark.parametrize("target", SOURCES)
+@pytest.mark.parametrize("units", ["SI", "mm"])
+def test_texts_are_plain_and_name_every_number(target, units):
+    joint = joint_for(
+        "johnson", 0.05, units, **{"pin.yield_stress": 250.0, "pin.point": [3.0, 4.0]}
+    )
+    texts = export_joint(joint, target)
+    text = "\n".join(texts.values())
+    assert text.isascii()
+    assert all(part.endswith("\n") and "\n\n\n\n" not in part for part in texts.values())
+    assert max(map(len, text.splitlines())) <= 130  # Fortran takes 132
+    unit = 1e-3 if units == "SI" else 1.0
+    last = joint.block["last_penetration"]
+    for number in (10.0 * unit, 3.0 * unit, 4.0 * unit, 10.0 * unit, joint.chi, float(last)):
+        assert repr(number) in text
+    assert f"moments in N {'m' if units == 'SI' else 'mm'}" in text
+
+
+@pytest.mark.parametrize("target", SOURCES)
+def test_no_name_breaks_out_of_its_comment(target):
+    joint = joint_for("explicit", 0.05, name='a \n b */ \\ é ??/ \'""" $c {d}')
+    origin = "fit result 'x\n*/ ??/ \\"
+    texts = export_joint(replace(joint, origin=origin), target)
+    assert all(name.startswith("a_b_c_d") for name in texts)
+    together = "\n".join(texts.values())
+    assert "??" not in together
+    assert not set(together) & set("é\\$")
+
+
+def check_values(text):
+    """Return the rows and answers that the comment of an export shows."""
+    rows, answers = [], []
+    shown = text.partition("Check values")[2].partition("To use")[0].replace("//", "")
+    for state in shown.split("impact_rate")[1:]:
+        given, _, gives = state.partition("gives")
+        words = given.replace("bearing", ",").replace("pin", ",").replace("\n", ",").split(",")
+        rows.append([float(word) for word in words if word.strip()])
+        answers.append([float(word.split()[-1]) for word in gives.replace("\n", ",").split(",")
+                        if word.strip()])  # fmt: skip
+    return np.array(rows), np.array(answers)
+
+
+@pytest.mark.parametrize("units", ["SI", "mm"])
+def test_the_check_values_are_what_the_element_gives(units, tmp_path):
+    joint = joint_for("explicit", 0.05, units, **{"bearing.point": [30.0, -4.0]})
+    rows, wanted = check_values(export_joint(joint, "c")["explicit_0_05.h"])
+    assert rows.shape == (4, 13)
+    assert (np.abs(wanted[:, 8]) > 1.0).sum() == 2
+    answers = run_c(joint, rows, tmp_path)[:, [0, 1, 2, 11, 12, *range(3, 11)]]
+    np.testing.assert_allclose(answers, wanted, rtol=1e-9, atol=1e-9)
+
+
+def test_a_fit_result_is_a_law(tmp_path):
+    path = ROOT / "fitting/results/internal.json"
+    joint = joint_for(str(path), 0.05, name="refit")
+    coefficients = json.loads(path.read_text(encoding="utf-8"))["coefficients"]
+    assert joint.law == laws.Enhanced(coefficients)
+    assert "fit result 'internal'" in export_joint(joint, "python")["refit.py"]
+    bearing, pin = motion(joint, DEEP, 0.05, 20.0)
+    rows = np.array([[0.1, *bearing, *pin]])
+    answers = run_python(joint, rows, tmp_path)
+    np.testing.assert_allclose(answers, run_library(joint, rows), rtol=1e-12, atol=1e-12)
+
+
+def test_materials_may_be_named_or_given():
+    joint = read_joint(ROOT / "datasets/joint.toml")
+    bronze = Material.named("bronze")
+    assert joint.pair == CylinderPair.internal(
+        10.0, 9.95, bronze, 10.0, Material("pin", 207e3, 0.3, 250.0)
+    )
+    soft = {"pin.E": "200 MPa", "bearing.material": "PTFE", "bearing.E": DROP, "bearing.nu": DROP}
+    pair = joint_for("explicit", 0.05, **soft).pair
+    assert (pair.material_i.E, pair.material_j.E) == (500.0, 200.0)
+    given = joint_for("explicit", 0.05, **{"pin.E": "69e3 MPa", "bearing.yield_stress": 300.0})
+    assert given.pair.material_j.E == pytest.approx(69e3, rel=1e-15)
+    harder = joint_from(changed(JOINT, {"bearing.yield_stress": 300.0}))
+    assert (harder.pair.material_i.E, harder.pair.material_i.yield_stress) == (bronze.E, 300.0)
+
+
+NOT_FOR_IT = ROOT / "fitting/results/external.json"
+MISTAKES = {
+    "missing key": ({"pin.R": DROP}, "pin.R: is required; give R of the pin, or the clearance"),
+    "missing table": ({"friction": DROP}, "friction: is required; add a table [friction]"),
+    "no modulus": ({"pin.E": DROP}, "pin.E: is required; give E, or material = NAME"),
+    "no unit": ({"pin.E": "hard"}, "pin.E = 'hard': must be a number; give Young's modulus in GPa"),
+    "no stiffness": ({"pin.E": "0 GPa"}, "pin.E = '0 GPa': Young's modulus must be positive and"),
+    "in MPa": (
+        {"pin.E": 207e3},
+        "pin.E = 207000.0: a bare number is in GPa, and diamond has 1200",
+    ),
+    "both": ({"bearing.nu": 0.3}, "bearing.nu = 0.3: is that of the material already; remove nu"),
+    "unknown material": (
+        {"bearing.material": "cheese"},
+        "bearing.material = 'cheese': is not in the tables of materials; choose ceramics,",
+    ),
+    "large pin": ({"pin.R": 10.0}, "pin.R = 10.0: does not fit in the hole; keep it below 10.0"),
+    "units": ({"units": "inch"}, "units = 'inch': must be 'SI' or 'mm'; give \"SI\""),
+    "name": ({"name": "4 pins"}, "name = '4 pins': cannot name a function; begin with one of A"),
+    "long name": ({"name": "p" * 41}, "cannot name a function; begin with one of A to Z, and take"),
+    "unknown law": ({"law": "hertz"}, "law = 'hertz': is neither a law nor a fit result; choose"),
+    "no result": ({"law": "no.json"}, "no.json: cannot be read (No such file or directory); check"),
+    "external result": (
+        {"law": str(NOT_FOR_IT)},
+        "is a fit to external contact; name a fit for a pin in a hole",
+    ),
+    "law undefined": (
+        {"law": "enhanced", "bearing.R": 100.0, "pin.R": 80.0},
+        "law = 'enhanced': is undefined for this pair, with its clearance of 20 mm; choose another",
+    ),
+    "factor": ({"dissipation.factor": "x"}, "dissipation.factor = 'x': is not known; choose hunt"),
+    "restitution": ({"dissipation.restitution": 0.0}, "must be greater than 0; give the restitu"),
+    "speeds": ({"friction.v1": 0.5}, "friction.v1 = 0.5: must be above v0 = 1.0; raise it"),
+}
+
+
+@pytest.mark.parametrize(("changes", "message"), MISTAKES.values(), ids=MISTAKES)
+def test_mistakes_in_a_joints_file_are_told(changes, message):
+    with pytest.raises(InputError) as caught:
+        joint_from(changed(JOINT, changes), "mine.toml")
+    assert message in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_motion_that_is_no_motion_is_told():
+    joint = joint_for("explicit", 0.05)
+    with pytest.raises(InputError, match=r"pin = .*must be six numbers; give x, y, angle"):
+        joint.evaluate(joint.start(), [0.0] * 6, [0.0] * 5)
+
+
+# --- the command ---
+
+
+@pytest.mark.parametrize(("target", "suffix"), SOURCES.items())
+def test_export_writes_the_files_of_a_joint(run, tmp_path, target, suffix):
+    out = tmp_path / "new" / f"joint{suffix}"
+    command = ("export", "--joint", ROOT / "datasets/joint.toml", "--to", target, "-o", out)
+    code, printed, err = run(*command)
+    texts = export_joint(read_joint(ROOT / "datasets/joint.toml"), target, "joint")
+    assert (code, err) == (0, "")
+    assert (
+        printed == f"wrist-pin written to {', '.join(str(out.parent / name) for name in texts)}\n"
+    )
+    assert {p.name: p.read_text(encoding="ascii") for p in out.parent.iterdir()} == texts
+
+
+def test_export_takes_a_name_with_a_space_materials_of_ones_own_and_warns_of_metres(
+    run, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "datasets/joint.toml").read_text(encoding="utf-8")
+    Path("mine.toml").write_text(text.replace('"bronze"', '"Brass"'), encoding="utf-8")
+    Path("own.csv").write_text("name;E_GPa;nu\nbrass;102,5;0,34\n", encoding="utf-8")
+    export = ("export", "--joint", "mine.toml", "--to", "c", "-o", "my joint.c")
+    assert run(*export)[0] == 2
+    code, _, err = run(*export, "--materials", "own.csv")
+    assert (code, err) == (0, "")
+    assert "brass, E = 102500.0 MPa" in Path("my joint.h").read_text(encoding="ascii")
+    assert '#include "my joint.h"' in Path("my joint.c").read_text(encoding="ascii")
+    metres = text.replace("R = 10.0", "R = 0.01").replace("R = 9.95", "R = 0.00995")
+    Path("metres.toml").write_text(metres, encoding="utf-8")
+    code, _, err = run("export", "--joint", "metres.toml", "--to", "c", "-o", "m.c")
+    assert code == 0
+    assert "warning: metres.toml: the radius of the hole in mm is 0.01: lengths are in mm" in err
+
+
+REFUSALS = {
+    "no file": (("--to", "c"), "export: --out: is missing for a joint; name the file, e.g. -o wri"),
+    "suffix": (("--to", "c", "-o", "x.f90"), "x.f90: is not a .c; name the output so that it is"),
+    "target": (("--to", "json", "-o", "x.json"), "--to = 'json': is not a known target; choose c,"),
+    "import": (("--to", "python", "-o", "2pins.py"), "--out = '2pins': cannot be called by its na"),
+    "keyword": (("--to", "matlab", "-o", "for.m"), "--out = 'for': cannot be called by its name"),
+    "letters": (("--to", "c", "-o", "pün.c"), "--out = 'pün': is not plain text; name the file"),
+    "law": (("explicit", "--to", "c"), "RESULT|LAW = 'explicit': is in the file of the joint alr"),
+    "contact": (
+        ("--to", "c", "--contact", "internal"),
+        "--contact = 'internal': is in the file of",
+    ),
+}
+
+
+@pytest.mark.parametrize(("arguments", "message"), REFUSALS.values(), ids=REFUSALS)
+def test_export_of_a_joint_refuses_in_one_line(run, tmp_path, monkeypatch, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("export", "--joint", ROOT / "datasets/joint.toml", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_export_wants_a_law_or_a_joint(run):
+    code, _, err = run("export", "--to", "c")
+    assert code == 2
+    assert "RESULT|LAW: is missing; name one, e.g. explicit, or a joint with --joint" in err

@@ -1,0 +1,367 @@
+"""The benchmarks: that all sides give the same answers, and that the page says what was measured.
+
+Times are looked at by `make bench`, on a quiet machine, never here.
+"""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+from _cylcontact_bench.fig_benchmarks import GROUPS, left_out, ratio_panel, ratios_of
+
+from benchmarks import harness, peers
+from benchmarks.__main__ import BENCHMARKS, PAGE
+from benchmarks.calibration import CLOSE, require_same_objective
+from benchmarks.harness import Side, compare, require_agreement, rows
+from benchmarks.page import AIMS, RESULTS, TITLES, find, load, page, save
+from benchmarks.sampling import grid_of
+from benchmarks.search import problem_of
+from cylcontact import InputError
+from cylcontact.fitting.runs import execute, plan_runs
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import draw
+from tests.support.programs import require_program
+
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_the_sides_of_every_benchmark_agree(name):
+    if name == "finite_element":
+        require_program("ccx")
+    tables = list(import_module(f"benchmarks.{name}").measure(short=True))
+    assert all(len({row.case for row in table}) == 1 for table in tables)
+    measured = [row for table in tables for row in table]
+    assert measured
+    for row in measured:
+        assert row.benchmark == name
+        assert 0 < row.low <= row.value <= row.high < np.inf
+        assert 0 < row.ratio_low <= row.ratio <= row.ratio_high < np.inf
+
+
+@pytest.mark.parametrize("peer", peers.PEERS)
+def test_every_peer_counts_what_it_evaluates_and_ends_at_the_target(peer):
+    problem = problem_of(3, 1, 9, 3)
+    samples = peers.rows_of(grid_of(3, 1, 9, 3), problem, np.inf)
+    assert peers.reach(peer, samples, 0)[1] >= 1
+    samples.target = 2 * problem.objective.bound
+    value, evaluations = peers.reach(peer, samples, 0)
+    assert value <= samples.target or evaluations >= peers.BUDGET
+
+
+def test_the_peers_minimise_what_we_minimise():
+    problem = problem_of(3, 2, 9, 5)
+    require_same_objective(problem, peers.rows_of(grid_of(3, 2, 9, 5), problem, 0.0))
+
+
+def test_least_squares_on_rows_find_our_minimum():
+    problem = problem_of(3, 1, 9, 3)
+    plans = plan_runs(4, (60,), ("uniform",), 100, 1)
+    best = min(execute(problem, plan).objective for plan in plans)
+    samples = peers.rows_of(grid_of(3, 1, 9, 3), problem, CLOSE * best)
+    value, _ = peers.reach("scipy least_squares, random starts", samples, 0)
+    assert best * (1 - 1e-6) <= value <= CLOSE * best
+
+
+# --- the harness ------------------------------------------------------------------------------
+
+
+def test_answers_that_differ_end_a_benchmark():
+    sides = [Side("right", lambda: np.array([1.0, 2.0])), Side("wrong", lambda: [1.0, 2.1])]
+    require_agreement(sides, 0.1)
+    with pytest.raises(AssertionError, match="wrong"):
+        require_agreement(sides, 0.01)
+
+
+def test_ratios_are_formed_round_by_round():
+    actual = rows("law", "a case", {"one": [1.0, 2.0, 4.0], "other": [3.0, 2.0, 8.0]}, "ms", 1e3)
+    assert [(row.value, row.low, row.high) for row in actual] == [
+        (2e3, 1.5e3, 3e3),
+        (3e3, 2.5e3, 5.5e3),
+    ]
+    assert (actual[1].ratio, actual[1].ratio_low, actual[1].ratio_high) == (2.0, 1.5, 2.5)
+
+
+def test_one_interrupted_round_does_not_decide_the_range():
+    (_, other) = rows("law", "", {"one": [1.0] * 5, "other": [2.0, 2.1, 50.0, 1.9, 2.0]}, "s", 1.0)
+    assert (other.low, other.value, other.high) == (2.0, 2.0, 2.1)
+
+
+def test_sides_take_turns(monkeypatch):
+    order = []
+    sides = [Side(name, lambda name=name: order.append(name)) for name in "abc"]
+    monkeypatch.setattr(harness, "LEAST_SECONDS", 0.0)
+    compare("law", "turns", sides, rounds=3)
+    assert "".join(order[-9:]) == "abcbcacab"
+
+
+# --- a run ------------------------------------------------------------------------------------
+
+ROOT = Path(__file__).parents[2]
+SLEEP = 'print("asleep", flush=True); time.sleep(60)'
+posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
+
+
+def case(benchmark, name, seconds):
+    return rows(benchmark, name, {"a side": [seconds]}, "s", 1.0)
+
+
+@pytest.fixture
+def bench(tmp_path):
+    """A repository of two benchmarks, to be replaced, and of results as from an earlier run."""
+    (tmp_path / "benchmarks").mkdir()
+    for name in ("__main__", "harness", "page"):
+        shutil.copy(ROOT / f"benchmarks/{name}.py", tmp_path / "benchmarks")
+    stub(tmp_path, "law")
+    stub(tmp_path, "search")
+    earlier = {
+        "law": ("first", "second", "no longer measured"),
+        "sampling": ("first",),
+        "search": ("first",),
+        "finite_element": ("first",),
+    }
+    table = [row for key, names in earlier.items() for name in names for row in case(key, name, 9)]
+    machine = {"processor": "earlier", "cores": 1, "system": "earlier"}
+    path = tmp_path / "datasets/benchmarks.json"
+    save(path, {"machine": machine, "skipped": {}, "rows": table})
+    return tmp_path
+
+
+def stub(bench, name, between=""):
+    """Write a benchmark of two cases, between which something happens."""
+    (bench / f"benchmarks/{name}.py").write_text(
+        f"""
+import signal
+import time
+from benchmarks.harness import rows
+
+# A background job ignores Ctrl-C, and so do the processes that it starts.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+def measure(short):
+    yield rows("{name}", "first", {{"a side": [1.0]}}, "s", 1.0)
+    {between}
+    yield rows("{name}", "second", {{"a side": [1.0]}}, "s", 1.0)
+"""
+    )
+
+
+def start(bench, *arguments):
+    """Start benchmarks, with no program on the path."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "benchmarks", *arguments],
+        cwd=bench,
+        env=os.environ | {"PATH": str(bench)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def run(bench, *arguments):
+    """Return the exit code and the errors of a run."""
+    process = start(bench, *arguments)
+    _, errors = process.communicate(timeout=60)
+    return process.returncode, errors
+
+
+def stopped(bench, how, *arguments):
+    """Return the exit code and the errors of a run that is stopped between two cases of law."""
+    stub(bench, "law", between=SLEEP)
+    process = start(bench, *arguments)
+    assert process.stdout.readline() == "asleep\n"
+    process.send_signal(getattr(signal, how))
+    _, errors = process.communicate(timeout=60)
+    return process.returncode, errors
+
+
+def results_of(bench):
+    """Return the results, whose page must stand beside them, and the seconds of every case."""
+    results = load(bench / "datasets/benchmarks.json")
+    assert (bench / "docs/speed.md").read_text(encoding="utf-8") == page(results)
+    return results, {(row.benchmark, row.case): row.value for row in results["rows"]}
+
+
+def test_measured_cases_replace_those_of_the_same_benchmark(bench):
+    assert run(bench, "search", "law")[0] == 0
+    results, seconds = results_of(bench)
+    assert list(seconds.items()) == [
+        (("law", "first"), 1),
+        (("law", "second"), 1),
+        (("sampling", "first"), 9),
+        (("search", "first"), 1),
+        (("search", "second"), 1),
+        (("finite_element", "first"), 9),
+    ]
+    assert results["machine"]["processor"] != "earlier"
+    assert results["skipped"] == {}
+
+
+def test_a_benchmark_without_its_program_is_skipped(bench):
+    (bench / "benchmarks/finite_element.py").write_text("raise AssertionError")
+    code, errors = run(bench, "law", "finite_element", "search")
+    assert code == 0
+    reason = "needs CalculiX (apt install calculix-ccx)"
+    assert errors.startswith(f"finite_element: skipped, {reason}\nlaw: ")
+    assert len(errors.splitlines()) == 3
+    results, seconds = results_of(bench)
+    assert results["skipped"] == {"finite_element": reason}
+    assert ("finite_element", "first") not in seconds
+    title = "## A pin in a hole by finite elements"
+    assert page(results).endswith(f"\n\n{title}\n\nNot measured: {reason}.\n")
+
+
+def test_a_run_that_measures_nothing_leaves_the_machine(bench):
+    assert run(bench, "finite_element")[0] == 0
+    results, seconds = results_of(bench)
+    assert results["machine"]["processor"] == "earlier"
+    assert ("finite_element", "first") not in seconds
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows tells programs by their suffix")
+def test_a_benchmark_whose_program_has_come_is_measured(bench):
+    assert run(bench, "finite_element")[0] == 0
+    (bench / "ccx").touch(mode=0o755)
+    stub(bench, "finite_element")
+    code, errors = run(bench, "finite_element")
+    assert code == 0
+    assert "skipped" not in errors
+    results, seconds = results_of(bench)
+    assert results["skipped"] == {}
+    assert seconds["finite_element", "second"] == 1
+
+
+def test_the_first_run_needs_no_results(bench):
+    shutil.rmtree(bench / "datasets")
+    assert run(bench, "search")[0] == 0
+    assert set(results_of(bench)[1]) == {("search", "first"), ("search", "second")}
+
+
+def test_short_runs_write_nothing(bench):
+    before = (bench / "datasets/benchmarks.json").read_bytes()
+    assert run(bench, "--short", "law", "finite_element")[0] == 0
+    assert (bench / "datasets/benchmarks.json").read_bytes() == before
+    assert not (bench / "docs").exists()
+
+
+@posix
+@pytest.mark.parametrize("stop", ["SIGINT", "SIGKILL"])
+def test_what_is_finished_is_kept_when_a_run_is_stopped(bench, stop):
+    interrupted = "interrupted; 1 measurement is kept in datasets/benchmarks.json\n"
+    expected = {"SIGINT": (130, interrupted), "SIGKILL": (-signal.SIGKILL, "")}
+    assert stopped(bench, stop, "law", "search") == expected[stop]
+    _, seconds = results_of(bench)
+    assert list(seconds.items())[:4] == [
+        (("law", "first"), 1),
+        (("law", "second"), 9),
+        (("law", "no longer measured"), 9),
+        (("sampling", "first"), 9),
+    ]
+    assert [path.name for path in (bench / "datasets").iterdir()] == ["benchmarks.json"]
+
+
+@posix
+def test_an_interrupted_short_run_keeps_nothing(bench):
+    said = stopped(bench, "SIGINT", "--short", "law")
+    assert said == (130, "interrupted; nothing new is kept\n")
+
+
+def test_an_error_loses_nothing_that_is_finished(bench):
+    stub(bench, "search", between="raise ZeroDivisionError")
+    code, errors = run(bench, "law", "search", "finite_element")
+    assert code == 1
+    assert errors.endswith("ZeroDivisionError\n")
+    _, seconds = results_of(bench)
+    assert seconds["law", "second"] == seconds["search", "first"] == 1
+    assert seconds["finite_element", "first"] == 9
+
+
+# --- what is committed ------------------------------------------------------------------------
+
+
+def test_the_page_is_that_of_the_results():
+    results = load(RESULTS)
+    assert PAGE.read_text(encoding="utf-8") == page(results)
+    assert {row.benchmark for row in results["rows"]} | set(results["skipped"]) == set(TITLES)
+
+
+def test_every_aim_is_judged_by_what_was_measured():
+    measured = load(RESULTS)["rows"]
+    assert [aim.text for aim in AIMS if "reached" not in aim.verdict(measured)] == []
+    (aim,) = [aim for aim in AIMS if "--help" in aim.text]
+    row = find(measured, "start_up", "process", "--help")
+    for seconds, verdict in ((0.2, "| 0.2 | reached |"), (9.0, "| 9 | **not reached** |")):
+        assert aim.verdict([replace(row, value=seconds)]) == verdict
+    assert aim.verdict([]) == "| not measured | |"
+
+
+# --- the figure -------------------------------------------------------------------------------
+
+
+def results_in(folder, leave_out="", skipped=()):
+    """Results of the figure's groups, some of them perhaps left out; ours is twice the first."""
+    actual = []
+    for name, group in GROUPS.items():
+        if name == leave_out or group.benchmark in skipped:
+            continue
+        seconds = {
+            "a limit": [1.0, 1.0],
+            f"cylcontact: {group.ours}": [2.0, 2.0],
+            "another": [8.0, 10.0],
+        }
+        notes = {"another": "computed: 3 evaluations"}
+        actual += rows(group.benchmark, f"{group.case} …", seconds, "s", 1.0, notes)
+    path = folder / "datasets" / "benchmarks.json"
+    save(path, {"skipped": dict.fromkeys(skipped, "needs a program"), "rows": actual})
+    return path
+
+
+def test_the_figure_shows_ratios_to_ours_whichever_side_comes_first(tmp_path):
+    table = ratios_of(results_in(tmp_path))
+    assert set(table["group"]) == set(GROUPS)
+    by_side = table.groupby("side").first()
+    assert by_side.loc["a limit", "ratio"] == 0.5
+    assert by_side.loc["another", ["ratio_low", "ratio", "ratio_high"]].tolist() == [
+        4.25,
+        4.5,
+        4.75,
+    ]
+    assert by_side["computed"].to_dict() == {"a limit": False, "another": True}
+    figure = ratio_panel(table)
+    labels = [text.get_text() for text in figure.axes[0].get_yticklabels()]
+    assert labels == ["a limit", "another"] * len(GROUPS)
+    assert left_out(table) == ""
+
+
+def test_the_figure_leaves_out_what_was_skipped_and_says_so(tmp_path):
+    results_in(tmp_path, skipped=("calibration", "mechanism"))
+    (tmp_path / "reports").mkdir()
+    shutil.copy(ROOT / "reports/fig_benchmarks.py", tmp_path / "reports")
+    drawing = draw("fig_benchmarks", Bench(tmp_path))
+    calibration, mechanism = list(GROUPS)[-2:]
+    assert list(drawing.table["group"].unique()) == list(GROUPS)[:-2]
+    said = f". Not measured (docs/speed.md says why): {calibration}; {mechanism}."
+    assert drawing.method.endswith(said)
+    with pytest.raises(InputError, match="is not in the file; redo make bench"):
+        ratios_of(results_in(tmp_path, "Genetic search, 120 candidates", skipped=("mechanism",)))
+
+
+def test_the_figure_says_which_results_it_lacks(tmp_path):
+    with pytest.raises(InputError, match=r"results.json: cannot be read; make bench writes it"):
+        ratios_of(tmp_path / "results.json")
+    name = "Genetic search, 120 candidates"
+    with pytest.raises(InputError, match=rf"rows = '{name}': is not in the file; redo make bench"):
+        ratios_of(results_in(tmp_path, leave_out=name))
+    save(tmp_path / "empty.json", {"skipped": {}, "rows": []})
+    with pytest.raises(InputError, match="is not in the file; redo make bench"):
+        ratios_of(tmp_path / "empty.json")
+    (tmp_path / "list.json").write_text("[1]")
+    with pytest.raises(InputError, match=r"list.json: cannot be read; make bench writes it"):
+        ratios_of(tmp_path / "list.json")

@@ -1,0 +1,142 @@
+"""What users see is what tests/golden holds: names, exit codes, files, results, figures, laws.
+
+WRITE_GOLDEN=1 in the environment writes the files anew instead; `python -m`
+`tests.support.write_golden` writes all of them. Read the difference before you commit it.
+"""
+
+import json
+import re
+import shlex
+import shutil
+
+import pytest
+
+from cylcontact.reports.build import chosen_recipes
+from tests.reports.test_bench import CLAIM, RECIPE
+from tests.support import frozen
+from tests.support.drawn_figures import BENCH, each_figure
+from tests.support.manuscript_files import write_manuscript
+from tests.support.measured_files import USER_LAW, write_measured
+from tests.support.spec_files import ELEMENTS, write_bench, write_toml
+
+
+def group_of(line):
+    """Return the command of a line, or that it needs an extra."""
+    return "extras" if re.search(r"\.parquet|^manuscript", line) else line.split(" ")[0]
+
+
+GROUPS = [
+    pytest.param(group, marks=[pytest.mark.slow] * (group == "extras"))
+    for group in sorted({*map(group_of, frozen.frozen("exit_codes"))})
+]
+ROOT = frozen.ROOT
+
+
+def close(tolerance):
+    """Return a comparison of nested numbers and words, up to a relative difference."""
+
+    def same(was, now):
+        if isinstance(was, dict):
+            return was.keys() == now.keys() and all(same(was[key], now[key]) for key in was)
+        if isinstance(was, list | tuple) and len(was) == len(now):
+            return all(same(one, other) for one, other in zip(was, now, strict=True))
+        if str in (type(was), type(now)) or None in (was, now):
+            return was == now
+        return abs(now - was) <= tolerance * abs(was)
+
+    return same
+
+
+def test_public_names_and_their_arguments():
+    frozen.hold("public", frozen.public_face())
+
+
+def test_committed_results():
+    now = frozen.committed_results()
+    frozen.hold("results", now, close(1e-9))
+    frozen.hold("keys", frozen.keys_of_results())
+
+
+# --- commands -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch, small_result):
+    """A folder with good and bad inputs of every kind, where commands run."""
+    write_bench(tmp_path)
+    write_measured(tmp_path / "table.csv", "johnson", "internal", noise=0.01)
+    write_toml(tmp_path / "elements.toml", ELEMENTS)
+    small_result.save(tmp_path / "result.json")
+    for name in ("slider_crank.toml", "joint.toml"):
+        shutil.copy(ROOT / "datasets" / name, tmp_path)
+    for name in ("grid.toml", "bad.toml"):
+        (tmp_path / name).write_text("contact = 'sideways'\n")
+    (tmp_path / "bad.csv").write_text("dR_um,load_N_per_mm,penetration_um\n50,ten,1\n")
+    (tmp_path / "bad.json").write_text("{}")
+    text = (tmp_path / "result.json").read_text("utf-8")
+    value = json.loads(text)["coefficients"]["n"]
+    (tmp_path / "altered.json").write_text(text.replace(str(value), str(0.99 * value), 1))
+    (tmp_path / "mine.py").write_text(USER_LAW)
+    (tmp_path / "reports/claims").mkdir(parents=True)
+    (tmp_path / "reports/paper.py").write_text("LOADS = (10.0, 1000.0)\n")
+    (tmp_path / "reports/fig99.py").write_text(RECIPE)
+    (tmp_path / "reports/claims/mine.py").write_text(CLAIM)
+    write_manuscript(tmp_path / "reports/mine")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_commands_end_with_their_codes_and_write_their_files(run, folder, group):
+    def of_group(key):
+        return group_of(key) == group
+
+    before, codes, wordy = set(folder.rglob("*")), {}, []
+    for line in filter(of_group, frozen.frozen("exit_codes")):
+        codes[line], _, errors = run(*shlex.split(line))
+        if codes[line] == 2 and len(errors.splitlines()) != 1:
+            wordy.append(f"{line}: {errors}")
+    written = sorted(path for path in folder.rglob("*") if path.is_file() and path not in before)
+    files = {
+        f"{group} writes {path.relative_to(folder).as_posix()}": frozen.outline(path)
+        for path in written
+        if path.suffix != ".pyc" and group != "init"
+    }
+    frozen.hold("exit_codes", codes, part=of_group)
+    frozen.hold("written", files, part=of_group)
+    assert wordy == []
+
+
+# --- figures and laws ---------------------------------------------------------------------------
+
+
+@each_figure(chosen_recipes(BENCH))
+def test_numbers_behind_a_figure(figures, name):
+    """As in the tests of headlines, those of committed fits may differ in their last digits."""
+    columns = frozen.summary(figures[name].drawing.table)
+    now = {f"{name} {column}": numbers for column, numbers in columns.items()}
+    same = close({"r": 1e-4, "p": 1e-4, "c": 1e-4, "s": 1e-3}.get(name[-1], 1e-5))
+    frozen.hold("tables", now, same, lambda key: key.split(" ")[0] == name)
+
+
+@pytest.mark.parametrize("name", frozen.named_laws())
+def test_values_of_a_law(name):
+    def same(was, now):
+        """To 1e-13 times the exponent of load over penetration, the condition of a law."""
+        if "refused" in (was, now):
+            return was == now
+        rows, others = (
+            list(zip(*map(each.get, frozen.COLUMNS), strict=True)) for each in (was, now)
+        )
+        return all(
+            close(1e-13 * max(1.0, exponent(*row)))(row, other)
+            for row, other in zip(rows, others, strict=True)
+        )
+
+    now = frozen.law_values(name)
+    frozen.hold("laws", now, same, lambda key: key.startswith(f"{name}, "))
+
+
+def exponent(depth, load, stiffness, _):
+    """Return by how many percent a load changes with one percent of penetration."""
+    return 1.0 if isinstance(load, str) else depth * stiffness / load

@@ -1,0 +1,131 @@
+"""No figure has a fault that a journal's desk would send back, in any style."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+
+from cylcontact.plots.figure import StyledFigure, new_figure
+from cylcontact.plots.style import JOURNAL, STYLES, FigureStyle, figure_style
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import chosen_recipes, draw
+from tests.support.drawn_figures import DrawnFigures, each_figure
+from tests.support.figure_layout import layout_faults
+
+BENCH = Bench(Path(__file__).parents[2])
+NAMES = chosen_recipes(BENCH)
+MOST_WORDS = 60
+# In the others the texts are as large beside a wider page.
+NARROW = "single-column"
+WIDE = [name for name in STYLES if name not in (JOURNAL.name, NARROW)]
+
+
+@each_figure(NAMES)
+class TestEveryFigure:
+    def test_in_the_journals_style(self, figures: DrawnFigures, name: str) -> None:
+        assert layout_faults(figures[name].drawing.figure) == []
+
+    @pytest.mark.long
+    def test_in_one_column(self, name: str) -> None:
+        style = STYLES[NARROW]
+        assert layout_faults(draw(name, BENCH, style).figure, style) == []
+
+    def test_caption_is_short_and_the_rest_in_a_note(
+        self, figures: DrawnFigures, name: str
+    ) -> None:
+        drawing = figures[name].drawing
+        assert len(drawing.caption.split()) <= MOST_WORDS
+        assert drawing.method.endswith(".")
+
+
+# One of each kind: in one column by make test-all, in the other styles by make test-long.
+@pytest.mark.parametrize(
+    "style",
+    [
+        pytest.param(NARROW, marks=pytest.mark.slow),
+        *(pytest.param(style, marks=pytest.mark.long) for style in WIDE),
+    ],
+)
+@pytest.mark.parametrize(
+    "name", ["fig03", "fig12", "fig15", "fig_explicit", "fig_forms", "fig_any_pair"]
+)
+def test_in_other_styles(name: str, style: str) -> None:
+    assert layout_faults(draw(name, BENCH, STYLES[style]).figure, STYLES[style]) == []
+
+
+@pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
+@pytest.mark.slow
+def test_the_longest_key_of_a_map_fits(style: FigureStyle) -> None:
+    """Beyond Johnson's law, the yield line, and the range of the fit."""
+    arguments = {"material": "bronze", "law": "enhanced"}
+    assert layout_faults(draw("maps", BENCH, style, arguments).figure, style) == []
+
+
+def _label_across_contours(axes: Axes) -> None:
+    x = np.linspace(0.0, 1.0, 20)
+    axes.contour(x, x, np.add.outer(x, x))
+    axes.text(0.5, 0.2, "fitted from 0.05 mm on", rotation=90)
+
+
+def _struck_through(axes: Axes) -> None:
+    axes.plot([0.0, 1.0], [0.5, 0.5])
+    axes.text(0.5, 0.5, "658 N/mm", va="center")
+
+
+def _star_on_a_label(axes: Axes) -> None:
+    axes.plot([0.52], [0.51], "*")
+    axes.text(0.5, 0.5, "high-strength steel")
+
+
+def _out_of_the_frame(axes: Axes) -> None:
+    axes.text(0.9, 0.5, "an annotation that is longer than its panel")
+
+
+def _off_the_page(axes: Axes) -> None:
+    axes.figure.text(0.9, 0.5, "beyond the right margin").set_in_layout(False)
+
+
+def _too_small(axes: Axes) -> None:
+    axes.text(0.5, 0.5, "small print", fontsize=5.0)
+
+
+def _title_over_another(axes: Axes) -> None:
+    axes.set_title("(a) low-carbon steel, E = 200 GPa", loc="left")
+    axes.set_title("published coefficients in this window", loc="right")
+
+
+def _legend_over_a_line(axes: Axes) -> None:
+    axes.plot([0.0, 1.0], [1.0, 0.0], label="a line that runs through its own legend")
+    axes.legend(loc="center")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "fault"),
+    [
+        (_label_across_contours, "'fitted from 0.05 mm on' has a line through it"),
+        (_struck_through, "'658 N/mm' has a line through it"),
+        (_star_on_a_label, "'high-strength steel' has a marker on it"),
+        (_out_of_the_frame, "'an annotation that is longer than its panel' crosses the frame"),
+        (_off_the_page, "'beyond the right margin' leaves the page"),
+        (_too_small, "'small print' has 5.0 points"),
+        (_title_over_another, "'(a) low-carbon steel, E = 200 GPa' overlaps 'published"),
+        (_legend_over_a_line, "'a line that runs through its own legend' has a line through it"),
+    ],
+)
+def test_each_fault_is_found(spoil: Callable[[Axes], None], fault: str) -> None:
+    with figure_style():
+        figure = new_figure("column", 60.0)
+        axes = figure.subplots()
+        axes.set(xlim=(0, 1), ylim=(0, 1))
+        assert layout_faults(figure) == []
+        spoil(axes)
+    assert any(found.startswith(fault) for found in layout_faults(figure))
+
+
+def test_a_width_that_is_not_the_styles_is_found() -> None:
+    style = STYLES[NARROW]
+    figure = StyledFigure(style, figsize=(190 / 25.4, 3.0))
+    assert layout_faults(figure, style) == ["is 190.0 mm wide"]
+    assert layout_faults(StyledFigure(JOURNAL, figsize=(5.0, 3.0))) == ["is 127.0 mm wide"]

@@ -1,0 +1,289 @@
+"""Figures restyled without touching code: styles, formats, fonts, tables, and many at once."""
+
+import csv
+import hashlib
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from cylcontact import InputError
+from cylcontact.cli.app import app
+from cylcontact.plots.figure import StyledFigure, new_figure
+from cylcontact.plots.latex import latex
+from cylcontact.plots.style import STYLES, FigureOptions, choose, figure_style
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import build, chosen_recipes, draw, write
+from tests.support.claim_files import STATICS, claims_of
+from tests.support.figure_files import embedded_fonts, font_sizes_inside, page_mm
+from tests.support.programs import require_program
+from tests.support.spec_files import write_toml
+
+ROOT = Path(__file__).parents[2]
+BENCH = Bench(ROOT)
+# Panels side by side with a legend below, and a map with notes.
+NAMES = ("fig07", "fig14")
+SIMPLE = """
+import pandas as pd
+from cylcontact.plots.figure import Drawing
+from cylcontact.plots.figure import new_figure
+
+
+def draw(bench):
+    figure = new_figure("column", 60)
+    figure.subplots().plot([1, 2], [1, 2], label="a")
+    table = pd.DataFrame({"load_N_per_mm": [1 / 3]})
+    return Drawing(figure, table, {}, "A line, 100 % of it: α_1 < β & {γ}.")
+"""
+
+
+@pytest.fixture
+def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A bench with one recipe, as the working folder."""
+    (tmp_path / "reports").mkdir()
+    (tmp_path / "reports" / "fig99.py").write_text(SIMPLE)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(scope="module", params=[name for name in STYLES if name != "journal"])
+def sheet(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
+    """A few figures in a style that is not the journal's: the drawing and the PDF of each."""
+    options = FigureOptions(STYLES[request.param], ("pdf",))
+    folder = tmp_path_factory.mktemp(request.param)
+    drawings = [draw(name, BENCH, options.style) for name in NAMES]
+    files = [
+        write(drawing, name, folder, options)[0]
+        for drawing, name in zip(drawings, NAMES, strict=True)
+    ]
+    return options.style, drawings, files
+
+
+class TestStyles:
+    @pytest.mark.slow
+    def test_pages_have_the_styles_width_and_stay_below_its_height(self, sheet) -> None:
+        style, _, files = sheet
+        for file in files:
+            width, height = page_mm(file)
+            assert width == pytest.approx(style.width_mm, abs=0.01)
+            assert height <= style.highest_mm + 0.01
+
+    def test_fonts_are_embedded(self, sheet) -> None:
+        _, _, files = sheet
+        assert all(map(embedded_fonts, files))
+
+    def test_texts_are_inside_the_page_and_have_the_styles_sizes(self, sheet) -> None:
+        style, drawings, _ = sheet
+        for figure in (drawing.figure for drawing in drawings):
+            sizes = font_sizes_inside(figure)
+            assert max(sizes) == pytest.approx(style.font_size)
+            assert min(sizes) == pytest.approx(style.font_size * 7 / 8)
+
+    def test_panels_stand_below_one_another_where_it_is_narrow(self) -> None:
+        with figure_style(STYLES["single-column"]):
+            figure = new_figure("full", 72.0)
+            assert isinstance(figure, StyledFigure)
+            grid = figure.subplots(2, 3, sharex="col", sharey="row", height_ratios=(3, 1))
+        assert grid.shape == (2, 3)
+        rows = [[axes.get_subplotspec().rowspan.start for axes in row] for row in grid]
+        assert rows == [[0, 2, 4], [1, 3, 5]]
+        assert grid[1, 2].get_shared_x_axes().joined(grid[1, 2], grid[0, 2])
+        assert grid[0, 1].get_shared_y_axes().joined(grid[0, 1], grid[0, 0])
+        assert not grid[0, 1].get_shared_y_axes().joined(grid[0, 1], grid[1, 1])
+
+    def test_the_style_in_force_is_put_back(self) -> None:
+        with figure_style(STYLES["slides"]):
+            assert mpl.rcParams["font.size"] == 13.0
+            with figure_style():
+                assert mpl.rcParams["font.size"] == 13.0
+        with figure_style():
+            assert mpl.rcParams["font.size"] == 8.0
+
+    @pytest.mark.long
+    @pytest.mark.parametrize("style", [style for style in STYLES.values() if style.width_mm])
+    def test_every_figure_draws_in_every_style(self, style, tmp_path: Path) -> None:
+        figures = build(Bench(ROOT, jobs=2), (), tmp_path, FigureOptions(style, ("pdf",)))
+        assert len(figures) == len(chosen_recipes(BENCH))
+        assert [str(figure.problem) for figure in figures if figure.problem] == []
+
+
+class TestFormats:
+    def test_svg_has_no_date_and_the_caption_and_png_the_size(self, small: Path, run) -> None:
+        actual = run("figure", "--format", "svg,png", "--font-size", 11)
+        assert actual == (0, "1 figure in reports/figures\n", "")
+        folder = small / "reports" / "figures"
+        assert sorted(path.name for path in folder.iterdir()) == [
+            *("fig99.csv", "fig99.png", "fig99.svg"),
+        ]
+        svg = (folder / "fig99.svg").read_text(encoding="utf-8")
+        assert "A line, 100 % of it" in svg
+        assert "<dc:date>" not in svg
+        with Image.open(folder / "fig99.png") as png:
+            assert png.size[0] / 300 * 25.4 == pytest.approx(84, abs=0.1)
+
+    @pytest.mark.slow
+    def test_same_bytes_again_and_in_other_processes(self, small: Path) -> None:
+        (small / "reports" / "fig98.py").write_text(SIMPLE)
+        hashes = []
+        for number, jobs in enumerate((1, 1, 2)):
+            options = FigureOptions(STYLES["slides"], ("png", "pdf", "svg"))
+            figures = build(Bench(small, jobs=jobs), (), small / f"out{number}", options)
+            files = [path for figure in figures for path in figure.paths]
+            hashes.append({path.name: hashlib.sha256(path.read_bytes()).digest() for path in files})
+        assert len(hashes[0]) == 8
+        assert hashes[0] == hashes[1] == hashes[2]
+
+    def test_pgf_without_tex_says_what_to_install_and_writes_nothing(
+        self, small: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setenv("PATH", str(small))
+        with pytest.raises(InputError) as caught:
+            build(Bench(small), ["fig99"], small / "out", choose(formats=("pgf",)))
+        assert str(caught.value) == (
+            "figure: --format = 'pgf': needs xelatex, which measures the text of the figure and "
+            "is not installed; install TeX (Debian: apt install texlive-xetex), or choose pdf"
+        )
+        assert not (small / "out").exists()
+
+    def test_pgf_with_tex_is_input_for_latex(self, small: Path) -> None:
+        require_program("xelatex")
+        (figure,) = build(Bench(small), ["fig99"], small / "out", choose(formats=("pgf",)))
+        assert r"\begin{pgfpicture}" in figure.paths[0].read_text(encoding="utf-8")
+
+
+class TestStyleFile:
+    def test_sets_what_the_command_line_leaves_open(self, tmp_path: Path) -> None:
+        values = {"style": "slides", "font_size": 18.0, "width_mm": 200.0, "lines": 1.5}
+        path = write_toml(tmp_path / "style.toml", values | {"formats": ["svg"]})
+        actual = choose(path)
+        assert actual.formats == ("svg",)
+        style = actual.style
+        assert (style.name, style.font_size, style.width_mm, style.lines) == ("slides", 18, 200, 3)
+        own = choose(path, style="double-column", formats=("pdf", "pdf"), font_size=9.0)
+        assert (own.style.name, own.style.font_size) == ("double-column", 9.0)
+        assert own.formats == ("pdf",)
+
+    def test_font_of_ones_own(self, tmp_path: Path) -> None:
+        look = choose(write_toml(tmp_path / "style.toml", {"font": "DejaVu Serif"})).style
+        with figure_style(look):
+            assert mpl.rcParams["font.family"][0] == "DejaVu Serif"
+            figure = new_figure("column", 50)
+            figure.subplots().set_title(r"$\Delta R$ and text")
+            figure.savefig(tmp_path / "own.pdf")
+        fonts = embedded_fonts(tmp_path / "own.pdf")
+        assert {font[: len("DejaVuSerif")] for font in fonts} == {"DejaVuSerif"}
+
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            ('font = "No Such Font"', "font = 'No Such Font': is not an installed font; install"),
+            (
+                "font_size = 400.0",
+                "font_size = 400.0: must be",
+            ),  # tests/cli/test_malformed.py has more
+        ],
+    )
+    def test_mistakes_are_told_with_the_file(self, tmp_path: Path, text: str, message: str) -> None:
+        path = tmp_path / "style.toml"
+        path.write_text(text)
+        with pytest.raises(InputError) as caught:
+            choose(path)
+        assert str(caught.value).startswith(f"{path}: {message}")
+
+
+class TestCommand:
+    @pytest.mark.parametrize(
+        ("arguments", "message"),
+        [
+            (["--style", "poster"], "figure: --style = 'poster': is unknown; choose journal, "),
+            (
+                ["--format", "gif"],
+                "figure: --format = 'gif': is unknown; choose png, pdf, svg, pgf",
+            ),
+            (["--font-size", "0"], "figure: --font-size = 0.0: must be from 4 to 40; give it in"),
+            (["fig98"], "reports: recipe = 'fig98': there is no such recipe; choose among fig99"),
+        ],
+    )
+    def test_mistakes_are_told_and_write_nothing(
+        self, small: Path, run, arguments: list[str], message: str
+    ) -> None:
+        code, said, errors = run("figure", *arguments)
+        assert (code, said, len(errors.splitlines())) == (2, "", 1)
+        assert errors.startswith(f"cylcontact: {message}")
+        assert [path.name for path in (small / "reports").iterdir()] == ["fig99.py"]
+
+    def test_styled_figures_leave_the_plain_ones_alone(self, small: Path, run) -> None:
+        for style in ("journal", "single-column"):
+            assert run("figure", "fig99", "--style", style)[0] == 0
+        folder = small / "reports" / "figures"
+        assert page_mm(folder / "fig99.pdf")[0] == pytest.approx(84, abs=0.01)
+        assert page_mm(folder / "single-column" / "fig99.pdf")[0] == pytest.approx(90, abs=0.01)
+
+    @pytest.mark.slow
+    def test_a_recipes_mistake_is_told_after_the_others_are_drawn(self, small: Path) -> None:
+        (small / "reports" / "fig98.py").write_text("def draw(bench):\n    return None.x\n")
+        command = [sys.executable, "-m", "cylcontact.cli", "figure", "--jobs", "1"]
+        done = subprocess.run(command, cwd=small, capture_output=True, text=True, check=False)
+        assert done.returncode == 2
+        assert done.stderr == (
+            "cylcontact: reports/fig98.py: draw: failed with AttributeError ('NoneType' object "
+            "has no attribute 'x'); correct the recipe\n"
+        )
+        assert (small / "reports" / "figures" / "fig99.pdf").is_file()
+
+
+@pytest.fixture(scope="module")
+def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """All kinds for one figure of the real bench and its quick claims, by the command."""
+    folder, claims = tmp_path_factory.mktemp("tables"), claims_of(BENCH, *STATICS).values()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(ROOT)
+        patch.setattr("cylcontact.reports.tables.ledger", lambda _: claims)
+        for kind in ("latex", "csv", "html"):
+            arguments = ["report", "fig02", "--tables", kind, "-o", str(folder)]
+            done = CliRunner().invoke(app, arguments, catch_exceptions=False)
+            assert done.exit_code == 0
+    return folder
+
+
+class TestTables:
+    @pytest.mark.slow
+    def test_latex_is_plain_and_balanced(self, tables: Path) -> None:
+        for name in ("coefficients", "claims", "fig02-caption"):
+            text = (tables / f"{name}.tex").read_text(encoding="utf-8")
+            assert text.isascii(), name
+            bare = re.sub(r"\\[{}]", "", text)
+            assert bare.count("{") == bare.count("}")
+            body = text if "caption" in name else text.split(r"\endhead")[1]
+            assert not re.search(r"(?<!\\)[#%$]", body)
+        rows = (tables / "claims.tex").read_text().split(r"\endhead")[1].split("\\\\\n")[:-1]
+        assert {row.count(" & ") for row in rows} == {4}
+
+    @pytest.mark.slow
+    def test_captions_are_ready_to_input(self, tables: Path) -> None:
+        caption = (tables / "fig02-caption.tex").read_text()
+        assert caption.startswith(r"\caption{Load per unit length (N/mm) against penetration")
+        assert caption.endswith("}\n\\label{fig:fig02}\n")
+
+    def test_csv_holds_the_coefficients_beside_the_published(self, tables: Path) -> None:
+        with (tables / "coefficients.csv").open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        (a,) = [row for row in rows if (row["fit"], row["coefficient"]) == ("external", "a")]
+        assert (a["published"], a["fitted"]) == ("0.39", "0.37815")
+
+    def test_html_is_escaped(self, tables: Path) -> None:
+        html = (tables / "claims.html").read_text(encoding="utf-8")
+        assert html.count("<tr") > 50
+        assert not re.search(r"<(?!/?(table|thead|tbody|tr|th|td)\b)", html)
+        assert (tables / "captions.html").read_text().startswith('<figcaption id="fig02">Load')
+
+    def test_texts_of_users_are_no_commands(self) -> None:
+        assert latex(r"\input{x} a_b^c ~ 50% #1 $y$ <&>|") == (
+            r"\textbackslash{}input\{x\} a\_b\textasciicircum{}c \textasciitilde{} 50\% \#1 \$y\$ "
+            r"\ensuremath{<}\&\ensuremath{>}\ensuremath{|}"
+        )

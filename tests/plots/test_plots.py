@@ -1,0 +1,399 @@
+"""Laws, limits and maps drawn into anyone's axes, against the paper's equations once more."""
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.contour import QuadContourSet
+
+import cylcontact as cc
+from cylcontact import CylinderPair, InputError, Material
+from cylcontact.plots import new_figure, plot_laws, plot_limits, plot_map
+from cylcontact.plots.difference_map import map_grid
+from cylcontact.plots.figure import round_ticks
+from cylcontact.plots.style import JOURNAL, figure_style
+from tests.support.paper_equations import (
+    difference,
+    e_star,
+    effective_radius,
+    enhanced,
+    johnson,
+    johnson_end,
+    yield_load,
+)
+
+E, NU, STRENGTH = 110e3, 0.34, 220.0
+BRONZE = Material("bronze", E, NU, STRENGTH)
+BRITTLE = Material("no yield stress", E, NU)
+SOFT = Material("soft", "500 MPa", 0.4, 10.0)
+E_STAR = e_star(E, NU)
+PAIR = CylinderPair.internal(R_i=10.0, R_j=9.98, material=BRONZE)
+DR = 0.02
+
+# Every function, drawing something into `ax`.
+EACH = {
+    "plot_map": lambda ax=None, **more: plot_map("enhanced", "johnson", BRONZE, ax=ax, **more),
+    "plot_laws": lambda ax=None, **more: plot_laws(["johnson", "enhanced"], PAIR, ax=ax, **more),
+    "plot_limits": lambda ax=None, **more: plot_limits(BRONZE, ax=ax, **more),
+}
+
+
+@pytest.fixture(autouse=True)
+def _no_figures_stay_open():
+    yield
+    plt.close("all")
+
+
+def labelled(axes) -> dict:
+    handles, labels = axes.get_legend_handles_labels()
+    return dict(zip(labels, handles, strict=True))
+
+
+def contour_lines(axes) -> QuadContourSet:
+    (lines,) = (
+        drawn
+        for drawn in axes.collections
+        if isinstance(drawn, QuadContourSet) and not drawn.filled
+    )
+    return lines
+
+
+def filled_points(axes) -> np.ndarray:
+    """The corners of the filled contours, shape (m, 2)."""
+    filled = next(c for c in axes.collections if isinstance(c, QuadContourSet) and c.filled)
+    return np.concatenate([path.vertices for path in filled.get_paths()])
+
+
+@pytest.mark.parametrize("draw", EACH.values(), ids=EACH)
+class TestAxes:
+    def test_a_figure_of_its_own_is_the_journals_and_unknown_to_pyplot(self, draw) -> None:
+        before = dict(mpl.rcParams)
+        axes = draw()
+        assert axes.figure.style == JOURNAL
+        assert axes.xaxis.label.get_fontsize() == 8.0
+        assert plt.get_fignums() == []
+        assert dict(mpl.rcParams) == before
+        assert axes.get_legend() or axes.figure.legends
+
+    @pytest.mark.slow
+    def test_it_has_the_style_in_force(self, draw) -> None:
+        with figure_style(cc.plots.FigureStyle("large", font_size=12.0)):
+            axes = draw()
+        assert axes.figure.style.name == "large"
+        assert axes.xaxis.label.get_fontsize() == 12.0
+
+    def test_the_callers_axes_and_no_others(self, draw) -> None:
+        own = {"font.size": 13.0, "axes.labelsize": 13.0, "lines.linewidth": 3.0}
+        with mpl.rc_context(own):
+            before = dict(mpl.rcParams)
+            figure, (axes, other) = plt.subplots(1, 2)
+            assert draw(axes) is axes
+            assert dict(mpl.rcParams) == before
+        assert axes.xaxis.label.get_fontsize() == 13.0
+        assert not other.has_data()
+        assert other.get_xlabel() == ""
+        assert other.get_xscale() == "linear"
+        assert axes.get_legend() is None
+        assert figure.legends == []
+
+    def test_axes_in_a_part_of_a_figure(self, draw) -> None:
+        figure = plt.figure(layout="constrained")
+        left, right = figure.subfigures(1, 2)
+        axes = draw(left.subplots())
+        assert axes in left.axes
+        assert right.axes == []
+        figure.canvas.draw()
+
+    def test_what_is_no_axes(self, draw) -> None:
+        _, panels = plt.subplots(1, 2)
+        with pytest.raises(InputError, match=r"ax = array\(.*must be one matplotlib Axes; give"):
+            draw(panels)
+
+
+class TestMap:
+    def test_contours_stand_where_eq_9_has_their_levels(self) -> None:
+        axes = plot_map(cc.laws.Enhanced(), cc.laws.Johnson(), BRONZE, load=(20.0, 800.0))
+        lines = contour_lines(axes)
+        checked = 0
+        for level, path in zip(lines.levels, lines.get_paths(), strict=True):
+            if len(path.vertices) and abs(level) <= 12:
+                dR, load = path.vertices.T
+                assert difference(load, E_STAR, dR) == pytest.approx(level, abs=0.06)
+                checked += len(dR)
+        assert checked > 500
+        assert axes.get_xlim() == (0.0075, 2.0)
+        assert axes.get_ylim() == (20.0, 800.0)
+
+    def test_contour_labels_stand_on_their_levels(self) -> None:
+        axes = plot_map("enhanced", "johnson", BRONZE)
+        labels = contour_lines(axes).labelTexts
+        assert len(labels) > 5
+        for text in labels:
+            dR, load = text.get_position()
+            level = float(text.get_text().replace("\u2212", "-"))
+            # A label is centred on its line up to rounding to the line's vertices.
+            assert difference(load, E_STAR, dR) == pytest.approx(level, abs=1.0)
+
+    def test_the_shaded_part_begins_at_the_largest_load(self) -> None:
+        axes = plot_map("enhanced", "johnson", SOFT, load=(1.0, 500.0))
+        shaded = labelled(axes)["beyond the reference's largest load"]
+        dR, load = shaded.get_paths()[0].vertices.T
+        edge = (load < 500.0) & (load > 1.0)
+        assert edge.sum() > 100
+        assert load[edge] == pytest.approx(
+            johnson_end(e_star(500.0, 0.4), dR[edge]), rel=1e-12, abs=0
+        )
+        reached = filled_points(axes)
+        top = johnson_end(e_star(500.0, 0.4), reached[:, 0])
+        assert (reached[:, 1] <= top * 1.02).all()
+        assert reached[:, 1].max() > 400.0
+
+    def test_a_reference_without_an_end_leaves_nothing_shaded(self) -> None:
+        labels = labelled(plot_map("enhanced", "persson", BRONZE, dR=(0.01, 2.0)))
+        assert list(labels) == ["first yield (von Mises), $R_i$ = 10 mm; ticked side yields"]
+
+    def test_a_reference_that_ends_below_the_window_at_some_clearances(self) -> None:
+        axes = plot_map("enhanced", "johnson", SOFT, load=(10.0, 500.0))
+        lowest = 10.0 * np.e**2 / (4 * np.pi * e_star(500.0, 0.4))  # mm, by Eq 8
+        reached = filled_points(axes)[:, 0]
+        assert lowest <= reached.min() < 1.05 * lowest
+        pair, loads = map_grid(cc.laws.Johnson(), SOFT, load=(10.0, 500.0))
+        assert (np.isnan(loads) == (pair.dR < lowest)).all()
+
+    @pytest.mark.parametrize("R_i", [5.0, 20.0])
+    def test_the_yield_line_by_hertz_is_eq_7(self, R_i: float) -> None:
+        axes = plot_map("enhanced", "johnson", BRONZE, R_i=R_i, criterion="Hertz")
+        dR, load = labelled(axes)[
+            f"first yield (Hertz), $R_i$ = {R_i:g} mm; ticked side yields"
+        ].get_data()
+        expected = yield_load(STRENGTH, E_STAR, effective_radius(R_i, dR))
+        assert load == pytest.approx(expected, rel=1e-12, abs=0)
+
+    def test_a_weaker_pin_yields_earlier(self) -> None:
+        weak = Material("weak", E, NU, STRENGTH / 2)
+        (one, other) = (
+            plot_map("explicit", "johnson", BRONZE, material_j=pin, criterion="Hertz")
+            for pin in (BRONZE, weak)
+        )
+        name = "first yield (Hertz), $R_i$ = 10 mm; ticked side yields"
+        ratio = labelled(one)[name].get_ydata() / labelled(other)[name].get_ydata()
+        assert ratio == pytest.approx(np.full(161, 4.0), abs=1e-9)
+
+    def test_a_yield_line_outside_the_map_has_no_sample_in_the_key(self) -> None:
+        axes = plot_map("enhanced", "johnson", BRONZE, load=(0.1, 1.0), criterion="Hertz")
+        line = labelled(axes)["first yield (Hertz), $R_i$ = 10 mm; outside this map"]
+        assert (line.get_ydata() > 1.0).all()
+        assert line.get_linestyle() == "None"
+
+    @pytest.mark.parametrize(
+        ("material", "criterion"), [(BRITTLE, "von Mises"), (BRONZE, None)], ids=["none", "off"]
+    )
+    def test_no_yield_line(self, material: Material, criterion) -> None:
+        axes = plot_map("enhanced", "persson", material, criterion=criterion)
+        assert labelled(axes) == {}
+        assert axes.figure.legends == []
+
+    def test_colour_bar(self) -> None:
+        (bar,) = (a for a in plot_map("enhanced", "johnson", BRONZE).figure.axes[1:])
+        assert bar.get_ylabel() == "penetration of enhanced less johnson (%)"
+        _, axes = plt.subplots()
+        plot_map("enhanced", "johnson", BRONZE, ax=axes, colorbar=False)
+        assert axes.figure.axes == [axes]
+
+    def test_a_law_that_needs_a_length(self) -> None:
+        with pytest.raises(InputError, match="length"):
+            plot_map("lankarani-nikravesh", "johnson", BRONZE)
+        axes = plot_map("lankarani-nikravesh", "johnson", BRONZE, length=10.0)
+        assert len(filled_points(axes)) > 0
+
+    def test_labels_avoid_what_the_axes_have(self) -> None:
+        _, axes = plt.subplots()
+        free = plot_map("enhanced", "johnson", BRONZE, ax=axes, criterion=None)
+        at = contour_lines(free).labelTexts[0].get_position()
+        _, axes = plt.subplots()
+        note = axes.text(*at, "a note of mine", ha="center", va="center")
+        taken = plot_map("enhanced", "johnson", BRONZE, ax=axes, criterion=None)
+        box = note.get_window_extent()
+        for text in contour_lines(taken).labelTexts:
+            assert not box.contains(*axes.transData.transform(text.get_position()))
+
+    @pytest.mark.parametrize(
+        ("arguments", "message"),
+        [
+            ({"law": "no-such"}, "law = 'no-such': is not a law with coefficients of its own"),
+            ({"law": "power"}, "law = 'power': is not a law with coefficients of its own"),
+            ({"law": cc.laws.Enhanced}, "must be a law or its name; give e.g. laws.Johnson()"),
+            ({"reference": 3}, "reference = 3: must be a law or its name"),
+            ({"dR": (2.0, 0.1)}, "dR = (2.0, 0.1): must be two positive numbers, the lower first"),
+            ({"dR": 0.1}, "dR = 0.1: must be two positive numbers"),
+            ({"load": (0.0, 10.0)}, "load = (0.0, 10.0): must be two positive numbers"),
+            ({"load": (1.0, 10.0, 100.0)}, "must be two positive numbers, the lower first"),
+            ({"load": (1.0, np.inf)}, "must be two positive numbers"),
+            ({"dR": (0.1, 12.0)}, "leaves the pin a radius that is not positive"),
+            ({"R_i": -1.0}, "R_i = -1.0: must be positive and finite"),
+            ({"R_i": np.array([5.0, 10.0])}, "must hold single numbers, no arrays"),
+            ({"material": "bronze"}, "must be a Material"),
+            (
+                {"material": Material("family", np.array([1e5, 2e5]), 0.3)},
+                "must hold single numbers, no arrays; call once for each",
+            ),
+            ({"criterion": "hertz"}, "criterion = 'hertz': must be 'von Mises', 'Tresca' or"),
+            ({"material": SOFT, "dR": (0.001, 0.002)}, "one of them is undefined in the whole"),
+        ],
+    )
+    def test_mistakes(self, arguments: dict, message: str) -> None:
+        given = {"law": "enhanced", "reference": "johnson", "material": BRONZE} | arguments
+        with pytest.raises(InputError) as caught:
+            plot_map(**given)
+        assert message in str(caught.value)
+        assert "\n" not in str(caught.value)
+
+
+class TestLaws:
+    def test_penetrations_are_eq_1_and_eqs_5_and_6(self) -> None:
+        axes = plot_laws([cc.laws.Johnson(), "enhanced"], PAIR, load=(20.0, 600.0))
+        for name, law in {"johnson": johnson, "enhanced": enhanced}.items():
+            load, micrometres = labelled(axes)[name].get_data()
+            assert load[[0, -1]] == pytest.approx([20.0, 600.0])
+            assert micrometres == pytest.approx(1e3 * law(load, E_STAR, DR), rel=1e-9, abs=0)
+        assert axes.get_xscale() == axes.get_yscale() == "log"
+        assert axes.get_ylabel() == "penetration (µm)"
+
+    def test_two_rollers(self) -> None:
+        rollers = CylinderPair.external(R_i=20.0, R_j=30.0, material=BRONZE)
+        line = plot_laws(["enhanced"], rollers).lines[0]
+        expected = 1e3 * enhanced(line.get_xdata(), E_STAR, 50.0, "external")
+        assert line.get_ydata() == pytest.approx(expected, rel=1e-9, abs=0)
+
+    @pytest.mark.parametrize("relative_to", ["Eq 1", "johnson", cc.laws.Johnson()])
+    def test_differences_are_eq_9(self, relative_to) -> None:
+        laws = {"Eq 1": cc.laws.Johnson(), "Eqs 5-6": "enhanced"}
+        axes = plot_laws(laws, PAIR, relative_to=relative_to)
+        load, percent = labelled(axes)["Eqs 5-6"].get_data()
+        assert percent == pytest.approx(difference(load, E_STAR, DR), rel=1e-9, abs=1e-9)
+        assert labelled(axes)["Eq 1"].get_ydata() == pytest.approx(np.zeros(161), abs=1e-12)
+        assert axes.get_yscale() == "linear"
+
+    def test_a_line_ends_where_its_law_does(self) -> None:
+        end = johnson_end(E_STAR, DR)
+        axes = plot_laws(["johnson", "persson"], PAIR, load=(end / 10, 10 * end))
+        load, drawn = labelled(axes)["johnson"].get_data()
+        assert (np.isfinite(drawn) == (load <= end)).all()
+        assert np.isfinite(labelled(axes)["persson"].get_ydata()).all()
+
+    def test_lines_have_the_callers_colours(self) -> None:
+        with mpl.rc_context({"axes.prop_cycle": mpl.cycler(color=["#ff0000", "#00ff00"])}):
+            _, axes = plt.subplots()
+            plot_laws(["johnson", "enhanced"], PAIR, ax=axes)
+        assert [to_hex(line.get_color()) for line in axes.lines] == ["#ff0000", "#00ff00"]
+        plot_laws(["explicit"], PAIR, ax=axes, color="blue", linewidth=4.0)
+        assert (axes.lines[-1].get_color(), axes.lines[-1].get_linewidth()) == ("blue", 4.0)
+
+    def test_all_laws_at_once_are_distinct(self) -> None:
+        pair = CylinderPair.internal(
+            R_i=10.0, R_j=9.98, material=Material("steel", 207e3, 0.3), length=10.0
+        )
+        laws = list(cc.laws.LAWS)
+        lines = plot_laws(laws, pair).lines
+        looks = {(line.get_color(), line.get_marker()) for line in lines}
+        assert len(looks) == len(laws) > 5
+
+    @pytest.mark.parametrize(
+        ("arguments", "message"),
+        [
+            ({"laws": []}, "laws = []: must be some laws; give a list of laws, or a mapping"),
+            ({"laws": "johnson"}, "laws = 'johnson': must be some laws"),
+            ({"laws": cc.laws.Johnson()}, "laws = Johnson(): must be some laws"),
+            ({"laws": ["johnson", "jonson"]}, "laws = 'jonson': is not a law"),
+            ({"laws": ["johnson", cc.laws.Johnson()]}, "has a name twice; give a mapping"),
+            ({"relative_to": "Johnson"}, "relative_to = 'Johnson': is not a law"),
+            ({"load": (100.0, 10.0)}, "load = (100.0, 10.0): must be two positive numbers"),
+            (
+                {"pair": CylinderPair.from_dR("internal", [0.01, 0.02], BRONZE)},
+                "pair: must hold single numbers, no arrays; call once for each, with the same ax",
+            ),
+            ({"pair": 0.02}, "pair = 0.02: must be a CylinderPair"),
+        ],
+    )
+    def test_mistakes(self, arguments: dict, message: str) -> None:
+        with pytest.raises(InputError) as caught:
+            plot_laws(**{"laws": ["johnson"], "pair": PAIR} | arguments)
+        assert message in str(caught.value)
+        assert "\n" not in str(caught.value)
+
+
+class TestLimits:
+    def test_loads_are_eqs_7_and_8(self) -> None:
+        axes = plot_limits(BRONZE, R_i=5.0, criterion="Hertz", dR=(0.01, 1.0))
+        (dR, yields), (_, ends) = (line.get_data() for line in axes.lines)
+        assert dR[[0, -1]] == pytest.approx([0.01, 1.0])
+        expected = yield_load(STRENGTH, E_STAR, effective_radius(5.0, dR))
+        assert yields == pytest.approx(expected, rel=1e-12, abs=0)
+        assert ends == pytest.approx(johnson_end(E_STAR, dR), rel=1e-12, abs=0)
+        assert axes.get_ylabel() == "load (N/mm)"
+
+    def test_pressures_are_eq_7(self) -> None:
+        axes = plot_limits(BRONZE, criterion="Hertz", pressure=True)
+        yields, ends = axes.lines
+        assert yields.get_ydata() == pytest.approx(np.full(100, STRENGTH), rel=1e-12)
+        dR = ends.get_xdata()
+        peak = np.sqrt(johnson_end(E_STAR, dR) * E_STAR / np.pi / effective_radius(10.0, dR))
+        assert ends.get_ydata() == pytest.approx(peak, rel=1e-12)
+        assert axes.get_ylabel() == "peak pressure (MPa)"
+
+    def test_first_yield_of_a_loose_fit_is_that_of_rollers(self) -> None:
+        # Rollers yield by von Mises at (1/0.5577)² of Eq 7's load for ν = 0.3; so does a loose pin.
+        steel = Material("steel", 200e3, 0.3, 250.0)
+        line = plot_limits(steel, johnson=False, dR=(8.0, 9.5)).lines[0]
+        dR, load = line.get_data()
+        hertz = yield_load(250.0, e_star(200e3, 0.3), effective_radius(10.0, dR))
+        assert load / hertz == pytest.approx(np.full(100, 0.5577**-2), rel=0.02)
+
+    def test_labels_name_the_materials(self) -> None:
+        _, axes = plt.subplots()
+        plot_limits(BRONZE, ax=axes, criterion=None)
+        plot_limits(BRONZE, ax=axes, criterion=None, material_j=SOFT)
+        plot_limits(SOFT, ax=axes, criterion=None, label="mine")
+        assert list(labelled(axes)) == [
+            "bronze: largest load of Johnson's law",
+            "soft in bronze: largest load of Johnson's law",
+            "mine",
+        ]
+
+    @pytest.mark.parametrize(
+        ("arguments", "message"),
+        [
+            ({"criterion": None, "johnson": False}, "leave nothing to draw; give a criterion"),
+            ({"material": BRITTLE}, "yield_stress: is not known for both materials"),
+            ({"criterion": "mises"}, "criterion = 'mises': must be 'von Mises', 'Tresca' or"),
+            ({"dR": (0.0, 1.0)}, "dR = (0.0, 1.0): must be two positive numbers"),
+            ({"R_i": 1.0}, "leaves the pin a radius that is not positive"),
+            ({"material_j": "steel"}, "material_j = 'steel': must be a Material"),
+        ],
+    )
+    def test_mistakes(self, arguments: dict, message: str) -> None:
+        with pytest.raises(InputError) as caught:
+            plot_limits(**{"material": BRONZE} | arguments)
+        assert message in str(caught.value)
+        assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("ends", "ticks"),
+    [
+        ((10.0, 1000.0), (10, 20, 50, 100, 200, 500, 1000)),
+        ((0.0075, 2.0), (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2)),
+        ((0.001, 2.0), (0.001, 0.01, 0.1, 1)),
+        ((3.0, 4.0), ()),
+    ],
+)
+def test_round_ticks(ends: tuple, ticks: tuple) -> None:
+    assert round_ticks(*ends) == ticks
+
+
+def test_axes_of_a_figure_in_the_journals_style() -> None:
+    with figure_style():
+        axes = new_figure("column", 60.0).subplots()
+        assert plot_limits(BRONZE, ax=axes) is axes
+    assert axes.get_legend() is None

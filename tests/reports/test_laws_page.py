@@ -1,0 +1,438 @@
+"""The pages on laws: their numbers are computed, and the pinned case is independent."""
+
+import math
+import re
+import shutil
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from cylcontact import CylinderPair, InputError, Material, laws, limits
+from cylcontact.datasets import read_grid, reduce_grid
+from cylcontact.impact import FACTORS, achieved_restitution
+from cylcontact.laws import parametric
+from cylcontact.laws.explicit import CALIBRATED
+from cylcontact.reports import laws_bounds, laws_table
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.laws_bounds import explicit_error, johnson_end, johnson_shortfall
+from cylcontact.reports.laws_table import case, comparison, deviations, to_text
+from cylcontact.reports.laws_to_use import laws_to_use
+from tests.support.paper_equations import e_star, effective_radius, enhanced, johnson
+
+ROOT = Path(__file__).resolve().parents[2]
+CHOICE, ACCURACY, FORMULAS, CALIBRATION = (
+    (ROOT / "docs" / name).read_text(encoding="utf-8")
+    for name in (
+        "how-to/choose-a-law.md",
+        "accuracy.md",
+        "reference/formulas.md",
+        "calibration.md",
+    )
+)
+
+OWN = "mm, N, MPa"
+
+# The pinned case.
+E_STAR, DR, R_I, LENGTH, F = e_star(207e3, 0.3), 0.05, 10.0, 10.0, 100.0
+RADIUS = effective_radius(R_I, DR)
+
+
+def table(page: str, first: str) -> list[list[str]]:
+    """Return the cells of the table of a page whose header begins so, below its two lines."""
+    lines = page.split(f"\n{first}", 1)[1].split("\n\n", maxsplit=1)[0].splitlines()
+    return [[cell.strip().strip("`") for cell in line.split("|")[1:-1]] for line in lines[2:]]
+
+
+# --- the pinned case, in plain Python ---
+
+
+def logarithmic(reach: float, c: float, kappa: float = 1.0) -> float:
+    return 1e3 * kappa * F / (math.pi * E_STAR) * (math.log(reach * E_STAR / F) + c)
+
+
+def radzimovsky(b: float) -> float:
+    logarithms = math.log(4 * R_I / b) + math.log(4 * (R_I - DR) / b)
+    return 1e3 * F / (math.pi * E_STAR) * (2 / 3 + logarithms)
+
+
+def liu() -> float:
+    low, high = 0.0, 1.0
+    for _ in range(200):
+        d = (low + high) / 2
+        f = math.pi / 2 * E_STAR * d * math.sqrt(d / (2 * (DR + d)))
+        low, high = (d, high) if f < F else (low, d)
+    return 1e3 * low
+
+
+HALF_WIDTH = 2 * math.sqrt(F * RADIUS / (math.pi * E_STAR))
+PINNED = {
+    "johnson": (1.55935, 1e3 * johnson(F, E_STAR, DR)),
+    "roark-young": (1.63782, radzimovsky(2 * HALF_WIDTH)),
+    "radzimovsky": (2.02579, radzimovsky(HALF_WIDTH)),
+    "radzimovsky-radii": (1.83032, radzimovsky(1.6 * math.sqrt(F * RADIUS / E_STAR))),
+    "esdu-78035": (2.11908, logarithmic(4 * math.pi * DR, 1)),
+    "dubowsky-freudenstein": (1.73251, logarithmic(math.pi * LENGTH**2 / RADIUS, 1)),
+    "goldsmith": (4.69535, logarithmic(math.pi * RADIUS, 1)),
+    "hertz-cylinder": (2.34274, logarithmic(math.pi * DR, -1, kappa=2)),
+    "liu": (3.21874, liu()),
+    "lankarani-nikravesh": (
+        2.79570,
+        1e3 * (F * LENGTH / (4 / 3 * E_STAR * math.sqrt(RADIUS))) ** (2 / 3),
+    ),
+    "enhanced": (1.51444, 1e3 * enhanced(F, E_STAR, DR)),
+}
+
+
+@pytest.fixture(scope="module")
+def actual():
+    return comparison(case(), F).set_index("law")
+
+
+@pytest.mark.parametrize("name", PINNED)
+def test_pinned_penetrations(actual, name):
+    pinned, plain = PINNED[name]
+    assert round(plain, 5) == pinned
+    assert actual.loc[name, "penetration_um"] == pytest.approx(plain, rel=1e-10)
+
+
+def test_the_rest_of_the_pinned_case(actual):
+    assert list(actual.index) == list(laws.LAWS)
+    truth = actual.loc["persson", "penetration_um"]
+    assert actual.loc["explicit", "penetration_um"] == pytest.approx(truth, rel=1e-3)
+    assert actual["note"].eq("").all()
+
+
+# --- the numbers in the page ---
+
+
+def test_departures_are_where_they_are_said_to_be():
+    steel = Material("steel", E=207e3, nu=0.3)
+    clearances = (0.0075, 0.05, 0.5)
+    for percent, number, *loads in table(ACCURACY, "| too low by"):
+        phi = laws_bounds.departure_number(float(percent)) if float(percent) < 47 else johnson_end()
+        assert f"{phi:.4f}" == number
+        assert loads == [f"{phi * E_STAR * dR:.0f}" for dR in clearances]
+        pair = CylinderPair.from_dR("internal", 0.3, steel)
+        load = phi * E_STAR * 0.3 * (1 - 1e-12)
+        ratio = laws.Johnson().penetration(load, pair) / laws.Persson().penetration(load, pair)
+        assert f"{100 * (1 - ratio):.3g}" == percent
+
+
+def test_explicit_table():
+    error = laws_bounds.explicit_error()
+    assert table(FORMULAS, "| contact | c |") == [
+        [
+            contact,
+            *(f"{value:g}" for value in (constants.c, constants.A, constants.B)),
+            laws_bounds.TRUTH[contact].name,
+            f"fitting/explicit-{contact}.toml",
+            "{:g} to {:g}".format(*laws_bounds.BOUNDED[contact]),
+            f"{error[f'{contact} load']:.4f}",
+            f"{error[f'{contact} penetration']:.4f}",
+        ]
+        for contact, constants in CALIBRATED.items()
+    ]
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_explicit_error_on_another_grid_and_by_the_formula(contact):
+    low, high = laws_bounds.BOUNDED[contact]
+    pair = CylinderPair.from_dR(contact, 2.0, Material("any", E=3e3, nu=0.1))
+    numbers = np.geomspace(low, high, 30011)
+    d = laws_bounds.TRUTH[contact].penetration(numbers * pair.E_star * 2, pair) / 2
+    k = CALIBRATED[contact]
+    middle = k.c + np.log(1 + k.A / d * np.log(k.B / d))
+    worst = np.max(np.abs(np.pi * d / (k.c + np.log(1 + k.A / d * middle)) / numbers - 1))
+    bound = laws_bounds.explicit_error()[f"{contact} load"]
+    assert 100 * worst <= bound * (1 + 1e-9)
+    assert 100 * worst == pytest.approx(bound, rel=1e-4)
+
+
+def test_restitution_table():
+    wanted = (0.1, 0.3, 0.5, 0.7, 0.9)
+    rows = table(FORMULAS, "| factor |")
+    assert [row[0] for row in rows] == list(FACTORS)
+    for name, formula, *cells in rows:
+        assert cells == [f"{achieved_restitution(FACTORS[name](e)):.3f}" for e in wanted]
+        if name != "exact":
+            plain = re.sub(r"(\d)(?=[(e])", r"\1*", formula).replace("²", "**2").replace("−", "-")
+            plain = plain.replace("¾", "0.75*").replace("·", "*")
+            for e in wanted:
+                value = eval(plain, {"e": e, "exp": math.exp})
+                assert value == pytest.approx(float(FACTORS[name](e)), rel=1e-12), plain
+
+
+def test_chooser():
+    error = laws_bounds.explicit_error()
+    for contact, said, words in (
+        ("internal", 0.12, "for {:g} ≤ φ ≤ {:g} its load is within 0.12 %"),
+        ("external", 0.07, "within 0.07 % for {:g} ≤ φ ≤ {:g}"),
+    ):
+        assert error[f"{contact} load"] <= said
+        assert words.format(*laws_bounds.BOUNDED[contact]) in CHOICE
+
+
+def test_the_table_to_choose_from():
+    hole, rollers = (laws_to_use(contact, Bench(ROOT)) for contact in ("internal", "external"))
+    names = ["published", "refitted there", *hole["law"][2:]]
+    expected = [
+        [
+            name,
+            *(
+                cell
+                for rms, largest in (
+                    (a.rms_johnson, a.max_johnson_percent),
+                    (a.rms_conformal, a.max_conformal_percent),
+                    (b.rms_johnson, b.max_johnson_percent),
+                )
+                for cell in (("0", "0") if rms < 1e-9 else (f"{rms:.4f}", f"{largest:.3g}"))
+            ),
+            f"{a.relative_time:.1f}",
+        ]
+        for name, a, b in zip(names, hole.itertuples(), rollers.itertuples(), strict=True)
+    ]
+    assert [*hole["units"]] == [*rollers["units"]] == [*2 * [OWN], "any", OWN, "any", "any"]
+    assert table(CHOICE, "| law | hole, to Johnson |") == expected
+
+
+def test_what_limits_the_enhanced_law():
+    """For rollers: the root mean square with K* free and one n, from the slopes of ln δ."""
+    moments, _ = reduce_grid(read_grid(ROOT / "datasets/external.toml"))
+    weight = moments.ss / moments.total
+    excess = weight * (moments.slope - np.average(moments.slope, weights=weight)) ** 2
+    least = np.sqrt(moments.unexplained.sum() / moments.total + excess.sum())
+    assert f"at every clearance ({least:.4f})" in CALIBRATION
+    four, six, rollers = (
+        Bench(ROOT).result(f"power-clearance{kind}").objective.value
+        for kind in ("", "-six", "-external")
+    )
+    words = " ".join(CALIBRATION.split())
+    assert f"({four:.4f} and {six:.4f} over the paper's ranges; for" in words
+    assert f"for rollers four reach {rollers:.4f})" in words
+
+
+def test_constants_are_those_of_the_fits():
+    for contact in ("internal", "external"):
+        used = laws_to_use(contact, Bench(ROOT)).set_index("law")["constants"]
+        for name in ("power-dimensionless", "power-clearance"):
+            assert f"| {contact} | {used[name]} |" in FORMULAS
+        for name in used.index[:2]:
+            cells = " | ".join(part.split(" = ")[1] for part in used[name].split(", "))
+            assert f"| {cells} |" in FORMULAS, name
+
+
+def test_the_laws_to_use_are_right():
+    """The errors once more, from the formulas and without samples, objectives or families."""
+    table = laws_to_use("external", Bench(ROOT)).set_index("law")
+    E = np.geomspace(20.7e3, 1e7, 25)[:, None, None, None]
+    nu = np.linspace(0.1, 0.5, 9)[:, None, None]
+    dR, f = np.geomspace(5, 500, 61)[:, None], np.geomspace(10, 1000, 25)
+    E_star = e_star(E, nu)
+    deltas = {
+        "published": enhanced(f, E_star, dR, "external"),
+        "power-dimensionless": dR * (f / (0.580159106 * E_star * dR)) ** (1 / 1.084759742),
+    }
+    for name, delta in deltas.items():
+        ratio = np.log(delta / johnson(f, E_star, dR))
+        assert table["rms_johnson"][name] == pytest.approx(np.sqrt(np.mean(ratio**2)), rel=1e-6)
+        largest = 100 * np.abs(np.expm1(ratio)).max()
+        assert table["max_johnson_percent"][name] == pytest.approx(largest, rel=1e-6)
+    assert table["rms_johnson"]["johnson"] < 1e-12
+
+
+def test_explicit_is_the_law_to_use_for_a_pin_in_a_hole():
+    table = laws_to_use("internal", Bench(ROOT)).set_index("law")
+    assert table["rms_conformal"].idxmin() == table["max_conformal_percent"].idxmin() == "explicit"
+    assert table["max_conformal_percent"]["explicit"] <= explicit_error()["internal penetration"]
+    assert table["max_conformal_percent"]["johnson"] < johnson_shortfall(johnson_end())
+    assert table["relative_time"].idxmin() == "published"
+
+
+def test_laws_to_use_name_what_is_missing(tmp_path):
+    with pytest.raises(InputError, match=r"practical\.json.*make it with"):
+        laws_to_use("internal", Bench(tmp_path))
+    for name in ("practical", "power-practical"):
+        (tmp_path / "fitting/results").mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / f"fitting/results/{name}.json", tmp_path / "fitting/results")
+    (tmp_path / "datasets").mkdir()
+    (tmp_path / "datasets/benchmarks.json").write_text('{"rows": []}')
+    with pytest.raises(InputError, match=r"benchmarks\.json: rows: lack the time of .*make bench"):
+        laws_to_use("internal", Bench(tmp_path))
+    for contents in ("{", "[1]", "3", '{"rows": 3}', '{"rows": [3]}', "\0"):
+        (tmp_path / "datasets/benchmarks.json").write_text(contents)
+        with pytest.raises(InputError, match="holds no measured times; measure them: make bench"):
+            laws_to_use("internal", Bench(tmp_path))
+    (tmp_path / "datasets/benchmarks.json").write_text('{"format": 2}')
+    with pytest.raises(InputError, match="format = 2: is not the version 1"):
+        laws_to_use("internal", Bench(tmp_path))
+
+
+YIELDING = Material("steel", E=200e3, nu=0.3, yield_stress=250)
+
+
+def safe_until(criterion):
+    """f/(E*·ΔR) at yield where the paper's estimate equals first yield."""
+
+    def miss(log_dR):
+        pair = CylinderPair.from_dR("internal", np.exp(log_dR), YIELDING, R_i=10.0)
+        return np.log(limits.yield_load(pair, criterion) / limits.yield_load(pair, "Hertz"))
+
+    dR = np.exp(brentq(miss, np.log(0.01), np.log(2.0)))
+    pair = CylinderPair.from_dR("internal", dR, YIELDING, R_i=10.0)
+    return float(limits.yield_load(pair, criterion) / (pair.E_star * dR))
+
+
+def snug_yield():
+    """f/(σ_Y·R) at first yield of a close fit."""
+    pair = CylinderPair.from_dR("internal", 0.005, YIELDING, R_i=10.0)
+    return float(limits.yield_load(pair)) / (250 * 10.0)
+
+
+def rms_over(samples_of, fit):
+    """The objective of one fit's coefficients on another's samples, clearance by clearance."""
+    axes = samples_of.settings["dataset"]["axes"]
+    E, nu, dR, f = (axis_values(axes[name]) for name in ("E", "nu", "dR", "load"))
+    E, nu = 1e3 * E[:, None, None], nu[:, None]
+    law, squares = laws.Enhanced(fit.coefficients), []
+    for gap in dR:
+        pair = CylinderPair.from_dR("internal", gap, Material("any", E=E, nu=nu))
+        truth = laws.Johnson().penetration(f, pair)
+        r = np.log(law.penetration(f, pair) / truth)
+        squares.append(r[np.isfinite(r)] ** 2)
+    return float(np.sqrt(np.mean(np.concatenate(squares))))
+
+
+def axis_values(axis):
+    make = np.geomspace if axis["spacing"] == "log" else np.linspace
+    return make(axis["min"], axis["max"], axis["points"])
+
+
+def test_numbers_between_the_tables():
+    error = laws_bounds.explicit_error()
+    assert error["one-line penetration"] <= 0.37
+    practical = Bench(ROOT).result("practical")
+    steel = Material("steel", E=207e3, nu=0.3)
+    snug = CylinderPair.internal(R_i=10.0, R_j=9.98, material=steel)
+    angle = laws.Conformal().contact_angle(22.7e3 / 10.0, snug)
+    own = rms_over(practical, Bench(ROOT).result("internal"))
+    ten, end = laws_bounds.departure_number(10.0), johnson_end()
+    for page, words in (
+        (CHOICE, f"{own:.4f} against {practical.published.objective:.4f}"),
+        (CHOICE, f"(φ = {end:.2f}). It is 10 % too stiff at φ = {ten:.2f}"),
+        (CHOICE, f"and {johnson_shortfall(end):.0f} % at its end"),
+        (ACCURACY, f"radii, {2 * math.sqrt(0.02 / math.pi):.2f} at φ = 0.02"),
+        (ACCURACY, f"is below {safe_until('von Mises'):.2f} by von"),
+        (ACCURACY, f"and {safe_until('Tresca'):.2f} by Tresca"),
+        (ACCURACY, f"yields near f = {snug_yield():.1f}·σ_Y·R"),
+        (ACCURACY, f"an arc of {2 * 10 * math.radians(float(angle)):.1f} mm under 22.7 kN"),
+        (FORMULAS, f"less than {float(achieved_restitution(0.75)):.3f}"),
+    ):
+        assert words in page
+
+
+def test_what_the_datum_changes():
+    steel, bronze = (Material.named(name) for name in ("high-strength steel", "bronze"))
+    pair = CylinderPair.internal(R_i=10.0, R_j=9.95, pin=steel, hole=bronze)
+    eye = laws.Housing(R_o=20.0, clamp=laws.Sector(60, side="far"))
+    for datum in ("johnson", laws.Housing(R_o=100.0), eye):
+        assert f"{1e3 * laws.Conformal(datum).penetration(1000.0, pair):.0f} µm" in ACCURACY
+
+
+def test_what_is_said_of_the_laws_for_any_pair():
+    rng = np.random.default_rng(1)
+    alpha, place = rng.uniform(-0.999, 0.999, (30, 1)), rng.uniform(-1, 1, (30, 1))
+    pair = CylinderPair.from_dundurs(alpha, (alpha + place) / 4)
+    phi = np.geomspace(1e-6, 60, 50)
+    d = laws.Conformal().penetration(phi, pair)
+    for law, said in ((laws.Parametric(), "0.06 %"), (laws.ExplicitPair(), "1.1 %")):
+        error = 100 * np.abs(law.load(d, pair) / phi - 1).max()
+        assert error < float(said.split()[0])
+        assert f"| `{law.name}` | {said} |" in CHOICE
+    constants = asdict(parametric.CALIBRATED)
+    row = "| −16/(3π) | {A1} | {A2} | {A3} | {H3} | 80/(9π) | {M1} | {M2} |"
+    assert row.format(**constants) in FORMULAS
+
+
+def test_the_table_of_all_laws(actual):
+    pair = case()
+    assert (pair.dR, pair.R_i, pair.length, laws_table.LOAD) == (DR, R_I, LENGTH, F)
+    assert float(pair.E_star) == pytest.approx(E_STAR, rel=1e-15)
+    away = deviations(pair)
+    expected = [
+        [
+            name,
+            f"{row.penetration_um:.5f}",
+            *(_percent(away.loc[name, phi]) for phi in (0.01, 0.1, 1)),
+        ]
+        for name, row in actual.iterrows()
+    ]
+    rows = table(FORMULAS, "| law | | δ, µm |")
+    assert [[name, *numbers] for name, _, *numbers in rows] == expected
+
+
+def _percent(value: float) -> str:
+    if math.isnan(value):
+        return "–"
+    return f"{value:+.2f}" if abs(value) >= 0.005 else "0"
+
+
+@pytest.mark.parametrize("path", re.findall(r"`(fitting/[^`]+)`", FORMULAS))
+def test_files_named_exist(path):
+    assert (ROOT / path).is_file()
+
+
+# --- the command's text, and what it is asked ---
+
+
+def test_text_holds_the_errors_that_the_page_shows():
+    text = to_text(case(), F)
+    for row in table(FORMULAS, "| contact | c |"):
+        assert f"{row[0]} load: {row[-2]} %" in text
+        assert f"{row[0]} penetration: {row[-1]} %" in text
+
+
+def test_text_lists_every_law_and_every_parameter_of_a_contact():
+    text = to_text(case(), F)
+    for law in laws.LAW_TYPES:
+        for model in law.models():
+            assert f"  {model.law}" in text or f", {model.law}" in text
+            assert all(p.meaning in text for p in model.parameters) or model.contact == "external"
+
+
+def test_external_contact_leaves_out_what_needs_a_hole():
+    rollers = CylinderPair.from_dR("external", 20.0, case().material_i, 10.0, 10.0)
+    actual = comparison(rollers, F).set_index("law")
+    silent = actual.index[actual["penetration_um"].isna()]
+    for_holes = [law.name for law in laws.LAW_TYPES if law.contacts == ("internal",)]
+    assert list(silent) == for_holes
+    assert actual.loc[silent, "note"].str.contains("hole").all()
+    assert deviations(rollers).loc["johnson"].abs().max() == 0
+    assert "too low by" not in to_text(rollers, F)
+
+
+def test_notes_say_why_there_is_no_number():
+    actual = comparison(case(dR=0.001), 3000.0).set_index("law")["note"]
+    assert actual["johnson"] == "beyond its largest load"
+    assert actual["enhanced"] == "undefined at this ΔR"
+    short = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
+    actual = comparison(short, F).set_index("law")["note"]
+    assert "needs both radii" in actual["dubowsky-freudenstein"]
+    assert "needs both radii" in actual["goldsmith"]
+
+
+@pytest.mark.parametrize("load", [0.0, -1.0, math.nan, math.inf])
+def test_a_load_that_is_none_is_refused(load):
+    with pytest.raises(InputError, match=r"comparison of laws: load = .*: must be positive"):
+        comparison(case(), load)
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("--contact", "sideways"), ("--dR", "12"), ("--nu", "0.6")]
+)
+def test_a_case_that_is_none_is_refused(run, option, value):
+    code, _, errors = run("laws", option, value)
+    assert code == 2
+    assert option in errors

@@ -1,0 +1,15 @@
+"""Write the golden files of tests/package anew: python -m tests.support.write_golden.
+
+Options are pytest's: `-k laws`, `-k "public or results"`, `-k "commands and fit"`.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+if __name__ == "__main__":
+    os.environ["WRITE_GOLDEN"] = "1"
+    tests = Path(__file__).parents[1] / "package/test_golden.py"
+    sys.exit(pytest.main([str(tests), "-m", "slow or not slow", "-q", *sys.argv[1:]]))
