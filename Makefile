@@ -17,10 +17,9 @@ CAMPAIGNS := $(filter-out fitting/mine%,$(wildcard fitting/*.toml))
 RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
 COMPARISONS := $(patsubst %,fitting/results/optimizers-%.csv,internal external)
 RECIPES := $(filter-out reports/mine%,$(wildcard reports/*.py))
-# The paper's figures, the maps refitted (r) and the profile of b: all that needs the two main fits
+# The paper's figures and the maps of the refit: all that needs the two main fits
 # only. `make report` draws every figure. Figure 15 compiles the mechanism, so it comes first.
-MAIN_FIGURES := $(foreach number,15 01 02 03 04 05 06 07 08 09 10 11 12 13 14 16 17 18 19,fig$(number)) \
-	$(foreach number,10 11 12 13 14,fig$(number)r) fig_profile_b
+MAIN_FIGURES := $(foreach number,15 01 02 03 04 05 06 07 08 09 10 11 12 13 14 16 17 18 19,fig$(number)) fig_maps_refit
 
 # Another user's Python packages must not leak into the environment.
 unexport PYTHONHOME PYTHONPATH

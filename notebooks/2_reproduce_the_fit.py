@@ -79,4 +79,4 @@ cc.reports.fit_figures.runs_drawing(committed)
 # optimised. A flat profile means that the data hardly determine b.
 
 # %%
-cc.reports.fit_figures.profile_drawing(committed, "b", "b (mm$^{2-n}$)")
+committed.plot_profile("b").figure

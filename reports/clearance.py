@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator
 
 from cylcontact.arrays import FloatArray
@@ -49,15 +48,15 @@ def tables_by_radius(
 
 
 def clearance_panels(
-    table: pd.DataFrame, values: pd.Series[float], thin: pd.Series[bool] | bool = False
+    table: pd.DataFrame, values: pd.Series[float], fine: pd.Series[float] | float = np.nan
 ) -> tuple[StyledFigure, list[Axes]]:
     """Draw values against clearance, a panel per radius of the hole and a line per material.
 
-    The values and whether their line is thin there are in the order of the table's rows.
+    The values, and those of a fine line beside each, are in the order of the table's rows.
     """
     figure = new_figure("full", 78.0)
     panels = list(figure.subplots(1, len(RADII), sharey=True))
-    table = table.assign(drawn=values, thin=thin)
+    table = table.assign(drawn=values, fine=fine)
     for number, (axes, R_i) in enumerate(zip(panels, RADII, strict=True)):
         draw_materials(axes, table[table["R_i_mm"] == R_i])
         panel_title(axes, number, f"$R_i$ = {R_i:g} mm")
@@ -65,18 +64,12 @@ def clearance_panels(
 
 
 def draw_materials(axes: Axes, table: pd.DataFrame) -> None:
-    """Draw a line per material through the column `drawn`, thin where the column `thin` is true."""
+    """Draw a line per material through the column `drawn`, and a fine one through `fine`."""
     for number, (name, line) in enumerate(table.groupby("material", sort=False)):
-        dR, drawn = line["dR_mm"].to_numpy(), line["drawn"].to_numpy()
-        thick = np.where(line["thin"], np.nan, drawn)
-        every = staggered(number, dR.size)
-        (curve,) = axes.plot(dR, thick, label=str(name), markevery=every)
-        if line["thin"].any():
-            # Only where thin, as it would fill the gaps of the thick part.
-            fine = Line2D(dR, np.where(line["thin"], drawn, np.nan))
-            fine.update_from(curve)
-            fine.set(label="", linewidth=0.45 * curve.get_linewidth(), markevery=every)
-            axes.add_line(fine)
+        every = staggered(number, len(line))
+        (curve,) = axes.plot(line["dR_mm"], line["drawn"], label=str(name), markevery=every)
+        colour = curve.get_color()
+        axes.plot(line["dR_mm"], line["fine"], "-", color=colour, linewidth=0.5, marker="")
     plain_log(axes, "x", round_ticks(*FIG7_CLEARANCES))
     axes.set(xlim=FIG7_CLEARANCES, xlabel=r"radial clearance $\Delta R$ (mm)", yscale="log")
     axes.yaxis.set_major_locator(LogLocator(numticks=20))

@@ -3,12 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from cylcontact.limits import johnson_limit_load
 from cylcontact.plots.figure import Drawing, new_figure
-from cylcontact.plots.style import COLOURS, current_style, small_text
+from cylcontact.plots.style import COLOURS, small_text
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import DEPARTURES, departure_number, johnson_end
 
@@ -52,9 +53,9 @@ def draw(bench: Bench) -> Drawing:
         (name, dR): float(johnson_limit_load(clearance_pair(dR, rows[name].material)))
         for name, dR in JOHNSON_LIMITS
     }
-    figure = new_figure("middle", 150.0 if current_style().narrow else 105.0)
+    figure = new_figure("middle", 105.0)
     axes = figure.subplots()
-    draw_materials(axes, table.assign(drawn=table["load_N_per_mm"], thin=False))
+    draw_materials(axes, table.assign(drawn=table["load_N_per_mm"], fine=np.nan))
     _draw_departures(axes, table[table["material"] == DEPARTING], numbers)
     stars: dict[str, Any] = {
         "color": "black",
@@ -65,7 +66,7 @@ def draw(bench: Bench) -> Drawing:
     places = [dR for _, dR in limits]
     axes.plot(places, list(limits.values()), "*", **stars, label="limits in the paper's text")
     mark_loads(axes)
-    axes.set(ylabel="load (N/mm)", ylim=(1, 2e6))
+    axes.set(ylabel="load (N/mm)", ylim=(1, 1e5))
     legend_below(figure, axes, 3)
     headline = {f"{name}, dR = {dR:g} mm": limit for (name, dR), limit in limits.items()}
     for percent, number in numbers.items():

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -25,7 +26,7 @@ from cylcontact.mechanism.drawing import (
 )
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.sketch import cross
-from cylcontact.plots.style import JOURNAL, current_style, small_text
+from cylcontact.plots.style import small_text
 from cylcontact.reports.bench import Bench
 
 from .slider_crank import assumed, mechanism
@@ -146,7 +147,7 @@ def _name_points(axes: Axes, slider_crank: Mechanism, pose: Pose) -> None:
 
 def _name(axes: Axes, text: str, at: complex, way: complex, distance: float, **style: Any) -> None:
     """Write a name at a distance from what it names, in points at the journal's font size."""
-    distance *= current_style().font_size / JOURNAL.font_size
+    distance *= rcParams["font.size"] / 8
     axes.annotate(
         text,
         xy=(at.real, at.imag),

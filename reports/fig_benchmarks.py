@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from cylcontact.errors import InputError
 from cylcontact.plots.figure import Drawing, figure_of_lines, plain_log, round_ticks
-from cylcontact.plots.style import ACCENT, QUIET, current_style, small_text
+from cylcontact.plots.style import ACCENT, QUIET, small_text
 from cylcontact.reading import unmarked
 from cylcontact.reports.bench import Bench
 
@@ -105,7 +105,7 @@ def ratios_of(results: Path) -> pd.DataFrame:
 
 def ratio_panel(table: pd.DataFrame) -> Figure:
     """Draw the ratios, a line for each side, group below group."""
-    width = LONGEST if current_style().narrow else sum(map(len, table["side"]))
+    width = sum(map(len, table["side"]))
     table = table.assign(label=table["side"].map(lambda side: fill(side, width)))
     lines = int((table["label"].str.count("\n") + 1).sum()) + table["group"].nunique()
     figure = figure_of_lines("full", lines + 5)

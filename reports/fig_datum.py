@@ -86,7 +86,7 @@ def _headline(bench: Bench) -> dict[str, float]:
 def _draw_panels(table: pd.DataFrame) -> Figure:
     """Draw C, and what it adds at each load."""
     figure = new_figure("full", 112.0)
-    panels = figure.subplots(2, 2, by_rows=True)
+    panels = figure.subplots(2, 2)
     columns = ("constant", *map(_column, PHI))
     for number, (axes, column) in enumerate(zip(panels.flat, columns, strict=True)):
         _draw_lines(axes, table, column)

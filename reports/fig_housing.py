@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -98,7 +98,7 @@ def _draw(table: pd.DataFrame, johnson: float) -> Figure:
     figure = new_figure("full", 92.0)
     axes = figure.subplots()
     for number, (name, (words, _)) in enumerate(CLAMPS.items()):
-        style = {"color": COLOURS[number], "linestyle": "-", "marker": ""}
+        style: dict[str, Any] = {"color": COLOURS[number], "linestyle": "-", "marker": ""}
         axes.plot(table["ratio"], table[f"{name}_um"], label=words, **style)
         style |= {"linestyle": "", "marker": "o", "markerfacecolor": "none"}
         axes.plot(table["ratio"], table[f"{name}_explicit_um"], **style)

@@ -78,7 +78,7 @@ def readings(bench: Bench) -> pd.DataFrame:
 def _draw_panels(table: pd.DataFrame) -> StyledFigure:
     """Draw refinement above every other change, a column for each search."""
     figure = new_figure("full", 118.0)
-    panels = figure.subplots(2, 3, sharey="row", height_ratios=[1, 1.3], by_rows=True)
+    panels = figure.subplots(2, 3, sharey="row", height_ratios=[1, 1.3])
     for column, (search, (title, names)) in enumerate(PANELS.items()):
         rows = table[table["search"] == search]
         _draw_refinement(panels[0, column], rows[rows["changed"] == POINTS_CHANGED], names)

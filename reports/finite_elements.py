@@ -25,9 +25,8 @@ CHOICES = (
     "construction. All but the held boundary is our choice: in plane strain the penetration "
     "depends on the size of the plate, and the paper does not state it."
 )
-# Load of the contact stress in Fig 5, in N/mm.
+# Load at which the statements on the contact stress are checked, in N/mm.
 STRESS_LOAD = 20.0
-STRESS_LOAD_CHOICE = "The load of the contact stress is our choice, as the paper names none."
 
 
 def study(bench: Bench, name: str) -> Study:

@@ -1,27 +1,25 @@
 """Figs 10 to 14: how far a law's penetration is from a reference's, over clearance and load.
 
-The paper's five materials are drawn with the published coefficients (figNN), refitted over the
-paper's ranges (r), over the practical domain (p), and to conformal contact and judged by it (c).
-Any other combination goes by arguments, from the command line
+The paper's five materials have a map each with the published coefficients, and a strip of five maps
+for each other fit of them. Any other combination goes by arguments, from the command line
 
     cylcontact figure maps material="titanium alloy" law=explicit
 
-or from Python, `difference_map(bench, "titanium alloy", law="explicit")`. These draw first yield by
-von Mises; Figs 10 to 14 keep the paper's estimate, Hertz's peak pressure equal to the yield stress.
+or from Python, `difference_map(bench, "titanium alloy", law="explicit")`. First yield is by von
+Mises: the paper's estimate, Hertz's peak pressure equal to the yield stress, is low for wide
+clearances and unsafe for close ones.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib import rcParams
 from matplotlib.axes import Axes
-from matplotlib.transforms import blended_transform_factory
 
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
@@ -31,11 +29,9 @@ from cylcontact.materials import MaterialRow
 from cylcontact.plain_text import as_label, brief
 from cylcontact.plots import Drawing, new_figure, plot_map
 from cylcontact.plots.difference_map import map_grid
-from cylcontact.plots.figure import StyledFigure, plain_number
+from cylcontact.plots.figure import panel_title, plain_log, plain_number
 from cylcontact.plots.maps import add_scale
-from cylcontact.plots.style import current_style
 from cylcontact.reports.bench import Bench
-from cylcontact.yield_search import Criterion
 
 from .paper import (
     COMPARED_CLEARANCES,
@@ -64,25 +60,12 @@ REFERENCE_WORDS = {
 }
 CLEARANCES = COMPARED_CLEARANCES
 WINDOW: dict[str, Any] = {"dR": CLEARANCES, "load": LOADS, "R_i": HOLE_RADIUS}
-# In sizes of the font: the margins left, right, below without the key, and above a map; the height
-# of a line of the key, and its distance from the map.
-MARGINS, KEY_LINE, KEY_BELOW = (5.2, 6.0, 3.7, 3.4), 1.5, 3.2
-
-# For each criterion of the yield line: what the headline calls the loads up to it, and what on it
-# reaches the yield stress.
-CRITERION_WORDS: dict[Criterion, tuple[str, str]] = {
-    "Hertz": ("practical domain", "Hertz's peak pressure (Eq 7)"),
-    "von Mises": ("elastic domain", "the largest von Mises stress in either body"),
-}
-
 YIELDING = "; the ticks are on the side where it exceeds it"
-
-# The fit of each variant of the paper's maps, and its name in the title.
-VARIANTS = {
-    "": ("enhanced", ""),
-    "r": ("internal", "refitted coefficients"),
-    "p": ("practical", "refitted over this map's range"),
-    "c": ("conformal", "refitted to Persson's solution"),
+# The strips: the fit, the name of its coefficients, and what the strip shows.
+STRIPS = {
+    "fig_maps_refit": ("internal", "refitted coefficients"),
+    "fig_maps_practical": ("practical", "refitted over this map's range"),
+    "fig_maps_conformal": ("conformal", "refitted to Persson's solution"),
 }
 
 
@@ -112,7 +95,6 @@ def difference_map(
     law: str = "enhanced",
     reference: str = "",
     label: str = "",
-    criterion: Criterion = "von Mises",
 ) -> Drawing:
     """Map the difference of a law's penetration from a reference over clearance and load.
 
@@ -130,8 +112,6 @@ def difference_map(
         "johnson" or "persson"; by default the law that the fit was made to, or Johnson's.
     label : str, optional
         Name of a fit result's coefficients in the title.
-    criterion : {"von Mises", "Hertz"}
-        Of the yield line; "Hertz" is the paper's estimate.
 
     Returns
     -------
@@ -143,11 +123,51 @@ def difference_map(
         If the material, the law or the reference is unknown, the material has no yield stress,
         or the law is for external contact.
     """
+    row = _row(bench, material)
+    mapped = _mapped_law(bench, law, reference, label)
+    figure = new_figure("middle", 98.0)
+    axes = figure.subplots()
+    axes.set_title(f"{_title(row)}\n{mapped.label}")
+    _draw_map(axes, row, mapped)
+    add_scale(figure, axes, f"difference from {REFERENCE_WORDS[mapped.reference.name][0]} (%)")
+    figure.legend(loc="outside lower center", ncols=2)
+    table = _map_table(row, mapped.law, mapped.reference)
+    headline = _headline(table, mapped.fitted_from or CLEARANCES[0])
+    return Drawing(figure, table, headline, _caption([row], mapped), _method([row], mapped, table))
+
+
+def strip(bench: Bench, fit: str, label: str) -> Drawing:
+    """Map a fit for the paper's five materials side by side."""
+    rows = [_row(bench, material) for material in MATERIALS]
+    mapped = _mapped_law(bench, fit, label=label)
+    figure = new_figure("full", 66.0)
+    panels = figure.subplots(1, len(rows), sharex=True, sharey=True)
+    for number, (axes, row) in enumerate(zip(panels, rows, strict=True)):
+        _draw_map(axes, row, mapped, labels=False)
+        panel_title(axes, number, as_label(row.material.name))
+        axes.label_outer()
+        plain_log(axes, "x", (0.01, 0.1, 1.0))
+        axes.set(xlim=CLEARANCES, xlabel=r"$\Delta R$ (mm)")
+    add_scale(figure, list(panels), f"from {REFERENCE_WORDS[mapped.reference.name][0]} (%)")
+    keys = dict(zip(*panels[-1].get_legend_handles_labels()[::-1], strict=True))
+    figure.legend(keys.values(), keys.keys(), loc="outside lower center", ncols=3)
+    tables = {row.material.name: _map_table(row, mapped.law, mapped.reference) for row in rows}
+    headline = {
+        f"{name}: {what}": value
+        for name, table in tables.items()
+        for what, value in _headline(table, mapped.fitted_from or CLEARANCES[0]).items()
+    }
+    table = pd.concat(tables, names=["material"]).reset_index("material").reset_index(drop=True)
+    return Drawing(figure, table, headline, _caption(rows, mapped), _method(rows, mapped, table))
+
+
+def _row(bench: Bench, material: str) -> MaterialRow:
+    """Return a material that has a yield stress."""
     row = bench.material(material)
     if row.material.yield_stress is None:
         rule, remedy = "has no yield stress, which the map needs", "add it to the table"
         raise InputError("maps", "material", material, rule, remedy)
-    return _draw_map(row, _mapped_law(bench, law, reference, label), criterion)
+    return row
 
 
 def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") -> MappedLaw:
@@ -179,9 +199,7 @@ def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") ->
     )
 
 
-def _map_table(
-    row: MaterialRow, law: ContactLaw, reference: ContactLaw, criterion: Criterion
-) -> pd.DataFrame:
+def _map_table(row: MaterialRow, law: ContactLaw, reference: ContactLaw) -> pd.DataFrame:
     """Evaluate a law, its reference and the yield load at the points of the map."""
     pair, load = map_grid(reference, row.material, **WINDOW)
     columns = {
@@ -190,69 +208,33 @@ def _map_table(
         "penetration_mm": law.penetration(load, pair),
         f"{reference.name}_penetration_mm": reference.penetration(load, pair),
         "difference_percent": difference_percent(law, reference, load, pair),
-        "yield_load_N_per_mm": yield_load(pair, criterion),
+        "yield_load_N_per_mm": yield_load(pair),
     }
     return pd.DataFrame(
         {name: np.broadcast_to(values, load.shape).ravel() for name, values in columns.items()}
     )
 
 
-def _draw_map(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> Drawing:
-    """Draw the map."""
-    table = _map_table(row, mapped.law, mapped.reference, criterion)
-    fitted_from = mapped.fitted_from or CLEARANCES[0]
-    figure = new_figure("middle", 115.0 if current_style().narrow else 106.0)
-    axes = _map_axes(figure)
-    axes.set_title(f"{_title(row)}\n{mapped.label}")
-    add_scale(figure, axes, f"difference from {REFERENCE_WORDS[mapped.reference.name][0]} (%)")
-    if fitted_from > CLEARANCES[0]:
-        words = f"coefficients fitted from {plain_number(fitted_from)} mm on"
-        axes.axvline(fitted_from, color="black", linestyle=":", marker="", label=words)
-    plot_map(
-        mapped.law,
-        mapped.reference,
-        row.material,
-        criterion=criterion,
-        colorbar=False,
-        ax=axes,
-        **WINDOW,
-    )
-    below = -KEY_BELOW * rcParams["font.size"] / (axes.bbox.height * 72 / figure.dpi)
-    # In the middle of the page, not of the axes, beside which the scale is.
-    place = blended_transform_factory(figure.transFigure, axes.transAxes)
-    where = {"bbox_to_anchor": (0.5, below), "bbox_transform": place}
-    figure.legend(loc="upper center", ncols=2, borderaxespad=0.0, **where)
-    headline = _headline(table, fitted_from, CRITERION_WORDS[criterion][0])
-    method = _method(row, mapped, criterion, table)
-    return Drawing(figure, table, headline, _caption(row, mapped), method)
+def _draw_map(axes: Axes, row: MaterialRow, mapped: MappedLaw, labels: bool = True) -> None:
+    """Draw a map of a material, and from where on the coefficients are fitted."""
+    if mapped.fitted_from is not None and mapped.fitted_from > CLEARANCES[0]:
+        words = f"coefficients fitted from {plain_number(mapped.fitted_from)} mm on"
+        axes.axvline(mapped.fitted_from, color="black", linestyle=":", marker="", label=words)
+    own: dict[str, Any] = {"colorbar": False, "labels": labels, "ax": axes}
+    plot_map(mapped.law, mapped.reference, row.material, **own, **WINDOW)
 
 
-def _map_axes(figure: StyledFigure) -> Axes:
-    """Add axes that have the same place in every map of a style, with room for a key below.
-
-    A layout by the content would give maps in one row of a page unequal heights.
-    """
-    figure.set_layout_engine()
-    em = rcParams["font.size"] / 72
-    width, height = figure.get_size_inches()
-    left, right, bottom, top = (em * margin for margin in MARGINS)
-    bottom += em * KEY_LINE * (3 if figure.style.narrow else 2)
-    figure.subplots_adjust(left / width, bottom / height, 1 - right / width, 1 - top / height)
-    axes: Axes = figure.subplots()
-    return axes
-
-
-def _headline(table: pd.DataFrame, fitted_from: float, domain: str) -> dict[str, float]:
-    """Return the extremes over the map, and over the part of it below the yield line."""
+def _headline(table: pd.DataFrame, fitted_from: float) -> dict[str, float]:
+    """Return the extremes over the map, and over the part of it below first yield."""
     difference = table["difference_percent"]
     elastic = table[table["load_N_per_mm"] <= table["yield_load_N_per_mm"]]
     magnitude = elastic["difference_percent"].abs()
     return {
         "lowest difference, %": float(difference.min()),
         "highest difference, %": float(difference.max()),
-        f"largest |difference| in the {domain}, %": float(magnitude.max()),
-        f"share of the {domain} below 8 %": _share_below(magnitude, 8),
-        f"share below 8 % in the fitted part of the {domain}": _share_below(
+        "largest |difference| before first yield, %": float(magnitude.max()),
+        "share before first yield below 8 %": _share_below(magnitude, 8),
+        "share before first yield below 8 % in the fitted part": _share_below(
             magnitude[elastic["dR_mm"] >= fitted_from], 8
         ),
     }
@@ -269,33 +251,33 @@ def _title(row: MaterialRow) -> str:
     return f"{as_label(row.material.name)}, $E$ = {E} GPa, $\\nu$ = {row.material.nu:g}"
 
 
-def _caption(row: MaterialRow, mapped: MappedLaw) -> str:
+def _caption(rows: Sequence[MaterialRow], mapped: MappedLaw) -> str:
     """Return the caption."""
-    assumed = row.provenance["yield_stress_MPa"] == "assumed"
+    assumed = any(row.provenance["yield_stress_MPa"] == "assumed" for row in rows)
+    of = brief(rows[0].material.name) if len(rows) == 1 else "one of five materials"
     return (
         f"Penetration of {mapped.name} less {REFERENCE_WORDS[mapped.reference.name][1]} at equal "
         "load, in percent of the latter (Eq 9), against radial clearance (mm) and load per unit "
-        f"length (N/mm), for a pin in a hole of {brief(row.material.name)}. Contours are dashed "
+        f"length (N/mm), for a pin in a hole of {of}. Contours are dashed "
         f"below zero.{' Yield stress assumed.' * assumed}"
     )
 
 
-def _method(row: MaterialRow, mapped: MappedLaw, criterion: Criterion, table: pd.DataFrame) -> str:
-    """Return how the map was made."""
-    material = row.material
-    origin = origins({material.name: row}, (material.name,), ELASTIC, YIELD)
+def _method(rows: Sequence[MaterialRow], mapped: MappedLaw, table: pd.DataFrame) -> str:
+    """Return how the maps were made."""
+    names = [row.material.name for row in rows]
+    origin = origins(dict(zip(names, rows, strict=True)), names, ELASTIC, YIELD)
     yields = bool((table["yield_load_N_per_mm"] < LOADS[1]).any())
+    stresses = ", ".join(f"{row.material.yield_stress:g}" for row in rows)
     sentences = [
-        f"Internal contact, both bodies of {brief(material.name)}.",
+        f"Internal contact, both bodies of {brief(names[0])}." if len(rows) == 1 else "",
         *_calibration(mapped),
         "Figs 10 to 14 and all maps like them have the same levels and colours; the arrows of the "
         "scale are for values beyond its ends.",
         REFERENCE_WORDS[mapped.reference.name][2],
-        f"{'On the ticked line' if yields else 'Only at loads above this map'} "
-        f"{CRITERION_WORDS[criterion][1]}, with a hole of {HOLE_RADIUS:g} mm radius, reaches the "
-        f"yield stress of {material.yield_stress:g} MPa{YIELDING * yields}.",
-        "The radius is our choice.",
-        "The criterion is the paper's, not first yield by von Mises." * (criterion == "Hertz"),
+        f"{'On the ticked line' if yields else 'Only at loads above this map'} the largest von "
+        f"Mises stress in either body, with a hole of {HOLE_RADIUS:g} mm radius, reaches the yield "
+        f"stress ({stresses} MPa){YIELDING * yields}. The radius is our choice.",
         f"Material values that are not the paper's: {origin}." if origin else "",
         mapped.coefficients,
     ]
@@ -312,9 +294,7 @@ def _calibration(mapped: MappedLaw) -> Iterator[str]:
 
 
 FIGURES: dict[str, Callable[[Bench], Drawing]] = {
-    f"fig{number}{variant}": partial(
-        difference_map, material=material, law=law, label=label, criterion="Hertz"
-    )
+    f"fig{number}": partial(difference_map, material=material)
     for number, material in enumerate(MATERIALS, start=10)
-    for variant, (law, label) in VARIANTS.items()
 }
+FIGURES |= {name: partial(strip, fit=fit, label=label) for name, (fit, label) in STRIPS.items()}

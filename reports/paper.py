@@ -239,12 +239,6 @@ FIGURE_TITLES: Mapping[int, str] = {
     18: "Path of the journal at 0.5 mm clearance",
     19: "Path of the journal at 0.02 mm clearance",
 }
-VARIANTS: Mapping[str, str] = {
-    "": "published coefficients",
-    "r": "refitted over the paper's ranges",
-    "p": "refitted over the practical domain",
-    "c": "refitted to conformal contact",
-}
 EQUATION = """
 <math displaystyle="true" aria-label="f equals open bracket a Delta R plus b close bracket
  times E star over Delta R times delta to the power n">
@@ -268,7 +262,6 @@ PAPER = Paper(
         "force model, Multibody System Dynamics (2015)."
     ),
     figures=FIGURE_TITLES,
-    variants=VARIANTS,
     fits=("recovered-internal", "recovered-external", "internal", "external"),
     fits_note=(
         "Fitted to Johnson's law by a genetic search and a local one after it. Recovered: some "

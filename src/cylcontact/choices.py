@@ -10,7 +10,7 @@ Branch = Literal["loading", "unloading"]
 Method = Literal["minimal", "multiplier"]
 Beyond = Literal["stop", "tangent"]
 Study = Literal["cases", "tolerances", "bifurcation"]
-Format = Literal["png", "pdf", "svg", "pgf"]
+Format = Literal["png", "pdf", "svg"]
 
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -39,7 +39,7 @@ def listed(names: Iterable[str]) -> str:
     Examples
     --------
     >>> listed(METHODS), listed(FORMATS)
-    ('minimal or multiplier', 'png, pdf, svg or pgf')
+    ('minimal or multiplier', 'png, pdf or svg')
     """
     *others, last = names
     return f"{', '.join(others)} or {last}" if others else last

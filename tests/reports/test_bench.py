@@ -97,6 +97,9 @@ def maps_bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Bench:
     return bench
 
 
+PRACTICAL = {"material": "low-carbon steel", "law": "practical"}
+
+
 class TestModules:
     def test_files_import_each_other_relatively(self, bench: Bench) -> None:
         assert bench.module("fig99").LOADS == (10.0, 1000.0)
@@ -157,7 +160,7 @@ class TestRecipes:
         assert set(several.inputs) == {"reports/several.py", *single.inputs}
 
     def test_inputs_of_a_map(self, maps_bench: Bench) -> None:
-        (figure,) = build(maps_bench, ["fig12p"], options=SVG)
+        (figure,) = build(maps_bench, ["maps"], options=SVG, arguments=PRACTICAL)
         assert set(figure.inputs) == {
             "reports/maps.py",
             "reports/paper.py",
@@ -185,23 +188,14 @@ class TestRecipes:
 
 
 class TestMapsByArgument:
-    @pytest.mark.parametrize(
-        ("figure", "law"), [("fig12", ""), ("fig12p", "practical"), ("fig12c", "conformal")]
-    )
     def test_the_papers_maps_among_them(
-        self, figures: DrawnFigures, maps_bench: Bench, run, figure: str, law: str
+        self, figures: DrawnFigures, maps_bench: Bench, run
     ) -> None:
-        arguments = ["material=low-carbon steel", *([f"law={law}"] if law else [])]
-        done = run("figure", "maps", *arguments, "--format", "svg", "--jobs", 1)
+        done = run("figure", "maps", "material=low-carbon steel", "--format", "svg", "--jobs", 1)
         assert done == (0, "1 figure in reports/figures\n", "")
-        stem = "-".join(filter(None, ["maps-low-carbon-steel", law]))
-        csv = maps_bench.figures_folder / f"{stem}.csv"
-        drawn, papers = pd.read_csv(csv), pd.read_csv(figures[figure].paths[0].with_suffix(".csv"))
-        ours, hertz = (table.pop("yield_load_N_per_mm") for table in (drawn, papers))
+        csv = maps_bench.figures_folder / "maps-low-carbon-steel.csv"
+        drawn, papers = map(pd.read_csv, (csv, figures["fig12"].paths[0].with_suffix(".csv")))
         pd.testing.assert_frame_equal(drawn, papers, check_exact=True)
-        # The paper's estimate is unsafe in a close fit, and cautious in a loose one.
-        assert (ours < hertz)[drawn["dR_mm"] < 0.02].all()
-        assert (ours > 2 * hertz)[drawn["dR_mm"] > 1].all()
         assert csv.with_suffix(".svg").is_file()
 
     @pytest.mark.slow
@@ -214,10 +208,9 @@ class TestMapsByArgument:
         texts = [text.get_text() for text in drawing.figure.legends[0].get_texts()]
         assert "first yield (von Mises), $R_i$ = 10 mm; ticked side yields" in texts
         assert "von Mises stress in either body" in drawing.method
-        assert "Hertz" not in drawing.caption + drawing.method
         table = drawing.table
         elastic = table[table["load_N_per_mm"] <= table["yield_load_N_per_mm"]]
-        assert drawing.headline["largest |difference| in the elastic domain, %"] == (
+        assert drawing.headline["largest |difference| before first yield, %"] == (
             elastic["difference_percent"].abs().max()
         )
 
@@ -310,7 +303,7 @@ class TestAdditions:
         assert (maps_bench.figures_folder / "maps-gunmetal.svg").is_file()
         for name in ("fig07", "clearance"):
             shutil.copy(ROOT / "reports" / f"{name}.py", maps_bench.recipes_folder)
-        for drawn in build(maps_bench, ["fig07", "fig10", "fig12p", "fig14"], options=SVG):
+        for drawn in build(maps_bench, ["fig07", "fig10", "fig14"], options=SVG):
             assert drawn.paths[-1].read_bytes() == figures[drawn.name].paths[-1].read_bytes()
             assert "datasets/materials.csv" not in drawn.inputs
 

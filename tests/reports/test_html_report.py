@@ -148,13 +148,13 @@ def test_every_figure_has_its_caption_method_downloads_and_provenance(texts):
     assert '<p class="prose">A note.</p>' in texts["figure-fig_evil"]
     for page, name, recipe in (
         ("figure-fig12", "fig12", "maps"),
-        ("figure-fig12", "fig12r", "maps"),
+        ("figure-fig_maps_refit", "fig_maps_refit", "maps"),
         ("figure-fig_evil", "fig_evil", "fig_evil"),
     ):
         for ending in ("png", "pdf", "csv"):
             assert f'href="figures/{name}.{ending}" download' in texts[page]
         assert f"from <code>reports/{recipe}.py</code>" in texts[page]
-    assert "from <code>fitting/results/internal.json</code>" in texts["figure-fig12"]
+    assert "from <code>fitting/results/internal.json</code>" in texts["figure-fig_maps_refit"]
     assert "from <code>cylcontact/data/materials.csv</code>" in texts["figure-fig12"]
     # Each picture says what it shows and the main numbers, and does not repeat the caption.
     alternatives = Links(texts["figure-fig12"]).pictures

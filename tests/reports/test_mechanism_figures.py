@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from _cylcontact_bench.paths import LAST, path_table
+from _cylcontact_bench.paths import distances
 from _cylcontact_bench.slider_crank import (
     CASES,
     LAW_NAMES,
@@ -203,41 +203,14 @@ class TestImpacts:
         assert johnson_over == pytest.approx(34.3, abs=0.2)
 
 
-class TestPaths:
-    def test_a_thinned_path_stays_within_its_tolerance(self):
+class TestDistances:
+    def test_what_stays_outside_the_clearance_circle_is_the_share_in_contact(self):
         case = Case("enhanced", 0.5, 0.9, 0.0)
-        run = simulated(BENCH, case, 2)
-        table = path_table(case, run, 0)
-        places = -run.eccentricity * 1e6
-        thin = table[["x_um", "y_um"]].to_numpy()
-        assert len(thin) < len(places) / 2
-        # The distance of every step from the chain of those kept.
-        start, along = thin[:-1], np.diff(thin, axis=0)
-        length = np.maximum((along**2).sum(axis=1), 1e-30)
-        for place in places[::23]:
-            share = np.clip(((place - start) * along).sum(axis=1) / length, 0, 1)
-            nearest = np.hypot(*(start + share[:, None] * along - place).T).min()
-            assert nearest <= 0.002 * 500 * (1 + 1e-9)
-
-    def test_contact_is_outside_the_clearance_circle(self):
-        case = Case("enhanced", 0.5, 0.9, 0.0)
-        table = path_table(case, simulated(BENCH, case, 2), 0)
-        radius = np.hypot(table["x_um"], table["y_um"])
-        touching = table["mode"] == "contact"
-        assert radius[touching].min() > 500 - 1e-6
-        assert radius[~touching].max() < 500 + 1e-6
-
-    @pytest.mark.slow
-    @pytest.mark.parametrize("name", ["fig18", "fig19"])
-    def test_whole_paths_are_pale_and_their_ends_dark(self, figures, name):
-        drawing = figures[name].drawing
-        runs = drawing.table.groupby(["law", "restitution", "friction"])["revolution"]
-        at_the_end = drawing.table["revolution"] >= runs.transform("max") - LAST
-        # In each panel flight and contact, each pale and dark.
-        lines = [axes.get_lines()[:4] for axes in drawing.figure.axes]
-        points = np.array([[np.isfinite(line.get_xdata()).sum() for line in row] for row in lines])
-        assert points[:, ::2].sum() == len(drawing.table)
-        assert points[:, 1::2].sum() == at_the_end.sum()
+        run = simulated(BENCH, case, 5)
+        table = distances(case, run)
+        assert (np.diff(table["distance_um"]) >= 0).all()
+        free = np.interp(500.0, table["distance_um"], table["share"])
+        assert 1 - free == pytest.approx(run.statistics(3).mean["contact_fraction"], abs=0.006)
 
 
 class TestSteps:

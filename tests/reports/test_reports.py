@@ -14,7 +14,7 @@ from PIL import Image
 from cylcontact import InputError
 from cylcontact.plots.figure import Drawing, new_figure, plain_number
 from cylcontact.plots.maps import draw_contours, label_contours
-from cylcontact.plots.style import WIDTHS_MM, figure_style
+from cylcontact.plots.style import figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, draw, find_recipes, write
 from tests.support.figure_files import page_mm
@@ -103,7 +103,7 @@ class TestRecipes:
             draw("fig97", bench)
 
     def test_recipe_with_a_missing_result_writes_nothing(self, tmp_path: Path) -> None:
-        (figure,) = build(Bench(ROOT, tmp_path / "none"), ["fig10r"], tmp_path / "figures")
+        (figure,) = build(Bench(ROOT, tmp_path / "none"), ["fig_maps_refit"], tmp_path / "figures")
         assert "internal.json: this fit result does not exist" in str(figure.problem)
         assert figure.paths == ()
         assert not (tmp_path / "figures").exists()
@@ -182,15 +182,15 @@ class TestBuild:
 
 
 class TestStyle:
-    @pytest.mark.parametrize("width", ["column", "middle", "full"])
-    def test_files_have_the_journals_width(self, tmp_path: Path, width: str) -> None:
+    @pytest.mark.parametrize(("width", "wide"), [("column", 84), ("middle", 129), ("full", 174)])
+    def test_files_have_the_journals_width(self, tmp_path: Path, width: str, wide: float) -> None:
         drawing = Drawing(new_figure(width, 50), pd.DataFrame(), {}, "")  # type: ignore[arg-type]
         png, pdf, _ = write(drawing, "fig", tmp_path)
         with Image.open(png) as image:
             pixels, dpi = image.size[0], image.info["dpi"][0]
         # A picture has whole pixels only.
-        assert pixels / dpi * 25.4 == pytest.approx(WIDTHS_MM[width], abs=25.4 / 300)  # type: ignore[index]
-        assert page_mm(pdf)[0] == pytest.approx(WIDTHS_MM[width], abs=0.01)  # type: ignore[index]
+        assert pixels / dpi * 25.4 == pytest.approx(wide, abs=25.4 / 300)
+        assert page_mm(pdf)[0] == pytest.approx(wide, abs=0.01)
 
     def test_style_is_put_back(self) -> None:
         before = dict(mpl.rcParams)

@@ -17,7 +17,7 @@ from matplotlib.path import Path
 from matplotlib.text import Text
 from matplotlib.transforms import Affine2D, Bbox
 
-from cylcontact.plots.style import JOURNAL, MM_PER_INCH, WIDTHS_MM, FigureStyle, figure_style
+from cylcontact.plots.style import JOURNAL, MM_PER_INCH, FigureStyle, figure_style
 
 SMALLEST = 6.0  # points
 # A text's box is higher than its letters: this much of the size of its font is not ink.
@@ -71,7 +71,7 @@ def layout_faults(figure: Figure, style: FigureStyle = JOURNAL) -> list[str]:
     with figure_style(style):
         labels = _labels(figure)
         width = figure.get_size_inches()[0] * MM_PER_INCH
-        widths = WIDTHS_MM.values() if style.width_mm is None else [style.width_mm]
+        widths = style.widths_mm
         faults = [f"is {width:.1f} mm wide"] if min(abs(width - w) for w in widths) > 0.01 else []
         drawn, page = figure.get_tightbbox(), figure.bbox_inches
         if min(drawn.x0, drawn.y0) < 0 or drawn.x1 > page.x1 or drawn.y1 > page.y1:

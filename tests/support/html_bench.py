@@ -28,7 +28,7 @@ FITS = (
 )
 CACHES = shutil.ignore_patterns("__pycache__")
 FEW_MAPS = """
-FIGURES = {name: FIGURES[name] for name in ("fig12", "fig12r")}
+FIGURES = {name: FIGURES[name] for name in ("fig12", "fig_maps_refit")}
 FIGURES["fig12p"] = lambda bench: bench.result("missing")
 """
 

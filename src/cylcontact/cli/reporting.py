@@ -50,8 +50,8 @@ def figure(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Recipes, e.g. fig10 fig10r; all by default. Arguments of a recipe follow its "
-            'name, e.g. maps material="titanium alloy" law=explicit.'
+            help="Recipes, e.g. fig10 fig_explicit; all by default. Arguments of a recipe follow "
+            'its name, e.g. maps material="titanium alloy" law=explicit.'
         ),
     ] = None,
     out: Annotated[
@@ -64,9 +64,6 @@ def figure(
             "--format", callback=split, metavar="FORMAT[,...]", help=f"{listed(FORMATS)}."
         ),
     ] = None,
-    font_size: Annotated[
-        float | None, typer.Option(help="Size of the labels, in points.", **NUMBER)
-    ] = None,
     results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
@@ -76,7 +73,7 @@ def figure(
     from cylcontact.reports.build import build
 
     bench = Bench(Path(), results, jobs or cores())
-    choice = choose(bench.recipes_folder / "style.toml", style, tuple(formats or ()), font_size)
+    choice = choose(bench.recipes_folder / "style.mplstyle", style, tuple(formats or ()))
     own = bench.figures_folder
     folder = out or (own if choice.style.name == JOURNAL.name else own / choice.style.name)
     recipes, arguments = _names_and_arguments(names or ())

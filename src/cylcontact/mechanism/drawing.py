@@ -26,7 +26,7 @@ from cylcontact.mechanism.model import Joint
 from cylcontact.plain_text import as_label, brief
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.sketch import OUTLINE, POINTER, THIN, Point
-from cylcontact.plots.style import ACCENT, QUIET, FigureStyle, figure_style
+from cylcontact.plots.style import ACCENT, QUIET, figure_style
 from cylcontact.progress import Progress, silent
 
 # Margins along x and y around the points, as fractions of their span along x.
@@ -307,7 +307,6 @@ def joint_drawing(joint: JointMotion, revolutions: float = 2.0) -> Drawing:
 # --- films --------------------------------------------------------------------------------------
 
 SIZE_INCHES, DPI = (7.2, 3.2), 90
-STYLE = FigureStyle("film", font_size=10.0)
 # GIF counts time in hundredths of a second.
 FRAMES_PER_REVOLUTION, FRAMES_PER_SECOND = 90, 20
 # Length of the trail of the journal's centre, in revolutions.
@@ -336,7 +335,7 @@ def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = silen
     count = (run.revolutions - first) * FRAMES_PER_REVOLUTION
     times = (first + np.arange(count) / FRAMES_PER_REVOLUTION) * run.mechanism.period
     path_of = poses(run, times)
-    with figure_style(STYLE), replacing(path) as temporary:
+    with figure_style(), replacing(path) as temporary:
         figure = Figure(figsize=SIZE_INCHES, layout="constrained")
         scene = _Scene(figure, run, path_of)
         try:

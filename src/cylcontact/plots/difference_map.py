@@ -51,6 +51,7 @@ def plot_map(
     material_j: Material | None = None,
     criterion: Criterion | None = "von Mises",
     colorbar: bool = True,
+    labels: bool = True,
     ax: Axes | None = None,
 ) -> Axes:
     """Map how far a law's penetration is from a reference's, in percent (Eq 9, Figs 10 to 14).
@@ -79,6 +80,8 @@ def plot_map(
         contact yields. None, or a material without a yield stress, draws none.
     colorbar : bool, optional
         Whether to put the colour scale beside the axes.
+    labels : bool, optional
+        Whether to label the contours; a small map is read by its colours.
     ax : matplotlib.axes.Axes, optional
         Where to draw. By default the axes of a new figure in the journal's style, made without
         pyplot, with a key of the line and the hatching below; in axes of yours call `ax.legend()`.
@@ -134,8 +137,9 @@ def plot_map(
             _draw_yield_line(axes, clearances, yield_load(pair, criterion)[:, 0], load, words)
         if ax is None:
             add_legend(axes)
-        _settle_layout(axes)
-        label_contours(axes, lines, _taken(axes))
+        if labels:
+            _settle_layout(axes)
+            label_contours(axes, lines, _taken(axes))
     return axes
 
 

@@ -18,7 +18,6 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from shutil import which
 from typing import Any
 
 from cylcontact.choices import Format
@@ -26,7 +25,6 @@ from cylcontact.errors import InputError
 from cylcontact.files import replacing_all, require_apart, require_writable
 from cylcontact.parallel import call, run_calls
 from cylcontact.plots.figure import Drawing
-from cylcontact.plots.pgf import plain_pgf
 from cylcontact.plots.style import (
     DEFAULT_OPTIONS,
     JOURNAL,
@@ -173,9 +171,8 @@ def draw(
     with figure_style(style):
         drawing: Drawing = function(bench, **given)
         # Arranged once, so that each format shows the same and none does it again.
-        if drawing.figure.get_layout_engine() is not None:
-            drawing.figure.draw_without_rendering()
-            drawing.figure.set_layout_engine(None)
+        drawing.figure.draw_without_rendering()
+        drawing.figure.set_layout_engine(None)
         return drawing
 
 
@@ -215,8 +212,7 @@ def build(
     Raises
     ------
     InputError
-        If a name is unknown, a format needs a program that is absent, a file cannot be written, or
-        the system ended a worker.
+        If a name is unknown, a file cannot be written, or the system ended a worker.
 
     Examples
     --------
@@ -236,7 +232,6 @@ def build(
     >>> [path.name for path in figure.paths], figure.headline
     (['fig99.png', 'fig99.pdf', 'fig99.csv'], {'load, N/mm': 10.0})
     """
-    _require_programs(options.formats)
     target, chosen, given = folder or bench.figures_folder, chosen_recipes(bench, names), arguments
     outputs = [
         target / f"{_stem(name, given)}.{ending}"
@@ -294,9 +289,8 @@ def write(
     Raises
     ------
     InputError
-        If the folder cannot be written to, or a format needs a program that is absent.
+        If the folder cannot be written to.
     """
-    _require_programs(options.formats)
     paths = [folder / f"{name}.{ending}" for ending in (*options.formats, "csv")]
     paths += [folder / f"{name}.txt"] if drawing.method else []
     with replacing_all(paths) as files:
@@ -313,18 +307,6 @@ def write(
     return tuple(paths)
 
 
-def _require_programs(formats: Iterable[Format]) -> None:
-    """Raise `InputError` where a format needs a program that is not installed."""
-    if "pgf" in formats and which("xelatex") is None:
-        raise InputError(
-            "figure",
-            "--format",
-            "pgf",
-            "needs xelatex, which measures the text of the figure and is not installed",
-            "install TeX (Debian: apt install texlive-xetex), or choose pdf",
-        )
-
-
 def save_picture(drawing: Drawing, picture: Path, form: Format, style: FigureStyle) -> None:
     """Write one picture, with the caption as metadata where the format allows it."""
     caption = drawing.caption
@@ -339,14 +321,11 @@ def save_picture(drawing: Drawing, picture: Path, form: Format, style: FigureSty
         },
         "svg": {"Date": None, "Creator": None, "Description": caption},
     }
-    known: dict[str, Any] = {"metadata": metadata[form]} if form in metadata else {}
-    # Drawn in memory first: where the disk is full, matplotlib's PDF fails with another error. PGF
-    # names its images after its file.
-    target = picture if form == "pgf" else io.BytesIO()
-    with figure_style(style), plain_pgf():
-        drawing.figure.savefig(target, format=form, dpi=DPI, **known)
-    if isinstance(target, io.BytesIO):
-        picture.write_bytes(target.getvalue())
+    # Drawn in memory first: where the disk is full, matplotlib's PDF fails with another error.
+    target = io.BytesIO()
+    with figure_style(style):
+        drawing.figure.savefig(target, format=form, dpi=DPI, metadata=metadata[form])
+    picture.write_bytes(target.getvalue())
 
 
 @dataclass(frozen=True)

@@ -220,7 +220,7 @@ def _draw(
     place.mkdir(parents=True)
     for target in files:
         _copy_picture(source, target, place)
-    options = choose(bench.recipes_folder / "style.toml", formats=("pdf",))
+    options = choose(bench.recipes_folder / "style.mplstyle", formats=("pdf",))
     drawn = build(bench, plain, place, options, progress) if plain else []
     figures = {figure.name: figure for figure in map(_complete, drawn)}
     pictures = {target: f"figures/{Path(target).name}" for target in files}
