@@ -73,15 +73,15 @@ CASES := --law lankarani-nikravesh,johnson,enhanced,explicit --clearance 0.5,0.0
 	--restitution 1,0.9 --friction 0,0.1
 
 mechanism: $(VENV)/.editable ## Redo the mechanism's tables, datasets/mechanism (some minutes)
-	$(CYLCONTACT) simulate datasets/slider_crank.toml --study tolerances $(CASES) \
+	$(CYLCONTACT) tolerances datasets/slider_crank.toml $(CASES) \
 		--tolerance 1e-5,1e-6,1e-7,1e-8,1e-9,1e-10 -o datasets/mechanism/tolerances.csv
-	$(CYLCONTACT) simulate datasets/slider_crank.toml --study cases $(CASES) \
+	$(CYLCONTACT) sweep datasets/slider_crank.toml $(CASES) \
 		--revolutions 20 --first 3 --beyond tangent --against 1e-10 -o datasets/mechanism/cases.csv
 	$(MAKE) bifurcation
 
 # Periodic or not: once each contact with the δ̇⁽⁻⁾ of its onset, once with one that is held.
 bifurcation: $(VENV)/.editable ## Redo datasets/mechanism/bifurcation.csv alone (some minutes)
-	$(CYLCONTACT) simulate datasets/slider_crank.toml --study bifurcation --law johnson \
+	$(CYLCONTACT) bifurcation datasets/slider_crank.toml --law johnson \
 		--beyond tangent --clearance 0.01,0.5 --points 48 --revolutions 200 --last 60 \
 		--impact-rate 0,0.1 -o datasets/mechanism/bifurcation.csv
 

@@ -9,13 +9,11 @@ from typing import Literal, get_args
 Branch = Literal["loading", "unloading"]
 Method = Literal["minimal", "multiplier"]
 Beyond = Literal["stop", "tangent"]
-Study = Literal["cases", "tolerances", "bifurcation"]
 Format = Literal["png", "pdf", "svg"]
 
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
 METHODS: tuple[Method, ...] = get_args(Method)
 BEYOND: tuple[Beyond, ...] = get_args(Beyond)
-STUDIES: tuple[Study, ...] = get_args(Study)
 FORMATS: tuple[Format, ...] = get_args(Format)
 # What the folder of a fit to a table holds.
 FIT_FILES = ("result.json", "residuals.csv", "fit.png", "fit.pdf")

@@ -98,7 +98,7 @@ class Command(NamedTuple):
         return path.exists() and path.read_bytes().count(b"\n") > 1
 
 
-CASES = ("simulate", f"{ROOT}/datasets/slider_crank.toml", "--study", "cases", "-o")
+CASES = ("sweep", f"{ROOT}/datasets/slider_crank.toml", "-o")
 STUDY = ("finite-element", f"{ROOT}/datasets/finite_element/convergence.toml", "-o")
 COMMANDS = {
     "fit": Command(

@@ -182,9 +182,9 @@ export nonsense --to c; export johnson --to c --contact sideways; export no.json
 laws --E -1; laws --nu 2; laws --dR 0; laws --load x; laws --contact sideways; claims -o out.txt;
 figure nonsense; figure fig12 --format gif; figure --html;
 simulate datasets/small.toml; simulate mechanism.toml --restitution 2;
-simulate mechanism.toml --tolerance x; simulate no.toml --study cases -o t.csv;
-simulate mechanism.toml --study cases -o t.csv --jobs 0; simulate mechanism.toml --jobs 2;
-simulate mechanism.toml --study cases; simulate mechanism.toml --study chaos -o t.csv;
+simulate mechanism.toml --tolerance x; sweep no.toml -o t.csv;
+sweep mechanism.toml -o t.csv --jobs 0; simulate mechanism.toml --jobs 2;
+sweep mechanism.toml; simulate mechanism.toml --study cases -o t.csv;
 finite-element no.toml; finite-element mechanism.toml
 """
 

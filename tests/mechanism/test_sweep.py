@@ -20,10 +20,7 @@ from tests.support.mechanism_cases import CASES, ROOT, slider_crank
 
 SPEC = ROOT / "datasets/slider_crank.toml"
 WANTED = cases(["enhanced", "johnson"], [0.02], [1.0], [0.0, 0.1])
-STUDY = ("simulate", SPEC, "--study")
-BIFURCATION, CASES_STUDY = (
-    (SPEC, "--study", name, "-o", "t.csv") for name in ("bifurcation", "cases")
-)
+BIFURCATION, SWEEP = ((name, SPEC, "-o", "t.csv") for name in ("bifurcation", "sweep"))
 PAPER = [Case(*case) for case in CASES]
 PLAN = Plan(revolutions=2, first=1)
 
@@ -216,10 +213,8 @@ def test_bifurcation_tabulates_sections(run, tmp_path):
     out = tmp_path / "table.csv"
     options = ("--clearance", "0.4,0.5", "--points", 2, "--revolutions", 33, "--last", 4)
     code, sentence, _ = run(
-        "simulate",
-        SPEC,
-        "--study",
         "bifurcation",
+        SPEC,
         "-o",
         out,
         *options,
@@ -241,7 +236,7 @@ def test_bifurcation_tabulates_sections(run, tmp_path):
     held = table[table["held_m_per_s"] == 0.05]
     assert (held["impact_rate_m_per_s"] == 0.05).any()
     short = ("--points", 1, "--revolutions", 4, "--last", 2, "--jobs", 1)
-    assert run(*STUDY, "bifurcation", "-o", out, *short)[1].endswith(
+    assert run("bifurcation", SPEC, "-o", out, *short)[1].endswith(
         "1 runs, 1 too short to tell\n"
     )
 
@@ -276,30 +271,30 @@ def test_a_run_that_cannot_go_on_keeps_its_revolutions(run, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("none.toml",), "none.toml: cannot be read"),
-        ((SPEC, "--clearance", "-1"), "joint.wrist-pin.clearance = -1.0: must be greater than 0"),
-        ((SPEC, "--method", "newton"), "method = 'newton': is not known; choose minimal, multip"),
-        ((SPEC, "--beyond", "hope"), "beyond = 'hope': is not known; choose stop, tangent"),
-        ((SPEC, "--revolutions", "0"), "must be an integer of at least 1"),
-        ((SPEC, "--tolerance", "2"), "tolerance = 2.0: must lie in [1e-14, 1e-3]"),
-        ((SPEC, "--resume"), "--resume: needs a file to go on from"),
-        ((SPEC, "-o", "run.csv"), "run.csv: is neither .parquet nor .gif nor .mp4"),
-        ((SPEC, "--table", "t.txt"), "t.txt: is neither .csv nor .parquet"),
-        ((SPEC, "--revolutions", 2, "--first", 2), "--first = 2: leaves none of 2 revolutions"),
+        (("simulate", "none.toml"), "none.toml: cannot be read"),
+        (("simulate", SPEC, "--clearance", "-1"), "joint.wrist-pin.clearance = -1.0: must be greater than 0"),
+        (("simulate", SPEC, "--method", "newton"), "method = 'newton': is not known; choose minimal, multip"),
+        (("simulate", SPEC, "--beyond", "hope"), "beyond = 'hope': is not known; choose stop, tangent"),
+        (("simulate", SPEC, "--revolutions", "0"), "must be an integer of at least 1"),
+        (("simulate", SPEC, "--tolerance", "2"), "tolerance = 2.0: must lie in [1e-14, 1e-3]"),
+        (("simulate", SPEC, "--resume"), "--resume: needs a file to go on from"),
+        (("simulate", SPEC, "-o", "run.csv"), "run.csv: is neither .parquet nor .gif nor .mp4"),
+        (("simulate", SPEC, "--table", "t.txt"), "t.txt: is neither .csv nor .parquet"),
+        (("simulate", SPEC, "--revolutions", 2, "--first", 2), "--first = 2: leaves none of 2 revolutions"),
         ((*BIFURCATION, "--clearance", "0,1"), "'0,1': must be two positive numbers"),
         ((*BIFURCATION, "--revolutions", 3, "--last", 3), "last = 3: must be at least 1 and below"),
         ((*BIFURCATION, "--impact-rate", "-1"), "impact_rate = -1.0: must be positive"),
-        ((SPEC, "--study", "cases", "-o", "t.txt"), "t.txt: is neither .csv nor .parquet"),
-        ((*CASES_STUDY, "--clearance", "0.5;1"), "must be numbers separated by"),
-        ((*CASES_STUDY, "--law", "hooke"), "'hooke': is neither a law nor a fit result"),
-        ((*CASES_STUDY, "--revolutions", 2, "--first", 2), "leaves none of 2"),
-        ((*CASES_STUDY, "--against", 0), "tolerance = 0.0: must lie in"),
-        ((*CASES_STUDY, "--tolerance", "nan"), "'nan': must be numbers"),
+        (("sweep", SPEC, "-o", "t.txt"), "t.txt: is neither .csv nor .parquet"),
+        ((*SWEEP, "--clearance", "0.5;1"), "must be numbers separated by"),
+        ((*SWEEP, "--law", "hooke"), "'hooke': is neither a law nor a fit result"),
+        ((*SWEEP, "--revolutions", 2, "--first", 2), "leaves none of 2"),
+        ((*SWEEP, "--against", 0), "tolerance = 0.0: must lie in"),
+        ((*SWEEP, "--tolerance", "nan"), "'nan': must be numbers"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_two(run, tmp_path, monkeypatch, arguments, message):
     monkeypatch.chdir(tmp_path)
-    code, out, err = run("simulate", *arguments)
+    code, out, err = run(*arguments)
     assert (code, out) == (2, "")
     assert message in err
     assert err.count("\n") == 1
@@ -312,7 +307,7 @@ def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
         *("--law", "johnson,enhanced", "--clearance", 0.02, "--restitution", 1),
         *("--friction", 0.1, "--revolutions", 1, "--jobs", 1),
     )
-    code, sentence, told = run(*STUDY, "cases", "-o", out, *options)
+    code, sentence, told = run("sweep", SPEC, "-o", out, *options)
     assert code == 1
     assert "2 cases, 1 of them stopped" in sentence
     assert "1 of 2 cases stopped; first: " in told
@@ -320,7 +315,7 @@ def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
     assert told.count("\n") == 1
     assert list(pd.read_csv(out)["status"]) == ["stopped", "complete"]
     assert list(tmp_path.iterdir()) == [out]
-    run(*STUDY, "cases", "-o", parquet, *options)
+    run("sweep", SPEC, "-o", parquet, *options)
     written = pd.read_parquet(parquet).replace({"": np.nan})
     pd.testing.assert_frame_equal(written, pd.read_csv(out), check_dtype=False)
 
@@ -328,7 +323,7 @@ def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
 def test_a_study_takes_what_is_not_given_from_the_spec(run, tmp_path):
     out = tmp_path / "cases.csv"
     options = ("--law", "explicit", "--friction", "0,0.1", "--revolutions", 1, "--jobs", 1)
-    assert run(*STUDY, "cases", "-o", out, *options)[0] == 0
+    assert run("sweep", SPEC, "-o", out, *options)[0] == 0
     joint = slider_crank().clearance.contact
     table = pd.read_csv(out)
     assert list(table["friction"]) == [0.0, 0.1]
@@ -339,7 +334,7 @@ def test_a_study_takes_what_is_not_given_from_the_spec(run, tmp_path):
 def test_a_study_of_tolerances_has_a_row_for_each_and_both_forms(run, tmp_path):
     out = tmp_path / "tolerances.csv"
     options = ("--law", "explicit", "--tolerance", "1e-5,1e-7", "--revolutions", 1, "--jobs", 1)
-    code, printed, _ = run(*STUDY, "tolerances", "-o", out, *options)
+    code, printed, _ = run("tolerances", SPEC, "-o", out, *options)
     table = pd.read_csv(out)
     assert code == 0
     assert list(table["method"]) == [*["minimal"] * 2, *["multiplier"] * 2]

@@ -59,6 +59,12 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
     },
     "Mechanism": {
         mechanism.simulate: "simulate datasets/slider_crank.toml --law explicit --revolutions 3",
+        mechanism.sweep: "sweep datasets/slider_crank.toml --law johnson,explicit --revolutions 3 "
+        "-o build/sweep.csv",
+        mechanism.tolerances: "tolerances datasets/slider_crank.toml --revolutions 3 "
+        "-o build/tolerances.csv",
+        mechanism.bifurcation: "bifurcation datasets/slider_crank.toml --points 4 "
+        "--revolutions 40 --last 8 -o build/bifurcation.csv",
         finite_element.finite_element: "finite-element datasets/finite_element/recommended.toml",
     },
     "Figures": {reporting.figure: "figure fig12 --style single-column --format pdf,svg"},

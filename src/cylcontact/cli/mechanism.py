@@ -1,8 +1,8 @@
-"""The command `simulate`: one run, a film, or a study of many runs."""
+"""The commands `simulate`, and `sweep`, `tolerances` and `bifurcation` of many runs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,7 +11,7 @@ import typer
 
 from cylcontact import choices
 from cylcontact.arrays import require
-from cylcontact.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, STUDIES, listed
+from cylcontact.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, listed
 from cylcontact.cli.options import (
     NUMBER,
     Jobs,
@@ -21,7 +21,6 @@ from cylcontact.cli.options import (
     expand_options,
     integer_from,
     numbers,
-    require_taken,
     resumable,
     split,
 )
@@ -34,229 +33,162 @@ if TYPE_CHECKING:
 
     from cylcontact.mechanism import Case, Mechanism, Settings, Statistics, Trajectory
 
-_PANEL = "For a study"
-# The tolerances of a study of them, if none is given.
+# The tolerances of `tolerances`, if none is given.
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 
 
-def _count(least: int, help: str, panel: str | None = None) -> Any:
-    """Return an option for an integer of at least `least`."""
-    parser = integer_from(least)
-    return typer.Option(parser=parser, metavar="INTEGER", help=help, rich_help_panel=panel)
+def _number(help: str) -> Any:
+    return typer.Option(help=help, **NUMBER)
 
 
-def _list(help: str, panel: str | None = None) -> Any:
-    """Return an option for numbers, of which a study takes several."""
-    return typer.Option(callback=split, metavar="NUMBER[,...]", help=help, rich_help_panel=panel)
+def _count(least: int, help: str) -> Any:
+    return typer.Option(parser=integer_from(least), metavar="N", help=help)
+
+
+def _several(help: str, metavar: str = "FLOAT[,...]") -> Any:
+    return typer.Option(callback=split, metavar=metavar, help=help)
+
+
+Spec = Annotated[
+    Path,
+    typer.Argument(metavar="SPEC", help="A mechanism's spec, e.g. datasets/slider_crank.toml."),
+]
+Table = Annotated[
+    Path, typer.Option("-o", "--out", metavar="FILE", help="The table, .csv or .parquet.")
+]
+Law = Annotated[str | None, typer.Option(metavar="NAME", help="The law, e.g. johnson.")]
+Restitution = Annotated[float | None, _number("Restitution, above 0 up to 1.")]
+Friction = Annotated[float | None, _number("Friction coefficient.")]
+Revolutions = Annotated[int | None, _count(1, "Revolutions in all; the spec's by default.")]
+First = Annotated[int | None, _count(0, "First revolution that counts, from 0.")]
+Method = Annotated[
+    choices.Method | None,
+    typer.Option(
+        parser=str,
+        metavar="METHOD",
+        help=f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
+    ),
+]
+Tolerance = Annotated[
+    float | None, _number("Tolerance of the integrator; the spec's by default.")
+]
+Beyond = Annotated[
+    choices.Beyond,
+    typer.Option(
+        parser=str,
+        metavar="WHAT",
+        help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
+    ),
+]
 
 
 @dataclass(frozen=True)
 class Changes:
-    """Options that replace values of a mechanism's spec, one each or in a study several."""
+    """Options that replace values of a mechanism's spec, each by one or several."""
 
-    law: Annotated[
-        list[str] | None,
-        typer.Option(
-            callback=split, metavar="NAME[,...]", help="The law, e.g. johnson; several in a study."
-        ),
-    ] = None
-    clearance: Annotated[list[str] | None, _list("Radial clearance, mm.")] = None
-    restitution: Annotated[list[str] | None, _list("Restitution, above 0 up to 1.")] = None
-    friction: Annotated[list[str] | None, _list("Friction coefficient.")] = None
-    materials: Materials = None
+    law: Annotated[list[str] | None, _several("Laws, e.g. johnson.", "NAME[,...]")] = None
+    clearance: Annotated[list[str] | None, _several("Radial clearances, mm.")] = None
+    restitution: Annotated[list[str] | None, _several("Restitutions, above 0 up to 1.")] = None
+    friction: Annotated[list[str] | None, _several("Friction coefficients.")] = None
 
-    def several(self) -> dict[str, list[Any]]:
-        """Return the values of each."""
-        return {
+    def combined(self) -> list[Case]:
+        """Return every combination of the changes; the spec's value of what is not given."""
+        from cylcontact.mechanism import cases
+
+        given = {
             name: texts or [] if name == "law" else numbers(f"--{name}", texts)
             for name, texts in asdict(self).items()
-            if name != "materials"
         }
-
-    def single(self, *but: str) -> dict[str, Any]:
-        """Return one value or None of each except `but`; refuse several."""
-        return {
-            name: _one(name, values) for name, values in self.several().items() if name not in but
-        }
+        return cases(*(values or [None] for values in given.values()))
 
 
-@dataclass(frozen=True)
-class Options:
-    """Options that only some ways to simulate take; None or False if not given."""
-
-    first: Annotated[int | None, _count(0, "First revolution that counts or is shown, from 0.")] = (
-        None
-    )
-    method: Annotated[
-        choices.Method | None,
-        typer.Option(
-            parser=str,
-            metavar="METHOD",
-            help=f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
-        ),
-    ] = None
-    tolerance: Annotated[
-        list[str] | None, _list("Tolerance of the integrator; the spec's by default.")
-    ] = None
-    beyond: Annotated[
-        choices.Beyond | None,
-        typer.Option(
-            parser=str,
-            metavar="WHAT",
-            help=f"Where the contact law ends: {listed(BEYOND)} (go on along it); stop by default.",
-        ),
-    ] = None
-    allowed_penetration: Annotated[
-        float | None,
-        typer.Option(help="The paper's step control: how deep contact may begin, µm.", **NUMBER),
-    ] = None
-    table: Annotated[
-        Path | None, typer.Option(help="Write the numbers by revolution to this .csv or .parquet.")
-    ] = None
-    resume: Resume = False
-    against: Annotated[
-        float | None,
-        typer.Option(
-            help="Cases: run at this tolerance too; count only revolutions after the two separate.",
-            **NUMBER,
-            rich_help_panel=_PANEL,
-        ),
-    ] = None
-    points: Annotated[
-        int | None, _count(1, "Bifurcation: how many clearances; 40 by default.", _PANEL)
-    ] = None
-    last: Annotated[
-        int | None, _count(1, "Bifurcation: revolutions recorded of each; 50 by default.", _PANEL)
-    ] = None
-    impact_rate: Annotated[
-        list[str] | None,
-        _list(
-            "Bifurcation: impact rate δ̇⁽⁻⁾ of the damping, m/s; 0, the default: that at onset.",
-            _PANEL,
-        ),
-    ] = None
-    jobs: Jobs = None
-    scheduler: Scheduler = None
-
-    def integration(self) -> dict[str, Any]:
-        """Return the options of one integration."""
-        tolerance = _one("tolerance", numbers("--tolerance", self.tolerance))
-        return {"method": self.method, "tolerance": tolerance, "beyond": self.beyond or "stop"}
-
-
-def _one(name: str, values: list[Any]) -> Any:
-    """Return the value of an option, None if it is not given; refuse several."""
-    if len(values) > 1:
-        text = ",".join(str(value) for value in values)
-        remedy = "give one, or vary it with --study cases"
-        raise InputError("simulate", f"--{name}", text, "must be one value", remedy)
-    return values[0] if values else None
-
-
-@expand_options
 def simulate(
-    spec: Annotated[
-        Path, typer.Argument(help="A mechanism's spec, e.g. datasets/slider_crank.toml.")
-    ],
+    spec: Spec,
     *,
     out: Annotated[
         Path | None,
         typer.Option(
             "-o",
             "--out",
-            help="The trajectory (.parquet), the film (.gif, .mp4), or the table of a study.",
+            metavar="FILE",
+            help="The trajectory, .parquet, or a film of its last revolutions, .gif or .mp4.",
         ),
     ] = None,
-    study: Annotated[
-        str | None,
+    table: Annotated[
+        Path | None,
         typer.Option(
-            metavar="STUDY",
-            help=f"{listed(STUDIES)}, over values separated by commas, into one table.",
-            rich_help_panel=_PANEL,
+            metavar="FILE", help="Write the numbers by revolution to this .csv or .parquet."
         ),
     ] = None,
-    changes: Changes,
+    law: Law = None,
+    clearance: Annotated[float | None, _number("Radial clearance, mm.")] = None,
+    restitution: Restitution = None,
+    friction: Friction = None,
+    materials: Materials = None,
     revolutions: Annotated[
-        int | None,
-        _count(
-            1,
-            "Revolutions in all; by default the spec's, one shown of a film, 200 for bifurcation.",
-        ),
+        int | None, _count(1, "Revolutions in all; the spec's by default, of a film three.")
     ] = None,
-    options: Options,
+    first: Annotated[
+        int | None, _count(0, "First revolution that counts, or that a film shows, from 0.")
+    ] = None,
+    method: Method = None,
+    tolerance: Tolerance = None,
+    beyond: Beyond = "stop",
+    allowed_penetration: Annotated[
+        float | None, _number("The paper's step control: how deep contact may begin, µm.")
+    ] = None,
+    resume: Resume = False,
 ) -> None:
-    """Simulate a mechanism with a clearance joint: its statistics, a film, or a study."""
-    if study is None:
-        way = "a film" if out is not None and out.suffix in FILM_SUFFIXES else "one run"
-    else:
-        if study not in STUDIES:
-            remedy = f"choose {listed(STUDIES)}"
-            raise InputError("simulate", "--study", study, "is unknown", remedy)
-        if out is None:
-            rule, remedy = "is missing for a study", "name the table, e.g. -o cases.csv"
-            raise InputError("simulate", "--out", None, rule, remedy)
-        require_suffix(out, *OUTPUT_SUFFIXES)
-        require_writable(out)
-        way = f"--study {study}"
-    run, takes = _WAYS[way][0], {name: names for name, (_, names) in _WAYS.items()}
-    require_taken("simulate", way, takes, asdict(options))
-    run(spec, changes, revolutions, options, out)
+    """Simulate a mechanism with a clearance joint: its statistics, or a film.
 
-
-def _one_run(
-    spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path | None
-) -> None:
-    """Simulate once and print the statistics.
-
-    Without an output the steps are not kept, and memory does not grow with the revolutions.
+    For many runs at once see the commands sweep, tolerances and bifurcation.
     """
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism.run import settings_for
     from cylcontact.mechanism.study import agreement, first_of
 
-    mechanism = read_mechanism(spec, changes.materials, **changes.single())
-    table = options.table
+    filmed = out is not None and out.suffix in FILM_SUFFIXES
     if out is not None:
         require_suffix(out, ".parquet", *FILM_SUFFIXES)
     if table is not None:
         require_suffix(table, *OUTPUT_SUFFIXES)
-    depth = options.allowed_penetration
-    allowed = None if depth is None else depth * 1e-6
-    settings = settings_for(mechanism, **options.integration(), allowed_penetration=allowed)
-    total = revolutions or mechanism.integration.revolutions
-    first = first_of(total) if options.first is None else options.first
-    _require_left(first, total)
+    require(
+        not resume or (out is not None and not filmed), "simulate", "--resume", None,
+        "needs a trajectory to go on from", "name it: -o run.parquet",
+    )  # fmt: skip
+    mechanism = read_mechanism(
+        spec, materials, law=law, clearance=clearance, restitution=restitution, friction=friction
+    )
+    depth = None if allowed_penetration is None else allowed_penetration * 1e-6
+    settings = settings_for(mechanism, method, tolerance, beyond, allowed_penetration=depth)
+    if filmed:
+        first = 2 if first is None else first
+        total = revolutions or first + 1
+    else:
+        total = revolutions or mechanism.integration.revolutions
+        first = first_of(total) if first is None else first
+    require(
+        first < total, "simulate", "--first", first, f"leaves none of {total} revolutions",
+        "start earlier, or simulate more",
+    )  # fmt: skip
     require_writable(*filter(None, (out, table)))
     if out is None:
-        require(
-            not options.resume, "simulate", "--resume", None, "needs a file to go on from",
-            "name it: -o",
-        )  # fmt: skip
         statistics = _statistics(mechanism, settings, total, first)
+    elif filmed:
+        statistics = _film(mechanism, settings, total, first, out)
     else:
-        run = _run(mechanism, settings, total, out, options.resume)
+        run = _run(mechanism, settings, total, out, resume)
         run.save(out)
         statistics = run.statistics(first)
     if table is not None:
         write_table(statistics.by_revolution.reset_index(), table)
     say(statistics.to_text())
-    for path in (out, table):
-        if path is not None:
-            typer.echo()
-            say(f"written to {path}")
+    for path in filter(None, (out, table)):
+        say(f"\nwritten to {path}")
     if mechanism.clearances:
-        typer.echo()
-        say(agreement(mechanism, settings, total))
+        say(f"\n{agreement(mechanism, settings, total)}")
     for warning in (*mechanism.warnings, *statistics.warnings):
         say(f"warning: {warning}", err=True)
-
-
-def _require_left(first: int, total: int) -> None:
-    """Refuse a first revolution beyond the last."""
-    require(
-        first < total, "simulate", "--first", first, f"leaves none of {total} revolutions",
-        "start earlier, or simulate more",
-    )  # fmt: skip
 
 
 def _statistics(
@@ -281,92 +213,96 @@ def _statistics(
         ) from None
 
 
-def _earlier(mechanism: Mechanism, settings: Settings, out: Path) -> Trajectory | None:
-    """Return the run to resume, if any; refuse one of another mechanism or other options."""
-    from cylcontact.mechanism import Trajectory
+def _film(
+    mechanism: Mechanism, settings: Settings, revolutions: int, first: int, out: Path
+) -> Statistics:
+    """Film a mechanism, the journal magnified beside it."""
+    from cylcontact.mechanism import simulate as run
+    from cylcontact.mechanism.drawing import film, require_film
 
-    if not out.exists():
-        return None
-    earlier = Trajectory.load(out)
-    if (earlier.mechanism.data, earlier.settings) != (mechanism.data, settings):
-        raise InputError(
-            str(out), "", None, "is of another mechanism or other options",
-            "restore them, or run without --resume to start anew",
+    require_film(out)
+    with progress_bars() as progress:
+        trajectory = run(
+            mechanism, settings.method, revolutions, settings.tolerance, settings.beyond,
+            progress, None, settings.allowed_penetration,
         )  # fmt: skip
-    return earlier
+        film(trajectory, out, first, progress)
+    return trajectory.statistics(first)
 
 
 def _run(
     mechanism: Mechanism, settings: Settings, revolutions: int, out: Path, resume: bool
 ) -> Trajectory:
     """Simulate; save the complete revolutions of a run that is interrupted, or cannot go on."""
-    from cylcontact.mechanism import Interrupted, RunError
+    from cylcontact.mechanism import Interrupted, RunError, Trajectory
     from cylcontact.mechanism import simulate as run
 
-    earlier = _earlier(mechanism, settings, out) if resume else None
-    anew = resume and earlier is None
-    note = f"there is no {out} yet; the run starts anew" if anew else ""
+    earlier, note = None, ""
+    if resume and out.exists():
+        earlier = Trajectory.load(out)
+        same = (earlier.mechanism.data, earlier.settings) == (mechanism.data, settings)
+        remedy = "restore them, or run without --resume to start anew"
+        rule = "is of another mechanism or other options"
+        require(same, str(out), "", None, rule, remedy)
+    elif resume:
+        note = f"there is no {out} yet; the run starts anew"
     try:
         with progress_bars() as bars:
             return run(
                 mechanism, settings.method, revolutions, settings.tolerance, settings.beyond,
                 noting(bars, "revolutions", note), earlier, settings.allowed_penetration,
             )  # fmt: skip
-    except Interrupted as interruption:
-        if interruption.trajectory is None:
+    except (Interrupted, RunError) as error:
+        complete = error.trajectory
+        if complete is not None:
+            complete.save(out)
+            kept = f"complete revolutions kept in {out}: {complete.revolutions}"
+        if isinstance(error, RunError):
+            remedy = error.remedy if complete is None else f"{error.remedy}; {kept}"
+            raise InputError(
+                error.source, error.key, error.value, error.rule, remedy
+            ) from error
+        if complete is None:
             raise KeyboardInterrupt from None
-        interruption.trajectory.save(out)
-        count = interruption.trajectory.revolutions
         raise KeyboardInterrupt(
-            f"interrupted; complete revolutions kept in {out}: {count}; "
-            "the same command with --resume goes on from there"
+            f"interrupted; {kept}; the same command with --resume goes on from there"
         ) from None
-    except RunError as error:
-        if error.trajectory is None:
-            raise
-        error.trajectory.save(out)
-        kept = f"; complete revolutions kept in {out}: {error.trajectory.revolutions}"
-        raise InputError(
-            error.source, error.key, error.value, error.rule, error.remedy + kept
-        ) from error
 
 
-def _film(
-    spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path
+@expand_options
+def sweep(
+    spec: Spec,
+    *,
+    out: Table,
+    changes: Changes,
+    materials: Materials = None,
+    revolutions: Revolutions = None,
+    first: First = None,
+    method: Method = None,
+    tolerance: Tolerance = None,
+    beyond: Beyond = "stop",
+    against: Annotated[
+        float | None,
+        _number("Run at this tolerance too; count only revolutions after the two separate."),
+    ] = None,
+    resume: Resume = False,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
 ) -> None:
-    """Film a mechanism, the journal magnified beside it; by default its third revolution."""
-    from cylcontact.mechanism import read_mechanism
-    from cylcontact.mechanism import simulate as run
-    from cylcontact.mechanism.drawing import film, require_film
-
-    first = 2 if options.first is None else options.first
-    total = revolutions or first + 1
-    _require_left(first, total)
-    require_film(out)
-    require_writable(out)
-    mechanism = read_mechanism(spec, changes.materials, **changes.single())
-    with progress_bars() as progress:
-        trajectory = run(mechanism, revolutions=total, progress=progress, **options.integration())
-        frames = film(trajectory, out, first, progress)
-    say(f"{frames} frames in {out}; assumed: {'; '.join(trajectory.assumptions)}")
-
-
-def _cases(
-    spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path
-) -> None:
-    """Simulate every combination of the changes into one table."""
-    from cylcontact.mechanism import Plan, read_mechanism, sweep
+    """Simulate every combination of laws, clearances, restitutions and frictions into one table."""
+    from cylcontact.mechanism import Plan, read_mechanism
+    from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.study import first_of
 
-    mechanism = read_mechanism(spec, changes.materials)
+    _require_table(out)
+    mechanism = read_mechanism(spec, materials)
     total = revolutions or mechanism.integration.revolutions
-    first = first_of(total) if options.first is None else options.first
-    plan = Plan(total, first, **options.integration(), against=options.against)
-    where = workers(options.jobs, options.scheduler)
+    first = first_of(total) if first is None else first
+    plan = Plan(total, first, method, tolerance, beyond, against)
+    where = workers(jobs, scheduler)
     with resumable(out, "case") as journal:
         with progress_bars() as progress:
-            wanted = _combinations(changes)
-            table = sweep(mechanism, wanted, plan, where, progress, journal, options.resume)
+            table = run(mechanism, changes.combined(), plan, where, progress, journal, resume)
         write_table(table, out)
     stopped = table[table["status"] != "complete"]
     say(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
@@ -376,94 +312,111 @@ def _cases(
         raise typer.Exit(1)
 
 
-def _combinations(changes: Changes) -> list[Case]:
-    """Return every combination of the changes; the spec's value of what is not given."""
-    from cylcontact.mechanism import cases
-
-    return cases(*(values or [None] for values in changes.several().values()))
-
-
-def _tolerances(
-    spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path
+@expand_options
+def tolerances(
+    spec: Spec,
+    *,
+    out: Table,
+    changes: Changes,
+    materials: Materials = None,
+    revolutions: Revolutions = None,
+    tolerance: Annotated[
+        list[str] | None, _several("Tolerances of the integrator; 1e-5 to 1e-11 by default.")
+    ] = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
 ) -> None:
-    """Tabulate energy balance and drift by tolerance over the cases, in both forms."""
+    """Tabulate what a tolerance of the integrator gives: energy balance and drift over cases."""
     from cylcontact.mechanism import Plan, read_mechanism
     from cylcontact.mechanism import tolerances as tabulate
 
-    mechanism = read_mechanism(spec, changes.materials)
+    _require_table(out)
+    mechanism = read_mechanism(spec, materials)
     total = revolutions or mechanism.integration.revolutions
-    wanted, where = _combinations(changes), workers(options.jobs, options.scheduler)
+    wanted, where = changes.combined(), workers(jobs, scheduler)
     methods = METHODS if mechanism.slider_crank is not None else METHODS[1:]
     plans = [
         Plan(total, method=method, tolerance=value, beyond="tangent")
         for method in methods
-        for value in numbers("--tolerance", options.tolerance) or TOLERANCES
+        for value in numbers("--tolerance", tolerance) or TOLERANCES
     ]
     with progress_bars() as progress:
         table = tabulate(mechanism, wanted, plans, where, progress)
     write_table(table, out)
     say(table.to_string(float_format="{:.3g}".format, na_rep="-", index=False))
-    missing = len(wanted) * len(table) - int(table["cases"].sum())
+    runs = len(wanted) * len(table)
+    missing = runs - int(table["cases"].sum())
     if missing:
-        total = len(wanted) * len(table)
-        say(f"cylcontact: {missing} of {total} cases stopped, and do not count", err=True)
+        say(f"cylcontact: {missing} of {runs} cases stopped, and do not count", err=True)
         raise typer.Exit(1)
 
 
-def _bifurcation(
-    spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path
+def bifurcation(
+    spec: Spec,
+    *,
+    out: Table,
+    clearance: Annotated[
+        list[str] | None,
+        _several("The smallest and the largest, mm; 0.01,0.5 by default.", "LOW,HIGH"),
+    ] = None,
+    points: Annotated[int, _count(1, "How many clearances.")] = 40,
+    law: Law = None,
+    restitution: Restitution = None,
+    friction: Friction = None,
+    materials: Materials = None,
+    revolutions: Annotated[int, _count(1, "Revolutions in all.")] = 200,
+    last: Annotated[int, _count(1, "Revolutions recorded of each.")] = 50,
+    impact_rate: Annotated[
+        list[str] | None,
+        _several("Impact rate δ̇⁽⁻⁾ of the damping, m/s; 0, the default: that at onset."),
+    ] = None,
+    beyond: Beyond = "stop",
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
 ) -> None:
     """Tabulate the Poincaré sections over the clearance: periodic or not."""
     import numpy as np
     import pandas as pd
 
-    from cylcontact.mechanism import bifurcation, read_mechanism
+    from cylcontact.mechanism import bifurcation as tabulate
+    from cylcontact.mechanism import read_mechanism
 
-    mechanism = read_mechanism(spec, changes.materials, **changes.single("clearance"))
-    ends = numbers("--clearance", changes.clearance) or [0.01, 0.5]
+    _require_table(out)
+    mechanism = read_mechanism(
+        spec, materials, law=law, restitution=restitution, friction=friction
+    )
+    ends = numbers("--clearance", clearance) or [0.01, 0.5]
     require(
-        len(ends) == 2 and min(ends) > 0, "--clearance", "", ",".join(changes.clearance or ()),
+        len(ends) == 2 and min(ends) > 0, "--clearance", "", ",".join(clearance or ()),
         "must be two positive numbers, the smallest and the largest", "e.g. 0.01,0.5",
     )  # fmt: skip
-    spaced = np.geomspace(ends[0], ends[1], options.points or 40)
-    values = [float(f"{value:.4g}") for value in spaced]
-    where = workers(options.jobs, options.scheduler)
-    last, beyond = options.last or 50, options.beyond or "stop"
+    values = [float(f"{value:.4g}") for value in np.geomspace(*ends, points)]
+    where, rates = workers(jobs, scheduler), numbers("--impact-rate", impact_rate) or [0.0]
     with progress_bars() as progress:
         tables = [
-            bifurcation(
-                mechanism, values, revolutions or 200, last, rate or None, beyond, where, progress
+            tabulate(
+                mechanism, values, revolutions, last, rate or None, beyond, where, progress
             )
-            for rate in numbers("--impact-rate", options.impact_rate) or [0.0]
+            for rate in rates
         ]
     table = pd.concat(tables, ignore_index=True)
     write_table(table, out)
-    say(f"{out}: {_periods(table)}")
-
-
-def _periods(table: pd.DataFrame) -> str:
-    """Return in words how many runs have which period."""
     periods = table.drop_duplicates(["clearance_mm", "held_m_per_s"])["period"]
-    counts = {
-        f"of period {period:g}" if period else "of no period up to 8": int(
-            (periods == period).sum()
-        )
-        for period in sorted(periods.dropna().unique())
-    }
-    counts["too short to tell"] = int(periods.isna().sum())
-    texts = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
-    return f"{len(periods)} runs, {texts}"
+    say(f"{out}: {len(periods)} runs, {', '.join(_counted(periods))}")
 
 
-# Each way to simulate: what does it, and what it takes of `Options`.
-_INTEGRATION = ("first", "method", "tolerance", "beyond")
-_WAYS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
-    "one run": (_one_run, (*_INTEGRATION, "allowed_penetration", "table", "resume")),
-    "a film": (_film, _INTEGRATION),
-    "--study cases": (_cases, (*_INTEGRATION, "against", "resume", "jobs", "scheduler")),
-    "--study tolerances": (_tolerances, ("tolerance", "jobs", "scheduler")),
-    "--study bifurcation": (
-        _bifurcation,
-        ("beyond", "points", "last", "impact_rate", "jobs", "scheduler"),
-    ),
-}
+def _counted(periods: pd.Series) -> Sequence[str]:
+    """Return in words how many runs have which period."""
+    counts = periods.value_counts().sort_index()
+    texts = [
+        f"{count} of period {period:g}" if period else f"{count} of no period up to 8"
+        for period, count in counts.items()
+    ]
+    short = int(periods.isna().sum())
+    return [*texts, f"{short} too short to tell"] if short else texts
+
+
+def _require_table(out: Path) -> None:
+    """Refuse a table that cannot be written, before anything is computed."""
+    require_suffix(out, *OUTPUT_SUFFIXES)
+    require_writable(out)
