@@ -91,7 +91,7 @@ readings: $(VENV)/.editable ## Redo datasets/readings.csv, the searches under ot
 optimizers: $(COMPARISONS) ## Compare the optimisers on both main campaigns, into fitting/results
 
 $(COMPARISONS): fitting/results/optimizers-%.csv: fitting/%.toml FORCE | $(VENV)/.extras
-	$(CYLCONTACT) fit $< --optimizer all -o $@
+	$(CYLCONTACT) optimizers $< -o $@
 
 figures: build/.figures ## Draw the figures from this machine's fits, in build
 

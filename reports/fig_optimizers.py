@@ -59,9 +59,9 @@ def draw(bench: Bench) -> Drawing:
 
 
 def optimizer_runs(bench: Bench, campaign: str) -> pd.DataFrame:
-    """Read the runs that `cylcontact fit --optimizer all` wrote, without the timings."""
+    """Read the runs that `cylcontact optimizers` wrote, without the timings."""
     path = bench.result_file(f"optimizers-{campaign}.csv")
-    remedy = f"make it with: cylcontact fit fitting/{campaign}.toml --optimizer all -o {path}"
+    remedy = f"make it with: cylcontact optimizers fitting/{campaign}.toml -o {path}"
     _require(path.is_file(), path, "this comparison does not exist", remedy)
     try:
         runs = pd.read_csv(path)

@@ -5,6 +5,7 @@ import pytest
 from cylcontact.cli import options
 from cylcontact.fitting.measured import LOSSES
 from cylcontact.fitting.noise import NOISES
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.plots import style
 from cylcontact.reports import tables
 
@@ -14,6 +15,7 @@ from cylcontact.reports import tables
     [
         (options.LOSSES, LOSSES),
         (options.NOISES, NOISES),
+        (options.OPTIMIZERS, OPTIMIZERS),
         (options.STYLES, style.STYLES),
         (options.TABLES, tables.KINDS),
     ],

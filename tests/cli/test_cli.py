@@ -229,7 +229,7 @@ BAD_INPUT = [
     # the command line itself
     ((), "Missing command; see cylcontact --help"),
     (("frobnicate",), "No such command 'frobnicate'; see cylcontact --help"),
-    (("fit",), "Missing argument 'CAMPAIGN|TABLE|RESULT'; see cylcontact fit --help"),
+    (("fit",), "Missing argument 'CAMPAIGN|TABLE'; see cylcontact fit --help"),
     (SAMPLE, "Missing option '-o' / '--out'; see cylcontact sample --help"),
     ((*FIT, "--xyzzy"), "No such option: --xyzzy; see cylcontact fit --help"),
     *(
@@ -276,7 +276,7 @@ BAD_INPUT = [
         ("simulate", "fitting/small.toml"),
         "fitting/small.toml: is a campaign, not a mechanism; name",
     ),
-    (("fit", "good.json", "--runs", "2"), "good.json: --runs: is for a calibration or a compari"),
+    (("fit", "good.json", "--runs", "2"), "good.json: is a fit result; study its uncertainty with"),
     (("verify", "table.csv"), "table.csv: is a table, not a fit result; name a fit result"),
     # folders of results
     (("claims", "--results", "no"), "--results: 'no': is not a folder; name one that holds fit"),

@@ -117,9 +117,7 @@ COMMANDS = {
         ("finite-element", "elements.toml", "-o", "elements.csv", "--jobs", "1"),
         "elements.csv",
     ),
-    "optimizers": Command(
-        ("fit", "{out}/fitting/small.toml", "--optimizer", "all", "-o", "{out}/optimizers.csv")
-    ),
+    "optimizers": Command(("optimizers", "{out}/fitting/small.toml", "-o", "{out}/optimizers.csv")),
     "figure": Command(("figure", "-o", "{out}/figures")),
 }
 RESUMABLE = [name for name, command in COMMANDS.items() if command.short]

@@ -55,8 +55,9 @@ def test_laws_advises_on_a_pin_and_a_hole_of_different_materials(run):
     ("options", "message"),
     [
         (("--pin", "ceramics"), "laws: --hole: is missing beside --pin; name the hole's material"),
-        (("--hole-E", "2e5", "--hole-nu", ".3"), "laws: --pin: is missing beside --hole-E; name"),
-        (("--pin", "PTFE", "--hole-E", "2e5"), "laws: --hole-nu: is missing beside --hole-E; add"),
+        (("--hole", "2e5, .3"), "laws: --pin: is missing beside --hole; name the pin's material"),
+        (("--pin", "PTFE", "--hole", "2e5,"), "laws: --hole = '2e5,': is no material; write its"),
+        (("--pin", "PTFE", "--hole", "210,.3"), "--hole = '210': a bare number is in MPa; did you"),
         (
             ("--pin", "ceramics", "--hole", "soap"),
             "laws: --hole = 'soap': is not in the tables of materials; choose ceramics, "
@@ -64,8 +65,8 @@ def test_laws_advises_on_a_pin_and_a_hole_of_different_materials(run):
             "PTFE, or name a table of your own with --materials",
         ),
         (
-            ("--pin", "PTFE", "--hole", "PTFE", "--pin-nu", ".3"),
-            "--pin-nu = 0.3: is given by --pin",
+            ("--material", "110 GPa, .34", "--nu", ".3"),
+            "laws: --nu = 0.3: is given by --material already; leave it out",
         ),
         (
             ("--contact", "external", "--material-i", "PTFE"),
@@ -175,8 +176,7 @@ def test_a_pair_may_be_given_in_several_ways(run, tmp_path, monkeypatch):
     (tmp_path / "datasets").mkdir()
     own.rename(tmp_path / "datasets/materials.csv")
     assert shown(run, "--material", "brass") == by_name
-    steel = ("--pin-E", "207 GPa", "--pin-nu", "0.3")
-    apart = shown(run, *steel, "--hole-E", "110e3", "--hole-nu", "0.34", "--load", "50")
+    apart = shown(run, "--pin", "207 GPa, 0.3", "--hole", "110e3,0.34", "--load", "50")
     bronze = cc.Material("bronze", 110e3, 0.34)
     pair = cc.CylinderPair.internal(
         10.0, 9.95, pin=cc.Material("steel", "207 GPa", 0.3), hole=bronze

@@ -78,7 +78,7 @@ def test_a_thin_eye_ends_where_the_pin_leaves_it():
     assert 0.7 * end < float(stated.max_penetration(pair)) <= end
 
 
-JOINT = ("--pin-E", "207 GPa", "--pin-nu", 0.3, "--hole-E", "110 GPa", "--hole-nu", 0.34,
+JOINT = ("--pin", "207 GPa, 0.3", "--hole", "110 GPa, 0.34",
          "--Ri", 10, "--Rj", 9.95)  # fmt: skip
 
 

@@ -78,7 +78,7 @@ def test_what_cannot_be_left_out_is_refused(small_result, axis, rule):
 
 def test_a_law_carries_no_noise_to_resample(tmp_path, small_result, run):
     small_result.save(tmp_path / "r.json")
-    errors = run("fit", tmp_path / "r.json", "--bootstrap", 9)[2]
+    errors = run("uncertainty", tmp_path / "r.json", "--bootstrap", 9)[2]
     assert "carry no noise to resample" in errors
 
 
@@ -95,7 +95,7 @@ def test_coefficients_that_define_no_law_are_refused(tmp_path, small_result):
 def test_the_command_reports_discrepancy(tmp_path, small_result, run):
     small_result.save(tmp_path / "r.json")
     arguments = ("--leave-out", "nu", "-j", 1, "--pairs", "-o", tmp_path / "study.json")
-    code, said, errors = run("fit", tmp_path / "r.json", *arguments)
+    code, said, errors = run("uncertainty", tmp_path / "r.json", *arguments)
     assert (code, errors) == (0, "")
     assert "nu = 0.25" in said
     study = json.loads((tmp_path / "study.json").read_text("utf-8"))

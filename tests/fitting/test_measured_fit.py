@@ -590,7 +590,7 @@ def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
         ),
         (
             (*JOHNSON, "--pin", "PEEK"),
-            "material of the hole: is not given; give --hole or --hole-E and --hole-nu",
+            "material of the hole: is not given; give --hole, or columns material_i",
         ),
         (
             (*JOHNSON, "--pin", "PEEK", "--hole", "soap"),

@@ -169,8 +169,8 @@ def test_the_table_counts_runs_in_the_best_basin(compared):
 def test_the_command_writes_the_file_and_shows_the_table(tmp_path, monkeypatch, run):
     write_bench(tmp_path)
     monkeypatch.chdir(tmp_path)
-    arguments = ("--optimizer", "genetic,least-squares", "-o", "o.csv", "-j", 1)
-    code, said, _ = run("fit", "fitting/small.toml", *arguments)
+    arguments = ("genetic", "least-squares", "-o", "o.csv", "-j", 1)
+    code, said, _ = run("optimizers", "fitting/small.toml", *arguments)
     assert code == 0
     lines = said.splitlines()
     assert [line.split()[0] for line in lines] == ["optimizer", "genetic", "least-squares"]
@@ -200,7 +200,7 @@ def test_a_comparison_that_is_not_there_is_asked_for(tmp_path, contents):
     with pytest.raises(InputError) as caught:
         optimizer_runs(Bench(ROOT, tmp_path), "internal")
     rule = "does not exist" if contents is None else "is not a comparison"
-    assert_told(caught, path, "", None, rule, "make it with: cylcontact fit")
+    assert_told(caught, path, "", None, rule, "make it with: cylcontact optimizers")
 
 
 @pytest.mark.long

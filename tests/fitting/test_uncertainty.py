@@ -608,7 +608,7 @@ def saved(tmp_path):
 def test_the_command_reports_noise(saved, tmp_path, run):
     out = tmp_path / "study.json"
     code, said, errors = run(
-        *("fit", saved, "--bootstrap", 30, "--over", "dR", "--leave-out", "dR"),
+        *("uncertainty", saved, "--bootstrap", 30, "--over", "dR", "--leave-out", "dR"),
         *("--pairs", "--level", 0.9, "--seed", 3, "-j", 1, "-o", out),
     )
     assert (code, errors) == (0, "")
@@ -620,7 +620,7 @@ def test_the_command_reports_noise(saved, tmp_path, run):
     assert study["bootstrap"]["seed"] == 3
     assert study["uncertainty"]["level"] == 0.9
     assert len(study["bands"]) == 6
-    said = run("fit", saved, "--bootstrap", 40, "-j", 1)[1]
+    said = run("uncertainty", saved, "--bootstrap", 40, "-j", 1)[1]
     assert "40 refits are few for 95 % intervals, take 1000 or more" in " ".join(said.split())
 
 
@@ -628,9 +628,9 @@ def test_the_command_reports_noise(saved, tmp_path, run):
 def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatch, run):
     fit_table(user_campaign(tmp_path)).save(tmp_path / "r.json")
     monkeypatch.chdir(tmp_path)
-    assert "not run because a result names it" in run("fit", "r.json")[2]
-    assert run("fit", "r.json", "--law", "mine:load")[0] == 0
-    assert "is not its law, mine:load" in run("fit", "r.json", "--law", "mine:flat")[2]
+    assert "not run because a result names it" in run("uncertainty", "r.json")[2]
+    assert run("uncertainty", "r.json", "--law", "mine:load")[0] == 0
+    assert "is not its law, mine:load" in run("uncertainty", "r.json", "--law", "mine:flat")[2]
 
 
 @pytest.mark.slow
@@ -643,6 +643,6 @@ def test_what_cannot_be_asked_is_refused(saved, run):
         (("--leave-out", "moon"), "is unknown"),
         (("--bootstrap", 5, "--over", "group"), "is not a column of the table"),
     ):
-        code, said, errors = run("fit", saved, *arguments)
+        code, said, errors = run("uncertainty", saved, *arguments)
         assert (code, said, len(errors.splitlines())) == (2, "", 1)
         assert rule in errors

@@ -114,7 +114,7 @@ def test_what_does_not_go_together_is_refused(ask, words):
 
 # --- the places that take one -------------------------------------------------------------------
 
-OPTIONS = "--pin-E 207GPa --pin-nu 0.3 --hole-E 110GPa --hole-nu 0.34 --Ri 10 --Rj 9.95"
+OPTIONS = "--pin 207GPa,0.3 --hole 110GPa,0.34 --Ri 10 --Rj 9.95"
 
 
 def test_the_table_of_laws_takes_a_housing(run):

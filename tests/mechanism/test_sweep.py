@@ -236,9 +236,7 @@ def test_bifurcation_tabulates_sections(run, tmp_path):
     held = table[table["held_m_per_s"] == 0.05]
     assert (held["impact_rate_m_per_s"] == 0.05).any()
     short = ("--points", 1, "--revolutions", 4, "--last", 2, "--jobs", 1)
-    assert run("bifurcation", SPEC, "-o", out, *short)[1].endswith(
-        "1 runs, 1 too short to tell\n"
-    )
+    assert run("bifurcation", SPEC, "-o", out, *short)[1].endswith("1 runs, 1 too short to tell\n")
 
 
 def test_simulate_writes_what_a_later_one_goes_on_from(run, tmp_path):
@@ -272,15 +270,27 @@ def test_a_run_that_cannot_go_on_keeps_its_revolutions(run, tmp_path):
     ("arguments", "message"),
     [
         (("simulate", "none.toml"), "none.toml: cannot be read"),
-        (("simulate", SPEC, "--clearance", "-1"), "joint.wrist-pin.clearance = -1.0: must be greater than 0"),
-        (("simulate", SPEC, "--method", "newton"), "method = 'newton': is not known; choose minimal, multip"),
-        (("simulate", SPEC, "--beyond", "hope"), "beyond = 'hope': is not known; choose stop, tangent"),
+        (
+            ("simulate", SPEC, "--clearance", "-1"),
+            "joint.wrist-pin.clearance = -1.0: must be greater than 0",
+        ),
+        (
+            ("simulate", SPEC, "--method", "newton"),
+            "method = 'newton': is not known; choose minimal, multip",
+        ),
+        (
+            ("simulate", SPEC, "--beyond", "hope"),
+            "beyond = 'hope': is not known; choose stop, tangent",
+        ),
         (("simulate", SPEC, "--revolutions", "0"), "must be an integer of at least 1"),
         (("simulate", SPEC, "--tolerance", "2"), "tolerance = 2.0: must lie in [1e-14, 1e-3]"),
         (("simulate", SPEC, "--resume"), "--resume: needs a file to go on from"),
         (("simulate", SPEC, "-o", "run.csv"), "run.csv: is neither .parquet nor .gif nor .mp4"),
         (("simulate", SPEC, "--table", "t.txt"), "t.txt: is neither .csv nor .parquet"),
-        (("simulate", SPEC, "--revolutions", 2, "--first", 2), "--first = 2: leaves none of 2 revolutions"),
+        (
+            ("simulate", SPEC, "--revolutions", 2, "--first", 2),
+            "--first = 2: leaves none of 2 revolutions",
+        ),
         ((*BIFURCATION, "--clearance", "0,1"), "'0,1': must be two positive numbers"),
         ((*BIFURCATION, "--revolutions", 3, "--last", 3), "last = 3: must be at least 1 and below"),
         ((*BIFURCATION, "--impact-rate", "-1"), "impact_rate = -1.0: must be positive"),
@@ -289,7 +299,7 @@ def test_a_run_that_cannot_go_on_keeps_its_revolutions(run, tmp_path):
         ((*SWEEP, "--law", "hooke"), "'hooke': is neither a law nor a fit result"),
         ((*SWEEP, "--revolutions", 2, "--first", 2), "leaves none of 2"),
         ((*SWEEP, "--against", 0), "tolerance = 0.0: must lie in"),
-        ((*SWEEP, "--tolerance", "nan"), "'nan': must be numbers"),
+        ((*SWEEP, "--tolerance", "nan"), "'nan' is not a number"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_two(run, tmp_path, monkeypatch, arguments, message):

@@ -7,10 +7,9 @@ import typer
 
 import cylcontact
 from cylcontact.cli import (
-    calibration,
     finite_element,
+    fit,
     init,
-    measured,
     mechanism,
     reporting,
 )
@@ -45,13 +44,14 @@ def _common(
 # The groups of `cylcontact --help`: each command with an example, which its own help ends with.
 _GROUPS: dict[str, dict[Callable[..., None], str]] = {
     "Data and fits": {
-        calibration.sample: "sample datasets/internal.toml -o build/internal.parquet",
-        calibration.fit: "fit fitting/external-E1000.toml",
-        measured.choose: "choose datasets/examples/pin-in-hole.csv --contact internal",
-        measured.predict: 'predict build/data/result.json --load "4500 N"',
-        measured.design: "design datasets/examples/specimens.csv --law explicit --add 5 "
-        "--loads 5:400",
-        calibration.compare: "compare fitting/results/internal.json",
+        fit.sample: "sample datasets/internal.toml -o build/internal.parquet",
+        fit.fit: "fit fitting/external-E1000.toml",
+        fit.choose: "choose datasets/examples/pin-in-hole.csv --contact internal",
+        fit.uncertainty: "uncertainty fitting/results/external-E1000.json --leave-out dR",
+        fit.predict: 'predict build/data/result.json --load "4500 N"',
+        fit.design: "design datasets/examples/specimens.csv --law explicit --add 5 --loads 5:400",
+        fit.optimizers: "optimizers fitting/external-E1000.toml genetic descents",
+        fit.compare: "compare fitting/results/internal.json",
     },
     "Laws": {
         reporting.laws: 'laws --pin "low-carbon steel" --hole bronze --dR 0.05',
@@ -67,14 +67,14 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         "--revolutions 40 --last 8 -o build/bifurcation.csv",
         finite_element.finite_element: "finite-element datasets/finite_element/recommended.toml",
     },
-    "Figures": {reporting.figure: "figure fig12 --style single-column --format pdf,svg"},
-    "The paper": {
+    "Figures and papers": {
+        reporting.figure: "figure fig12 --style single-column --format pdf,svg",
         reporting.report: "report -o build/report",
         reporting.claims: "claims -o build/claims.csv",
         reporting.manuscript: "manuscript reports/manuscript/template.md",
-        calibration.verify: "verify fitting/results/external-E1000.json",
+        fit.verify: "verify fitting/results/external-E1000.json",
+        init.init: "init mine",
     },
-    "The bench": {init.init: "init mine"},
 }
 
 for _group, _examples in _GROUPS.items():

@@ -26,7 +26,7 @@ def finite_element(
     resume: Resume = False,
     force: Force = False,
 ) -> None:
-    """Solve a pin in a hole by finite elements, for each clearance and load of a set-up."""
+    """Solve a pin in a hole by finite elements."""
     from cylcontact.datasets.finite_element import read_study, run_study, write_table
     from cylcontact.datasets.finite_element.study import require_same_inputs, solver_name
 

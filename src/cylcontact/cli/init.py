@@ -29,7 +29,7 @@ def init(
         Path, typer.Argument(metavar="[FOLDER]", help="Where to lay it out; here by default.")
     ] = Path(),
 ) -> None:
-    """Lay out a bench: datasets, campaigns with their results, figures' recipes, notebooks."""
+    """Lay out datasets, campaigns, figures' recipes and notebooks in a folder."""
     source = shipped_bench()
     names = shipped_files(source)
     copy_files(source, folder, _missing(source, folder, names))

@@ -69,9 +69,7 @@ Method = Annotated[
         help=f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
     ),
 ]
-Tolerance = Annotated[
-    float | None, _number("Tolerance of the integrator; the spec's by default.")
-]
+Tolerance = Annotated[float | None, _number("Tolerance of the integrator; the spec's by default.")]
 Beyond = Annotated[
     choices.Beyond,
     typer.Option(
@@ -95,7 +93,7 @@ class Changes:
         """Return every combination of the changes; the spec's value of what is not given."""
         from cylcontact.mechanism import cases
 
-        given = {
+        given: dict[str, list[Any]] = {
             name: texts or [] if name == "law" else numbers(f"--{name}", texts)
             for name, texts in asdict(self).items()
         }
@@ -154,7 +152,7 @@ def simulate(
         require_suffix(table, *OUTPUT_SUFFIXES)
     require(
         not resume or (out is not None and not filmed), "simulate", "--resume", None,
-        "needs a trajectory to go on from", "name it: -o run.parquet",
+        "needs a file to go on from", "name it: -o run.parquet",
     )  # fmt: skip
     mechanism = read_mechanism(
         spec, materials, law=law, clearance=clearance, restitution=restitution, friction=friction
@@ -259,9 +257,7 @@ def _run(
             kept = f"complete revolutions kept in {out}: {complete.revolutions}"
         if isinstance(error, RunError):
             remedy = error.remedy if complete is None else f"{error.remedy}; {kept}"
-            raise InputError(
-                error.source, error.key, error.value, error.rule, remedy
-            ) from error
+            raise InputError(error.source, error.key, error.value, error.rule, remedy) from error
         if complete is None:
             raise KeyboardInterrupt from None
         raise KeyboardInterrupt(
@@ -289,7 +285,7 @@ def sweep(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
 ) -> None:
-    """Simulate every combination of laws, clearances, restitutions and frictions into one table."""
+    """Simulate every combination of laws, clearances and other values."""
     from cylcontact.mechanism import Plan, read_mechanism
     from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.study import first_of
@@ -326,7 +322,7 @@ def tolerances(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
 ) -> None:
-    """Tabulate what a tolerance of the integrator gives: energy balance and drift over cases."""
+    """Tabulate energy balance and drift by the tolerance of the integrator."""
     from cylcontact.mechanism import Plan, read_mechanism
     from cylcontact.mechanism import tolerances as tabulate
 
@@ -382,21 +378,17 @@ def bifurcation(
     from cylcontact.mechanism import read_mechanism
 
     _require_table(out)
-    mechanism = read_mechanism(
-        spec, materials, law=law, restitution=restitution, friction=friction
-    )
+    mechanism = read_mechanism(spec, materials, law=law, restitution=restitution, friction=friction)
     ends = numbers("--clearance", clearance) or [0.01, 0.5]
     require(
         len(ends) == 2 and min(ends) > 0, "--clearance", "", ",".join(clearance or ()),
         "must be two positive numbers, the smallest and the largest", "e.g. 0.01,0.5",
     )  # fmt: skip
-    values = [float(f"{value:.4g}") for value in np.geomspace(*ends, points)]
+    values = [float(f"{value:.4g}") for value in np.geomspace(ends[0], ends[1], points)]
     where, rates = workers(jobs, scheduler), numbers("--impact-rate", impact_rate) or [0.0]
     with progress_bars() as progress:
         tables = [
-            tabulate(
-                mechanism, values, revolutions, last, rate or None, beyond, where, progress
-            )
+            tabulate(mechanism, values, revolutions, last, rate or None, beyond, where, progress)
             for rate in rates
         ]
     table = pd.concat(tables, ignore_index=True)

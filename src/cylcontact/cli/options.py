@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
+from copy import copy
 from dataclasses import fields, is_dataclass
 from functools import wraps
 from itertools import chain
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 import typer
 
-from cylcontact.choices import listed
 from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
 from cylcontact.files import require_apart
@@ -23,6 +23,7 @@ RESULTS = Path("fitting/results")
 # Keys of tables of functions, which are slow to import; tests/cli/test_choices.py compares them.
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 NOISES = ("constant", "proportional", "both")
+OPTIMIZERS = ("genetic", "differential-evolution", "least-squares", "descents", "cma")
 STYLES = ("journal", "single-column", "double-column", "slides")
 TABLES = ("latex", "csv", "html")
 
@@ -76,51 +77,10 @@ def numbers(option: str, texts: Sequence[str] | None) -> list[float]:
     return values
 
 
-def option_of(name: str) -> str:
-    """Return the option of a field.
-
-    Examples
-    --------
-    >>> option_of("leave_out"), option_of("R_i_mm"), option_of("E_MPa"), option_of("E_j_MPa")
-    ('--leave-out', '--Ri', '--E', '--pin-E')
-    """
-    if name.startswith(("E_i", "E_j", "nu_")):
-        return f"--{'pin' if '_j' in name else 'hole'}-{name.partition('_')[0]}"
-    short = name.removesuffix("_mm").removesuffix("_MPa").replace("R_", "R")
-    return "--" + short.replace("_", "-")
-
-
-def require_taken(
-    source: str, way: str, takes: Mapping[str, Collection[str]], given: Mapping[str, object]
-) -> None:
-    """Refuse options that one way to use a command, a key of `takes`, does not take.
-
-    Options that are not `given` are None, False or an empty list.
-
-    Examples
-    --------
-    >>> takes = {"a run": ["table"], "a film": [], "a study": ["jobs", "table"]}
-    >>> require_taken("simulate", "a film", takes, {"jobs": None, "table": "t.csv"})
-    Traceback (most recent call last):
-    cylcontact.errors.InputError: simulate: --table: is for a run or a study, and this is a film; \
-leave it out
-    """
-    for name, value in given.items():
-        if value is None or value is False or value == [] or name in takes[way]:
-            continue
-        others = listed([other for other, names in takes.items() if name in names])
-        rule = f"is for {others}, and this is {way}"
-        raise InputError(source, option_of(name), None, rule, "leave it out")
-
-
-def require_internal(source: str, contact: str, remedy: str) -> None:
-    """Refuse --pin and --hole for rollers."""
-    if contact != "internal":
-        raise InputError(source, "--contact", contact, "has no pin and no hole", remedy)
-
-
-def expand_options(command: Callable[..., None]) -> Callable[..., None]:
+def expand_options(command: Callable[..., None], hide: Collection[str] = ()) -> Callable[..., None]:
     """Declare every field of a command's dataclass parameters as an option of its own.
+
+    The help does not list those to `hide`.
 
     Examples
     --------
@@ -147,6 +107,7 @@ def expand_options(command: Callable[..., None]) -> Callable[..., None]:
         group = groups.get(name)
         own = inspect.signature(group, eval_str=True).parameters.values() if group else [parameter]
         options += [option.replace(kind=inspect.Parameter.KEYWORD_ONLY) for option in own]
+    options = [_hidden(option) if option.name in hide else option for option in options]
 
     @wraps(command)
     def expanded(**given: Any) -> None:
@@ -156,6 +117,14 @@ def expand_options(command: Callable[..., None]) -> Callable[..., None]:
 
     expanded.__signature__ = inspect.Signature(options)  # type: ignore[attr-defined]
     return expanded
+
+
+def _hidden(option: inspect.Parameter) -> inspect.Parameter:
+    """Return an option that the help does not list."""
+    kind, details = get_args(option.annotation)
+    details = copy(details)
+    details.hidden = True
+    return option.replace(annotation=Annotated[kind, details])
 
 
 def keep_inputs(command: Callable[..., None]) -> Callable[..., None]:
@@ -238,16 +207,4 @@ Force = Annotated[
 ]
 Resume = Annotated[
     bool, typer.Option("--resume", help="Go on from what an interrupted command left.")
-]
-Runs = Annotated[
-    int | None,
-    typer.Option(
-        parser=integer_from(1), metavar="INTEGER", help="Runs, instead of the campaign's."
-    ),
-]
-Seed = Annotated[
-    int | None,
-    typer.Option(
-        parser=integer_from(0), metavar="INTEGER", help="Seed, instead of the campaign's."
-    ),
 ]

@@ -12,7 +12,7 @@ import typer
 
 from cylcontact.arrays import require
 from cylcontact.choices import listed
-from cylcontact.cli.options import NUMBER, Materials, option_of, require_internal
+from cylcontact.cli.options import NUMBER, Materials, plain_numbers
 from cylcontact.errors import InputError
 from cylcontact.materials import Material, MaterialRow, find_material, modulus_in_MPa
 from cylcontact.pair import CONTACTS, Contact, CylinderPair, roles
@@ -32,9 +32,9 @@ class PairOptions:
 
     contact: Annotated[str | None, _option("--contact", f"{listed(CONTACTS)}.")] = None
     pin: Annotated[
-        str | None, _option("--pin", "The pin's material, by its name in a table of materials.")
+        str | None, _option("--pin", "The pin's material: its name, or E and ν, '207 GPa, 0.3'.")
     ] = None
-    hole: Annotated[str | None, _option("--hole", "The hole's material.")] = None
+    hole: Annotated[str | None, _option("--hole", "The hole's material, in the same way.")] = None
     material: Annotated[str | None, _option("--material", "Material of both bodies.")] = None
     material_i: Annotated[
         str | None, _option("--material-i", "Material of the first of two rollers.")
@@ -47,20 +47,10 @@ class PairOptions:
         str | None, _option("--E", "Young's modulus of both bodies, MPa or e.g. '207 GPa'.")
     ] = None
     nu: Annotated[float | None, _option("--nu", "Poisson's ratio of both bodies.", **NUMBER)] = None
-    E_j_MPa: Annotated[
-        str | None, _option("--pin-E", "The pin's Young's modulus, MPa or e.g. '207 GPa'.")
-    ] = None
-    nu_j: Annotated[float | None, _option("--pin-nu", "The pin's Poisson's ratio.", **NUMBER)] = (
-        None
-    )
-    E_i_MPa: Annotated[str | None, _option("--hole-E", "The hole's Young's modulus.")] = None
-    nu_i: Annotated[float | None, _option("--hole-nu", "The hole's Poisson's ratio.", **NUMBER)] = (
-        None
-    )
     dR_mm: Annotated[
         float | None,
         _option(
-            "--dR", "ΔR, mm: the radial clearance, or the sum of the rollers' radii.", **NUMBER
+            "--dR", "ΔR, mm: the radial clearance, or the sum of two rollers' radii.", **NUMBER
         ),
     ] = None
     R_i_mm: Annotated[
@@ -88,14 +78,13 @@ class PairOptions:
     ] = None
     layer: Annotated[
         list[str] | None,
-        _option(
-            "--layer",
-            "A ring bonded around the hole's own, its material and inner radius in mm, bronze:12; "
-            "may be repeated, from within.",
-        ),
-    ] = None
+        _option("--layer", "A ring around the hole's own, its material and inner radius, "
+                "bronze:12; may be repeated."),
+    ] = None  # fmt: skip
 
 
+# What the help of `laws` lists for all commands.
+PAIR = (*PairOptions.__dataclass_fields__,)
 # What stands for a constant under another name, and the factor from one to the other.
 _OTHERS = {
     "pin": ("material_j", None),
@@ -104,12 +93,24 @@ _OTHERS = {
     "pin_diameter": ("R_j_mm", 0.5),
 }
 # What a pair of rollers does not have.
-OF_PIN_AND_HOLE = {*_OTHERS, "E_i_MPa", "E_j_MPa", "nu_i", "nu_j"}
-_APART = [f"{name}_{body}" for name in ("material", "nu") for body in "ij"]
-_APART += [f"E_{body}_MPa" for body in "ij"]
+OF_PIN_AND_HOLE = {*_OTHERS}
+# Constants of one body alone.
+_APART = {f"{name}_{of}" for of in "ij" for name in ("material", "nu")} | {"E_i_MPa", "E_j_MPa"}
 # The options that `constants_of` takes.
 _OTHERWISE = {"contact", "materials", "R_o", "clamp", "layer"}
-IN_CONSTANTS = {*PairOptions.__dataclass_fields__} - _OTHERWISE
+IN_CONSTANTS = {*PAIR} - _OTHERWISE
+
+
+def option_of(name: str) -> str:
+    """Return the option of a field.
+
+    Examples
+    --------
+    >>> option_of("leave_out"), option_of("R_i_mm"), option_of("E_MPa")
+    ('--leave-out', '--Ri', '--E')
+    """
+    short = name.removesuffix("_mm").removesuffix("_MPa")
+    return "--" + (short.replace("R_i", "Ri").replace("R_j", "Rj")).replace("_", "-")
 
 
 def constants_of(
@@ -120,7 +121,7 @@ def constants_of(
     options = {name: option_of(name) for name in values}
     for name in filter(OF_PIN_AND_HOLE.__contains__, given):
         remedy = f"leave out {option_of(name)}; rollers have --material-i and --material-j"
-        require_internal(source, contact, remedy)
+        _require_internal(source, contact, remedy)
     for name, (constant, factor) in _OTHERS.items():
         if name not in given:
             continue
@@ -128,9 +129,24 @@ def constants_of(
         require(constant not in values, source, option_of(name), given[name], rule, remedy)
         values[constant] = given[name] if factor is None else factor * given[name]
         options[constant] = option_of(name)
-    for name in ("E_MPa", "E_i_MPa", "E_j_MPa"):
-        if name in values:
-            values[name] = float(modulus_in_MPa(values[name], source, options[name]))
+    for body in ("", "_i", "_j"):  # "E, ν" in the place of a name
+        name, (E, nu) = f"material{body}", (f"E{body}_MPa", f"nu{body}")
+        modulus, comma, ratio = str(values.get(name, "")).partition(",")
+        if not comma:
+            continue
+        option = options[name]
+        for key in {E, nu} & {*values}:
+            rule = f"is given by {option} already"
+            raise InputError(source, options[key], values[key], rule, "leave it out")
+        numbers = plain_numbers([ratio.strip()])
+        if numbers is None:
+            rule, remedy = "is no material", 'write its name, or E and ν, e.g. "207 GPa, 0.3"'
+            raise InputError(source, option, values[name], rule, remedy)
+        del values[name]
+        values |= {E: modulus.strip(), nu: numbers[0]}
+        options |= {E: option, nu: option}
+    for name in {"E_MPa", "E_i_MPa", "E_j_MPa"} & {*values}:
+        values[name] = float(modulus_in_MPa(values[name], source, options[name]))
     return values, options
 
 
@@ -142,7 +158,7 @@ def housing_of(given: dict[str, Any], source: str, contact: str) -> "HousingSpec
     from cylcontact.housing_spec import HousingSpec, clamp_of, layers_of
     from cylcontact.spec import parse_spec
 
-    require_internal(source, contact, "leave out --R-o and --clamp, or give --contact internal")
+    _require_internal(source, contact, "leave out --R-o and --clamp, or give --contact internal")
     rule = f"is missing beside {'--layer' if clamp is None else '--clamp'}"
     require(R_o is not None, source, "--R-o", None, rule, "give the radius")
     data = {"R_o": R_o, **clamp_of(clamp or "rim", source)}
@@ -150,6 +166,11 @@ def housing_of(given: dict[str, Any], source: str, contact: str) -> "HousingSpec
         data["layers"] = layers_of(layers, source)
     with blaming_options({"R_o": "--R-o", "angle": "--clamp", "layers": "--layer"}):
         return parse_spec(HousingSpec, data, source)
+
+
+def _require_internal(source: str, contact: str, remedy: str) -> None:
+    """Refuse for rollers what is for a pin and a hole."""
+    require(contact == "internal", source, "--contact", contact, "has no pin and no hole", remedy)
 
 
 @contextmanager
@@ -218,36 +239,29 @@ def _body(
     default: Material,
 ) -> Material:
     """Return the material of a body, its own or that of both, by its name or by E and ν."""
-    of_both = {"material": "material", "E": "E_MPa", "nu": "nu"}
-    apart = {"material": f"material_{body}", "E": f"E_{body}_MPa", "nu": f"nu_{body}"}
     common, own = (
-        {key: name for key, name in names.items() if name in constants}
-        for names in (of_both, apart)
+        [name for name in (f"material{of}", f"E{of}_MPa", f"nu{of}") if name in constants]
+        for of in ("", f"_{body}")
     )
     if own and common:
-        (name, *_), (other, *_) = common.values(), own.values()
-        rule = f"is of both bodies, and {options[other]} is of one"
+        rule = f"is of both bodies, and {options[own[0]]} is of one"
+        name = common[0]
         raise InputError(source, options[name], constants[name], rule, "give each its own")
-    of_other = [name for name in constants if name in _APART and name not in apart.values()]
-    if of_other and not own and not common:
-        options_of = [option_of(role), *map(option_of, (apart["E"], apart["nu"]))]
-        missing, *others = options_of if role in ("pin", "hole") else [option_of(apart["material"])]
-        remedy = f"name the {role}'s material" + (
-            f", or give {' and '.join(others)}" if others else ""
-        )
-        raise InputError(source, missing, None, f"is missing beside {options[of_other[0]]}", remedy)
+    of_other = [name for name in constants if name in _APART and name not in own]
+    if of_other and not own:
+        missing = option_of(role if role in ("pin", "hole") else f"material_{body}")
+        rule, remedy = f"is missing beside {options[of_other[0]]}", f"name the {role}'s material"
+        raise InputError(source, missing, None, rule, remedy)
     used = own or common
-    if "material" in used:
-        name, *others = used.values()
-        if others:
+    if used and used[0].startswith("material"):
+        name, *others = used
+        for other in others:
             rule = f"is given by {options[name]} already"
-            raise InputError(source, options[others[0]], constants[others[0]], rule, "leave it out")
+            raise InputError(source, options[other], constants[other], rule, "leave it out")
         table = "the tables of materials"
         return find_material(constants[name], rows, source, options[name], table).material
-    if len(own) == 1:
-        missing = next(name for key, name in apart.items() if key not in ("material", *own))
-        rule = f"is missing beside {options[next(iter(own.values()))]}"
-        raise InputError(source, option_of(missing), None, rule, "add it")
-    E, nu = (constants.get(used.get(key, ""), getattr(default, key)) for key in ("E", "nu"))
-    with blaming_options({key: options[name] for key, name in used.items()}, source):
+    of = f"_{body}" if own else ""
+    E, nu = constants.get(f"E{of}_MPa", default.E), constants.get(f"nu{of}", default.nu)
+    blamed = {name.removesuffix("_MPa").removesuffix(of): options[name] for name in used}
+    with blaming_options(blamed, source):
         return Material(f"the {role}" if own else default.name, f"{float(E)!r} MPa", nu)

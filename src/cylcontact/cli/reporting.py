@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,10 +19,9 @@ from cylcontact.cli.options import (
     Jobs,
     Results,
     expand_options,
-    option_of,
     split,
 )
-from cylcontact.cli.pair import PairOptions, constants_of, housing_of, pair_of
+from cylcontact.cli.pair import PAIR, PairOptions, constants_of, housing_of, option_of, pair_of
 from cylcontact.cli.terminal import cores, progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.export import CODES, JOINT_TARGETS, TARGETS
@@ -215,7 +215,7 @@ def laws(
         str | None, typer.Option(help="A function of your own to list as well, module:function.")
     ] = None,
 ) -> None:
-    """Compare the laws: which one to use, and all of them side by side for one pair.
+    """Compare the laws for a pair, and say which one to use.
 
     Without options it is a steel pin (207 GPa, 0.3) in a hole of 10 mm radius with ΔR = 0.05 mm.
     """
@@ -254,7 +254,7 @@ def _pair_of(given: Mapping[str, Any], pair: PairOptions, source: str) -> Cylind
     return pair_of(constants, options, contact, rows, source, case())
 
 
-@expand_options
+@partial(expand_options, hide=PAIR)
 def export(
     what: Annotated[
         str | None,
@@ -290,10 +290,11 @@ def export(
         typer.Option("-o", "--out", help="The file; standard output by default, but for a joint."),
     ] = None,
 ) -> None:
-    """Write a law, or a whole clearance joint, in another language, for a multibody code.
+    """Write a law, or a clearance joint, in another language.
 
-    A law in a housing (--R-o, --clamp) is of the pair's materials; others are of any. With --range,
-    print the parameters of the code's own contact that follow a joint's law over a range.
+    A law in a housing (--R-o, --clamp) is of one pair, which takes the options of cylcontact laws;
+    others are of any. With --range, print the parameters of the code's own contact that follow a
+    joint's law over a range.
     """
     from cylcontact.export import export as exported
     from cylcontact.export import export_named

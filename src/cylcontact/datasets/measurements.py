@@ -420,7 +420,7 @@ def _moduli(
 def _not_once(body: str, source: str, given: Sequence[str], contact: Contact) -> InputError:
     """Return the error for a body whose E and ν are not given, or more than once."""
     role = roles(contact)["ij".index(body)]
-    options = f"--{role} or --{role}-E and --{role}-nu" if contact == "internal" else "--material"
+    options = f"--{role}" if contact == "internal" else "--material"
     remedy = f"give {options}, or columns material_{body}, or E_{body} and nu_{body}, or of both"
     rule = f"must be given once, and {', '.join(given)} are given" if given else "is not given"
     return InputError(source, f"material of the {role}", None, rule, remedy)
