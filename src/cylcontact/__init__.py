@@ -3,17 +3,15 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from cylcontact import impact as dissipation
-from cylcontact import impact as friction
-from cylcontact import laws, limits
-from cylcontact.errors import InputError
-from cylcontact.laws import ContactLaw
-from cylcontact.materials import Material
-from cylcontact.pair import CylinderPair
-
 if TYPE_CHECKING:
-    from cylcontact.fitting.choice import choose
-    from cylcontact.fitting.table_fit import fit
+    from cylcontact import impact as dissipation
+    from cylcontact import impact as friction
+    from cylcontact import laws, limits
+    from cylcontact.errors import InputError
+    from cylcontact.fitting import choose, fit
+    from cylcontact.laws import ContactLaw
+    from cylcontact.materials import Material
+    from cylcontact.pair import CylinderPair
 
 __all__ = [
     "ContactLaw",
@@ -35,16 +33,28 @@ __all__ = [
 ]
 __version__ = "0.1.0"
 
-# These import pandas, numba or matplotlib, so they are loaded on first use.
-_LAZY = ("datasets", "export", "fitting", "mechanism", "plots", "reports")
+# Where the names are that are no modules. All are loaded on first use, so that a command which
+# needs no numbers begins at once.
+_IN = {
+    "ContactLaw": "laws",
+    "CylinderPair": "pair",
+    "InputError": "errors",
+    "Material": "materials",
+    "choose": "fitting",
+    "fit": "fitting",
+}
 
 
 def __getattr__(name: str) -> Any:
-    if name in _LAZY:
-        return import_module(f"cylcontact.{name}")
-    if name in ("choose", "fit"):
-        return getattr(import_module("cylcontact.fitting"), name)
-    raise AttributeError(f"module 'cylcontact' has no attribute {name!r}")
+    if name not in __all__:
+        raise AttributeError(f"module 'cylcontact' has no attribute {name!r}")
+    if name in _IN:
+        value = getattr(import_module(f"cylcontact.{_IN[name]}"), name)
+    else:
+        module = "impact" if name in ("dissipation", "friction") else name
+        value = import_module(f"cylcontact.{module}")
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cylcontact import errors
 from cylcontact.errors import InputError
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IndexArray = NDArray[np.intp]
+require = errors.require
 
 
 def as_floats(values: object) -> FloatArray:
@@ -63,15 +65,6 @@ def own_arrays(instance: Any) -> None:
             own = np.array(value)
             own.flags.writeable = False
             object.__setattr__(instance, field.name, own)
-
-
-def require(
-    holds: bool | BoolArray | np.bool_, source: str, key: str, value: object, rule: str, remedy: str
-) -> None:
-    """Raise `InputError` unless `holds` is true for every element."""
-    # Laws are made thousands of times in a fit: `np.all` takes longer than the rest.
-    if not (holds if isinstance(holds, bool | np.bool_) else np.all(holds)):
-        raise InputError(source, key, value, rule, remedy)
 
 
 def require_positive(

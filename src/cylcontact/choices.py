@@ -6,15 +6,30 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Literal, get_args
 
+Contact = Literal["internal", "external"]
 Branch = Literal["loading", "unloading"]
 Method = Literal["minimal", "multiplier"]
 Beyond = Literal["stop", "tangent"]
 Format = Literal["png", "pdf", "svg"]
 
+CONTACTS: tuple[Contact, ...] = get_args(Contact)
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
 METHODS: tuple[Method, ...] = get_args(Method)
 BEYOND: tuple[Beyond, ...] = get_args(Beyond)
 FORMATS: tuple[Format, ...] = get_args(Format)
+# Languages of laws and joints, with the suffix of the file.
+TARGETS = {
+    "c": ".c",
+    "cpp": ".hpp",
+    "fortran": ".f90",
+    "matlab": ".m",
+    "python": ".py",
+    "jax": ".py",
+    "fmu": ".fmu",
+}
+JOINT_TARGETS = {name: suffix for name, suffix in TARGETS.items() if name != "jax"}
+# Multibody codes with a contact of their own, whose parameters `contact_parameters` fits.
+CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
 # What the folder of a fit to a table holds.
 FIT_FILES = ("result.json", "residuals.csv", "fit.png", "fit.pdf")
 # What `choose` adds to it.

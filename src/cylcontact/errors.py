@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from cylcontact.plain_text import brief
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 # The most characters of a message, part of which other programs and files may have written.
 _MESSAGE = 2000
@@ -55,5 +59,22 @@ def short(value: object, width: int = 80) -> str:
     """Return `value` on one line of at most `width` characters; empty for `None`."""
     if value is None:
         return ""
-    plain = value.item() if isinstance(value, np.generic) else value
+    plain: Any = value
+    if type(value).__module__ == "numpy" and plain.shape == ():
+        plain = plain.item()
     return brief(" ".join(repr(plain).split()), width)
+
+
+def require(
+    holds: bool | NDArray[np.bool_] | np.bool_,
+    source: str,
+    key: str,
+    value: object,
+    rule: str,
+    remedy: str,
+) -> None:
+    """Raise `InputError` unless `holds` is true for every element."""
+    # Laws are made thousands of times in a fit: `np.all` takes longer than the rest.
+    every: Any = holds
+    if not (every.all() if getattr(every, "ndim", 0) else every):
+        raise InputError(source, key, value, rule, remedy)

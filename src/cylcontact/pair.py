@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from cylcontact import choices
 from cylcontact.arrays import (
     BoolArray,
     FloatArray,
@@ -23,8 +24,8 @@ from cylcontact.errors import InputError, short
 from cylcontact.html_repr import table_html
 from cylcontact.materials import Material, material_in_MPa
 
-Contact = Literal["internal", "external"]
-CONTACTS: tuple[Contact, ...] = ("internal", "external")
+Contact = choices.Contact
+CONTACTS = choices.CONTACTS
 Plane = Literal["strain", "stress"]
 PLANES: tuple[Plane, ...] = ("strain", "stress")
 Length = float | FloatArray

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.arrays import require
 from cylcontact.choices import BRANCHES, CHOICE_FILES, DESIGN_FILES, FIT_FILES, is_table, listed
 from cylcontact.cli.options import (
     LOSSES,
@@ -40,7 +39,7 @@ from cylcontact.cli.pair import (
     option_of,
 )
 from cylcontact.cli.terminal import noting, progress_bars, say, workers
-from cylcontact.errors import InputError
+from cylcontact.errors import InputError, require
 from cylcontact.files import replacing, require_suffix, require_writable
 from cylcontact.reading import marked, require_file
 

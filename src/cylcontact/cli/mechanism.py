@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cylcontact import choices
-from cylcontact.arrays import require
 from cylcontact.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, listed
 from cylcontact.cli.options import (
     NUMBER,
@@ -25,7 +24,7 @@ from cylcontact.cli.options import (
     split,
 )
 from cylcontact.cli.terminal import noting, progress_bars, say, workers
-from cylcontact.errors import InputError
+from cylcontact.errors import InputError, require
 from cylcontact.files import require_suffix, require_writable, write_table
 
 if TYPE_CHECKING:

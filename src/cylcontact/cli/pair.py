@@ -1,6 +1,7 @@
 """Options for a pair of cylinders, which `laws`, `fit` and `choose` share.
 
 Annotations are no texts here: those of `PairOptions` are read in the modules that extend it.
+What needs numbers is imported in the functions, as in all modules of the command line.
 """
 
 from collections.abc import Iterator, Mapping
@@ -10,15 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from cylcontact.arrays import require
-from cylcontact.choices import listed
+from cylcontact.choices import CONTACTS, Contact, listed
 from cylcontact.cli.options import NUMBER, Materials, plain_numbers
-from cylcontact.errors import InputError
-from cylcontact.materials import Material, MaterialRow, find_material, modulus_in_MPa
-from cylcontact.pair import CONTACTS, Contact, CylinderPair, roles
+from cylcontact.errors import InputError, require
 
 if TYPE_CHECKING:
     from cylcontact.housing_spec import HousingSpec
+    from cylcontact.materials import Material, MaterialRow
+    from cylcontact.pair import CylinderPair
 
 
 def _option(name: str, help: str, **details: Any) -> Any:
@@ -117,6 +117,8 @@ def constants_of(
     given: Mapping[str, Any], source: str, contact: str
 ) -> tuple[dict[str, float | str], dict[str, str]]:
     """Return the options as constants of a table, and the option that each comes from."""
+    from cylcontact.materials import modulus_in_MPa
+
     values = {name: given[name] for name in given if name in IN_CONSTANTS and name not in _OTHERS}
     options = {name: option_of(name) for name in values}
     for name in filter(OF_PIN_AND_HOLE.__contains__, given):
@@ -198,11 +200,13 @@ def pair_of(
     constants: Mapping[str, Any],
     options: Mapping[str, str],
     contact: str,
-    rows: Mapping[str, MaterialRow],
+    rows: Mapping[str, "MaterialRow"],
     source: str,
-    default: CylinderPair,
-) -> CylinderPair:
+    default: "CylinderPair",
+) -> "CylinderPair":
     """Return the pair of some options; what they leave out is that of another pair."""
+    from cylcontact.pair import CylinderPair, roles
+
     rule, remedy = "must be 'internal' or 'external'", "a pin in a hole, or two rollers"
     require(contact in CONTACTS, source, "--contact", contact, rule, remedy)
     kind = cast(Contact, contact)
@@ -234,11 +238,13 @@ def _body(
     role: str,
     constants: Mapping[str, Any],
     options: Mapping[str, str],
-    rows: Mapping[str, MaterialRow],
+    rows: Mapping[str, "MaterialRow"],
     source: str,
-    default: Material,
-) -> Material:
+    default: "Material",
+) -> "Material":
     """Return the material of a body, its own or that of both, by its name or by E and ν."""
+    from cylcontact.materials import Material, find_material
+
     common, own = (
         [name for name in (f"material{of}", f"E{of}_MPa", f"nu{of}") if name in constants]
         for of in ("", f"_{body}")

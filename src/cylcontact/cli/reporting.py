@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.arrays import require
-from cylcontact.choices import FORMATS, listed
+from cylcontact.choices import CODES, FORMATS, JOINT_TARGETS, TARGETS, listed
 from cylcontact.cli.options import (
     NUMBER,
     RESULTS,
@@ -23,8 +22,7 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.pair import PAIR, PairOptions, constants_of, housing_of, option_of, pair_of
 from cylcontact.cli.terminal import cores, progress_bars, say
-from cylcontact.errors import InputError
-from cylcontact.export import CODES, JOINT_TARGETS, TARGETS
+from cylcontact.errors import InputError, require
 from cylcontact.files import (
     replacing,
     replacing_all,
@@ -34,13 +32,11 @@ from cylcontact.files import (
     shipped_bench,
     write_table,
 )
-from cylcontact.limits import yield_warning
-from cylcontact.materials import known_materials, own_table
-from cylcontact.pair import CylinderPair, unusual_lengths
 from cylcontact.plain_text import brief
 
 if TYPE_CHECKING:
     from cylcontact.laws import Housing
+    from cylcontact.pair import CylinderPair
 
 # Characters of a warning, which may list many words of a text.
 LONGEST_NOTE = 500
@@ -220,6 +216,8 @@ def laws(
     Without options it is a steel pin (207 GPa, 0.3) in a hole of 10 mm radius with ΔR = 0.05 mm.
     """
     from cylcontact.laws.user import user_law
+    from cylcontact.limits import yield_warning
+    from cylcontact.pair import unusual_lengths
     from cylcontact.reports import laws_to_use
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.laws_table import to_text
@@ -240,12 +238,15 @@ def _housing_of(given: dict[str, Any], pair: PairOptions, source: str) -> Housin
     housing = housing_of(given, source, given.get("contact", "internal"))
     if housing is None:
         return None
+    from cylcontact.materials import own_table
+
     own = own_table(pair.materials, Path(), source, "--materials")
     return housing.with_numbers(own, source, "--layer").housing
 
 
 def _pair_of(given: Mapping[str, Any], pair: PairOptions, source: str) -> CylinderPair:
     """Return the pair that options give, and for the rest that which is compared by default."""
+    from cylcontact.materials import known_materials, own_table
     from cylcontact.reports.laws_table import case
 
     contact = given.get("contact", "internal")
@@ -359,6 +360,7 @@ def _print_parameters(
     """Print the parameters of a code's own contact, or write them to the file `out`."""
     from cylcontact.export import contact_parameters
     from cylcontact.mechanism import read_joint
+    from cylcontact.pair import unusual_lengths
 
     if path is None:
         remedy = "name its file, e.g. --joint datasets/joint.toml"
@@ -394,6 +396,7 @@ def _export_joint(
     """Write a joint as a force element, next to the file `out`."""
     from cylcontact.export import export_joint
     from cylcontact.mechanism import ClearanceJoint, SpatialJoint, read_joint
+    from cylcontact.pair import unusual_lengths
     from cylcontact.spec import read_toml
 
     for key, value in others.items():

@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.arrays import require
-from cylcontact.choices import listed
+from cylcontact.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, Contact, listed
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
 from cylcontact.laws.law import ContactLaw, formula_of
 from cylcontact.laws.user import user_law
-from cylcontact.pair import CONTACTS, Contact
 
 if TYPE_CHECKING:
     from cylcontact.export.parameters import contact_parameters
@@ -38,7 +37,6 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str) -> Any:
-    # The command line reads the names of the targets, so SciPy is imported when it is used.
     if name == "contact_parameters":
         return import_module(f"{__name__}.parameters").contact_parameters
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
@@ -46,27 +44,6 @@ def __getattr__(name: str) -> Any:
 
 # A law without a closed form is known too, and refused when it is exported.
 EXPORTABLE = tuple(name for name, law in LAWS.items() if formula_of(law(), "internal") is not None)
-# With the suffix of the file.
-TARGETS = {
-    "c": ".c",
-    "cpp": ".hpp",
-    "fortran": ".f90",
-    "matlab": ".m",
-    "python": ".py",
-    "jax": ".py",
-    "fmu": ".fmu",
-}
-# With the suffix of the file that is named.
-JOINT_TARGETS = {
-    "c": ".c",
-    "cpp": ".hpp",
-    "fortran": ".f90",
-    "matlab": ".m",
-    "python": ".py",
-    "fmu": ".fmu",
-}
-# Multibody codes with a contact of their own, whose parameters `contact_parameters` fits.
-CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str | bytes:
@@ -109,7 +86,6 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     >>> print(*[line.strip() for line in source.splitlines() if "double a =" in line])
     const double a = 0.965;
     """
-    # The command line reads the names of the targets, so the rest is imported here.
     from cylcontact.export.exported_law import exported, require_contact_law, source
 
     _require_target(target)
