@@ -4,9 +4,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from cylcontact import fits, laws, limits
     from cylcontact import impact as dissipation
     from cylcontact import impact as friction
-    from cylcontact import laws, limits
     from cylcontact.errors import InputError
     from cylcontact.fitting import choose, fit
     from cylcontact.laws import ContactLaw
@@ -23,6 +23,7 @@ __all__ = [
     "dissipation",
     "export",
     "fit",
+    "fits",
     "fitting",
     "friction",
     "laws",

@@ -21,6 +21,7 @@ from cylcontact.arrays import (
     same_fields,
 )
 from cylcontact.errors import InputError, short
+from cylcontact.fits import Fit
 from cylcontact.html_repr import table_html
 from cylcontact.materials import Material, material_in_MPa
 
@@ -40,6 +41,8 @@ _ROUNDING = 1e-12
 _LENGTHS = 0.1, 5000.0  # mm
 _CLEARANCES = 1e-5, 0.08  # over the radius of the hole
 _SLENDERNESS = 0.02, 100.0  # length over radius
+# Stands for ΔR = 0 of a fit: the limit of laws, that have no value there.
+SMALLEST_CLEARANCE = 1e-6  # mm
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,6 +280,50 @@ class CylinderPair:
         require(has_no_names, source, "contact", contact, rule, remedy)
         bodies = _bodies(source, material, material_j, pin, hole)
         return cls(contact, dR, *bodies, R_i, R_j, length, plane)
+
+    @classmethod
+    def of_fit(
+        cls,
+        code: str,
+        material: Material | None = None,
+        length: float | None = None,
+        *,
+        pin: Material | None = None,
+        hole: Material | None = None,
+        plane: Plane = "strain",
+        share: Length = (0.0, 0.5, 1.0),  # type: ignore[assignment]
+    ) -> CylinderPair:
+        """Return a pin in a hole of an ISO 286 fit: the tightest, the middle and the loosest.
+
+        Parameters
+        ----------
+        code : str
+            The fit, as "20H7/g6"; `cylcontact.fits.Fit` says what is known.
+        share : float or array_like
+            Which pairs of the band: 0 is the tightest, 1 the loosest. Where hole and pin may be of
+            one size (H/h), the tightest has ΔR = 1 nm, as laws have a limit there and no value.
+        material, pin, hole, length, plane
+            As for `internal`.
+
+        Raises
+        ------
+        InputError
+            If the code is not known, or a pin within its limits may be larger than the hole.
+
+        Examples
+        --------
+        >>> bronze, steel = Material("bronze", 110e3, 0.34), Material("steel", 207e3, 0.3)
+        >>> pair = CylinderPair.of_fit("20H7/g6", pin=steel, hole=bronze, length=15.0)
+        >>> pair.dR.round(5)
+        array([0.0035, 0.012 , 0.0205])
+        """
+        source = "CylinderPair.of_fit"
+        fit = Fit.read(code, source, "code")
+        fit.require_clearance(source, "code")
+        R_i, R_j = fit.radii(as_floats(share))
+        R_j = np.minimum(R_j, R_i - SMALLEST_CLEARANCE)
+        bodies = _bodies(source, material, None, pin, hole)
+        return cls("internal", R_i - R_j, *bodies, R_i, R_j, length, plane)
 
     @classmethod
     def from_dundurs(cls, alpha: Length, beta: Length) -> CylinderPair:

@@ -21,6 +21,7 @@ from pydantic import Field, Strict, model_validator
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.choices import Beyond
 from cylcontact.errors import InputError
+from cylcontact.fits import Fit
 from cylcontact.housing_spec import HousingSpec, MaterialSpec, in_housing
 from cylcontact.impact import FACTORS, IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.laws import LAWS, ContactLaw, Explicit, Housing
@@ -87,6 +88,9 @@ class ClearanceJointSpec(Spec):
     clearance: float | None = Field(
         None, gt=0, description="the radial clearance in mm, in place of the pin's radius"
     )
+    fit: str | None = Field(
+        None, description='a fit of ISO 286, "20H7/g6", in place of radii and clearance'
+    )
     length: float = Field(gt=0, description="the axial length in mm")
     housing: HousingSpec | None = Field(
         None, description="a table [housing] of the rim's radius R_o, for laws that know it"
@@ -104,6 +108,12 @@ class ClearanceJointSpec(Spec):
                 "name", self.name, "cannot name a function",
                 f"begin with one of A to Z, and take up to {_LONGEST_NAME} characters",
             )  # fmt: skip
+        if self.fit is not None:
+            given = {"bearing.R": self.bearing.R, "pin.R": self.pin.R, "clearance": self.clearance}
+            for key, value in given.items():
+                if value is not None:
+                    raise broken(key, value, f"is given by the fit {self.fit}", "remove one")
+            return self
         if self.bearing.R is None:
             raise broken("bearing.R", None, "is required", "add the radius in mm")
         if (self.pin.R is None) == (self.clearance is None):
@@ -506,7 +516,12 @@ def build_joint(
         for key, body in (("bearing", spec.bearing), ("pin", spec.pin))
     )
     R_i, radial = spec.bearing.R or 0.0, spec.clearance or 0.0
-    if spec.pin.R is not None:
+    if spec.fit is not None:
+        fit = Fit.read(spec.fit, source, "fit")
+        fit.require_clearance(source)
+        R_i, R_j = map(float, fit.radii(0.5))
+        pair = CylinderPair.internal(R_i, R_j, length=spec.length, pin=pin, hole=hole)
+    elif spec.pin.R is not None:
         pair = CylinderPair.internal(R_i, spec.pin.R, length=spec.length, pin=pin, hole=hole)
     else:
         pair = CylinderPair.from_dR(

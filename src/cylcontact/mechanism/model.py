@@ -15,6 +15,7 @@ from pydantic import Field, Strict, model_validator
 
 from cylcontact.arrays import require
 from cylcontact.errors import InputError
+from cylcontact.fits import Fit
 from cylcontact.impact import IMPACT_RATE_FLOOR
 from cylcontact.materials import own_table, shipped_materials
 from cylcontact.mechanism.joint import ClearanceJoint, ClearanceJointSpec, build_joint
@@ -486,6 +487,9 @@ def _change(data: dict[str, Any], source: str, changes: dict[str, Any]) -> None:
         for entry in filter(_has_clearance, entries if isinstance(entries, list) else []):
             if key == "clearance" and isinstance(entry.get("pin"), dict):
                 entry["pin"].pop("R", None)
+            if key == "clearance" and isinstance(entry.get("bearing"), dict) and "fit" in entry:
+                fit = Fit.read(str(entry.pop("fit")), source, "fit")
+                entry["bearing"]["R"] = float(fit.radii(0.5)[0])
             table = entry.setdefault(tables[0], {}) if tables else entry
             if isinstance(table, dict):
                 table[last] = value if key != "law" or isinstance(value, str) else repr(value)

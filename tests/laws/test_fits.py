@@ -1,0 +1,145 @@
+"""Fits of ISO 286 against the standard's own formulas, and joints that take a fit."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from cylcontact import CylinderPair, InputError, Material
+from cylcontact.fits import Fit
+from cylcontact.mechanism import joint_from, mechanism_from
+from cylcontact.spec import read_toml
+from tests.support.spec_files import DROP, changed
+
+STEEL, BRONZE = Material("steel", 207e3, 0.3), Material("bronze", 110e3, 0.34)
+ENDS = (6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500)
+SIZES = list(pairwise((3, *ENDS)))
+PINS = ("c", "d", "e", "f", "g", "h", "j", "js", "k", "m", "n")
+OF_c = (40, 50, 65, 80, 100, 120, 140, 160, 180, 200, 225, 250, 280, 315, 355, 400, 450, 500)
+
+
+def upper(code):
+    """The deviation nearest to zero of a pin, µm."""
+    low, high = Fit.read(f"{code[0]}H7/{code[1]}").pin
+    return 1e3 * min(low, high, key=abs)
+
+
+@pytest.mark.parametrize(
+    ("code", "low", "high"),
+    [("20H7/g6", 3.5, 20.5), ("10H7/f7", 6.5, 21.5), ("20H7/h6", 0, 17), ("20H7/k6", -7.5, 9.5),
+     ("20JS7/h6", -5.25, 11.75), ("500H11/c11", 240, 640), ("60H8/e8", 30, 76), ("3H7/g6", 1, 9)],
+)  # fmt: skip
+def test_the_radial_clearance_is_that_of_the_standard(code, low, high):
+    assert [1e3 * value for value in Fit.read(code).clearance] == pytest.approx([low, high])
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_grades_follow_from_the_tolerance_unit(size):
+    """i = 0.45·D^(1/3) + 0.001·D at the geometric mean of the sizes, and IT5 to IT11 are 7 to 100i.
+
+    The standard rounds it, coarsely at small sizes and with exceptions of its own.
+    """
+    D = np.sqrt(np.prod(size))
+    unit = 0.45 * np.cbrt(D) + 0.001 * D
+    for grade, factor in zip(range(5, 12), (7, 10, 16, 25, 40, 64, 100), strict=True):
+        low, high = Fit.read(f"{size[1]}H{grade}/h6").hole
+        assert low == 0
+        assert 1e3 * high == pytest.approx(factor * unit, rel=0.04, abs=0.75)
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_deviations_follow_from_the_formulas_of_the_standard(size):
+    D = np.sqrt(np.prod(size))
+    formulas = {
+        "d": -16 * D**0.44, "e": -11 * D**0.41, "f": -5.5 * D**0.41, "g": -2.5 * D**0.34, "h": 0,
+        "k": 0.6 * np.cbrt(D), "n": 5 * D**0.34,
+    }  # fmt: skip
+    for letter, value in formulas.items():
+        assert upper((size[1], f"{letter}6")) == pytest.approx(value, rel=0.045, abs=1.0), letter
+    (_, IT7), (_, IT6) = (Fit.read(f"{size[1]}H{grade}/h6").hole for grade in (7, 6))
+    # m is their difference as rounded before, so 1 µm of rounding for each.
+    assert upper((size[1], "m6")) == pytest.approx(1e3 * (IT7 - IT6), abs=2.01)
+
+
+@pytest.mark.parametrize(("over", "to"), list(pairwise(OF_c)))
+def test_c_has_steps_of_its_own(over, to):
+    assert -upper((to, "c9")) == pytest.approx(95 + 0.8 * np.sqrt(over * to), rel=0.03)
+
+
+@pytest.mark.parametrize("letter", PINS)
+def test_letters_are_in_their_order_and_as_wide_as_their_grade(letter):
+    low, high = Fit.read(f"20H7/{letter}7").pin
+    assert 1e3 * (high - low) == pytest.approx(21)
+    middles = [sum(Fit.read(f"20H7/{each}7").pin) for each in PINS if each != "js"]
+    assert middles == sorted(middles)
+
+
+def test_k_above_grade_7_begins_at_zero_and_j_has_few_grades():
+    assert Fit.read("20H7/k8").pin == (0, 0.033)
+    assert Fit.read("20H7/j6").pin == pytest.approx((-0.004, 0.009))
+    with pytest.raises(InputError, match="j8, and ISO 286 has j5 to j7"):
+        Fit.read("20H7/j8")
+
+
+@pytest.mark.parametrize(
+    ("code", "rule"),
+    [("20H7", "is no fit"), ("2H7/g6", "3 to 500 mm"), ("501H7/g6", "3 to 500 mm"),
+     ("20G7/h6", "a hole G"), ("20h7/g6", "a hole h"), ("20H7/p6", "a pin p"),
+     ("20H4/g6", "a grade 4"), ("20H12/g6", "a grade 12")],
+)  # fmt: skip
+def test_what_the_table_does_not_have_is_refused(code, rule):
+    with pytest.raises(InputError, match=rule):
+        Fit.read(code)
+
+
+def test_a_fit_is_a_pair_from_the_tightest_to_the_loosest():
+    pair = CylinderPair.of_fit("20H7/g6", pin=STEEL, hole=BRONZE, length=15.0)
+    assert 2 * pair.R_i == pytest.approx([20, 20.0105, 20.021])
+    assert 2 * pair.R_j == pytest.approx([19.993, 19.9865, 19.98])
+    assert (pair.material_i, pair.material_j, pair.length) == (BRONZE, STEEL, 15.0)
+    # Zero clearance is a limit: laws have a value beside it.
+    assert CylinderPair.of_fit("20H7/h6", STEEL).dR[0] == pytest.approx(1e-6)
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence"),
+    [("20H7/k6", "is a transition fit: ΔR is -7.5 to 9.5 µm"),
+     ("20JS7/n5", "is an interference fit, 4.5 to 34.5 µm on the diameter")],
+)  # fmt: skip
+def test_a_pin_that_is_pressed_in_has_no_law(code, sentence):
+    with pytest.raises(InputError, match=sentence):
+        CylinderPair.of_fit(code, STEEL)
+
+
+JOINT = changed(
+    read_toml("datasets/joint.toml"), {"bearing.R": DROP, "pin.R": DROP, "fit": "20H7/g6"}
+)
+
+
+def test_a_joint_of_a_fit_is_that_of_the_middle_of_its_band():
+    joint = joint_from(JOINT)
+    assert joint.radial == pytest.approx(0.012)
+    by_hand = changed(JOINT, {"fit": DROP, "bearing.R": 10.00525, "pin.R": 9.99325})
+    assert joint.first_yield == pytest.approx(joint_from(by_hand).first_yield)
+
+
+@pytest.mark.parametrize(
+    ("changes", "rule"),
+    [({"clearance": 0.01}, "is given by the fit 20H7/g6"), ({"pin.R": 9.9}, "by the fit"),
+     ({"fit": "20H7/k6"}, "fit = '20H7/k6': is a transition fit"), ({"fit": "20"}, "is no fit")],
+)  # fmt: skip
+def test_a_joint_refuses_what_contradicts_its_fit(changes, rule):
+    with pytest.raises(InputError, match=rule):
+        joint_from(changed(JOINT, changes))
+
+
+def test_a_mechanism_takes_a_fit_and_a_clearance_replaces_it():
+    data = read_toml("datasets/four_bar.toml")
+    entry = next(joint for joint in data["joint"] if "law" in joint)
+    for body in ("bearing", "pin"):
+        entry[body].pop("R", None)
+    entry.pop("clearance", None)
+    entry["fit"] = "20H7/g6"
+    assert mechanism_from(data).clearances[0].contact.radial == pytest.approx(0.012)
+    wide = mechanism_from(data, clearance=0.2).clearances[0].contact.pair
+    assert (wide.R_i, wide.dR) == pytest.approx((10.00525, 0.2))
