@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from cylcontact.cli.options import Force, Jobs, Resume, resumable
+from cylcontact.cli.options import Force, Jobs, Resume, output, resumable
 from cylcontact.cli.terminal import cores, noting, progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.files import require_suffix, require_writable
@@ -18,10 +18,7 @@ def finite_element(
         Path,
         typer.Argument(help="A set-up, e.g. datasets/finite_element/recommended.toml."),
     ],
-    out: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", help="The table; SPEC-embedded.csv beside the set-up."),
-    ] = None,
+    out: Annotated[Path | None, output("The table; SPEC-embedded.csv beside the set-up.")] = None,
     jobs: Jobs = None,
     resume: Resume = False,
     force: Force = False,

@@ -1,10 +1,8 @@
-"""The commands `sample`, `fit`, `optimizers`, `choose`, `predict`, `design`, and of results."""
+"""The commands `sample`, `fit`, `choose`, `predict`, `design` and others of fits."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,25 +12,28 @@ from cylcontact.choices import BRANCHES, CHOICE_FILES, DESIGN_FILES, FIT_FILES, 
 from cylcontact.cli.options import (
     LOSSES,
     NOISES,
-    NUMBER,
     OPTIMIZERS,
     RESULTS,
     Force,
     Jobs,
+    Options,
     Resume,
     Scheduler,
-    expand_options,
-    integer_from,
+    count,
+    number,
     numbers,
+    option,
+    output,
     plain_numbers,
     resumable,
+    several,
     split,
+    takes,
 )
 from cylcontact.cli.pair import (
     IN_CONSTANTS,
     OF_PIN_AND_HOLE,
     PAIR,
-    PairOptions,
     blaming_options,
     constants_of,
     housing_of,
@@ -50,98 +51,52 @@ if TYPE_CHECKING:
 # Loads among which a design chooses.
 _DESIGN_LOADS = 41
 
-Measured = Annotated[
+Table = Annotated[
     Path, typer.Argument(metavar="TABLE", help="A table, .csv, .txt, .xlsx or .parquet.")
 ]
 Result = Annotated[
     Path, typer.Argument(metavar="RESULT", help="A fit, e.g. results/NAME/result.json.")
 ]
-Runs = Annotated[
-    int | None,
-    typer.Option(parser=integer_from(1), metavar="N", help="Runs, instead of the campaign's."),
-]
-Seed = Annotated[
-    int | None,
-    typer.Option(parser=integer_from(0), metavar="N", help="Seed of the random numbers."),
-]
-Level = Annotated[float, typer.Option(help="Level of the intervals.", **NUMBER)]
+Runs = Annotated[int | None, count(1, "Runs, instead of the campaign's.")]
+Seed = Annotated[int | None, count(0, "Seed of the random numbers.")]
+Level = Annotated[float, number("Level of the intervals.")]
 OwnLaw = Annotated[
-    str | None,
-    typer.Option("--law", metavar="MODULE:FUNCTION", help="The law, if it is your own function."),
+    str | None, option("The law, if it is your own function.", metavar="MODULE:FUNCTION")
 ]
+_PANEL = {"rich_help_panel": "For a table"}
+_ANY = "[,...]"
 
 
-def _option(*names: str, help: str, **details: Any) -> Any:
-    """Return an option in the help panel for tables."""
-    return typer.Option(*names, help=help, rich_help_panel="For a table", **details)
+def _text(help: str, metavar: str = "NAME") -> tuple[Any, Any]:
+    return str | None, option(help, metavar=metavar, **_PANEL)
 
 
-@dataclass(frozen=True)
-class TableOptions(PairOptions):
-    """Options for a table, by their names as settings of its fit; None if not given."""
+def _texts(help: str, metavar: str) -> tuple[Any, Any]:
+    """Return an option that may be repeated; with commas between if the metavar shows them."""
+    callback = split if metavar.endswith(_ANY) else None
+    return list[str] | None, option(help, metavar=metavar, callback=callback, **_PANEL)
 
-    objective: Annotated[
-        str | None,
-        _option("--objective", help="What to minimise: rms-log-penetration, rms-load, ..."),
-    ] = None
-    loss: Annotated[
-        str | None, _option("--loss", help=f"Weight of residuals: {listed(LOSSES)}.")
-    ] = None
-    ignore: Annotated[
-        list[str] | None,
-        _option("--ignore", help="A column to leave out; may be repeated.", metavar="COLUMN"),
-    ] = None
-    columns: Annotated[
-        list[str] | None,
-        _option(
-            "--columns",
-            help="What a column is, e.g. load_N=Kraft; may be repeated.",
-            metavar="NAME=COLUMN",
-        ),
-    ] = None
-    group: Annotated[
-        str | None,
-        _option("--group", help="The column of the groups, e.g. specimens.", metavar="COLUMN"),
-    ] = None
-    branch: Annotated[
-        str | None, _option("--branch", help=f"Use only the rows of {listed(BRANCHES)}.")
-    ] = None
-    noise: Annotated[
-        str | None, _option("--noise", help=f"How readings scatter: {listed(NOISES)}.")
-    ] = None
-    drift: Annotated[
-        bool | None, _option("--drift", help="Allow for a drift along each series.")
-    ] = None
-    load_error: Annotated[
-        str | None,
-        _option("--load-error", help="Standard deviation of the loads, e.g. 1%.", metavar="SHARE"),
-    ] = None
-    free: Annotated[
-        list[str] | None,
-        _option(
-            "--free", help="Fit what is fixed by default.", metavar="NAME[,...]", callback=split
-        ),
-    ] = None
-    bound: Annotated[
-        list[str] | None,
-        _option(
-            "--bound", help="Fit between two values.", metavar="NAME=LOW:HIGH[,...]", callback=split
-        ),
-    ] = None
-    fix: Annotated[
-        list[str] | None,
-        _option("--fix", help="Fix a parameter.", metavar="NAME=VALUE[,...]", callback=split),
-    ] = None  # fmt: skip
 
-    def given(self, law: str | None) -> dict[str, Any]:
-        """Return the options that are given, by name, and the law."""
-        options = {"law": law, **asdict(self)}
-        return {name: value for name, value in options.items() if value not in (None, [])}
+# By their names as settings of a fit.
+SETTINGS: Options = {
+    "objective": _text("What to minimise: rms-log-penetration, rms-load, ..."),
+    "loss": _text(f"Weight of residuals: {listed(LOSSES)}."),
+    "ignore": _texts("A column to leave out; may be repeated.", "COLUMN"),
+    "columns": _texts("What a column is, e.g. load_N=Kraft; may be repeated.", "NAME=COLUMN"),
+    "group": _text("The column of the groups, e.g. specimens.", "COLUMN"),
+    "branch": _text(f"Use only the rows of {listed(BRANCHES)}."),
+    "noise": _text(f"How readings scatter: {listed(NOISES)}."),
+    "drift": (bool | None, option("Allow for a drift along each series.", "--drift", **_PANEL)),
+    "load_error": _text("Standard deviation of the loads, e.g. 1%.", "SHARE"),
+    "free": _texts("Fit what is fixed by default.", f"NAME{_ANY}"),
+    "bound": _texts("Fit between two values.", f"NAME=LOW:HIGH{_ANY}"),
+    "fix": _texts("Fix a parameter.", f"NAME=VALUE{_ANY}"),
+}
 
 
 def sample(
     spec: Annotated[Path, typer.Argument(help="A grid spec, e.g. datasets/internal.toml.")],
-    out: Annotated[Path, typer.Option("-o", "--out", help="The .parquet or .csv file to write.")],
+    out: Annotated[Path, output("The .parquet or .csv file to write.")],
 ) -> None:
     """Sample a reference law over a grid, in bounded memory."""
     from cylcontact.datasets import read_grid, write_samples
@@ -156,7 +111,8 @@ def sample(
     )
 
 
-@partial(expand_options, hide=PAIR)
+@takes("settings", SETTINGS)
+@takes("pair", PAIR, listed=False)
 def fit(
     source: Annotated[
         Path,
@@ -167,27 +123,21 @@ def fit(
     ],
     *,
     out: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--out",
-            help="A .json, or for a table a folder; results/NAME by default.",
-        ),
+        Path | None, output("A .json, or for a table a folder; results/NAME by default.")
     ] = None,
     runs: Runs = None,
     seed: Seed = None,
-    optimizer: Annotated[
-        str | None, typer.Option(metavar="NAME", help=f"{listed(OPTIMIZERS)}.")
-    ] = None,
+    optimizer: Annotated[str | None, option(f"{listed(OPTIMIZERS)}.", metavar="NAME")] = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     resume: Resume = False,
     force: Force = False,
     law: Annotated[
         str | None,
-        _option("--law", help="The law, e.g. johnson; or module:function of your own."),
+        option("The law, e.g. johnson; or module:function of your own.", metavar="NAME", **_PANEL),
     ] = None,
-    table: TableOptions,
+    settings: dict[str, Any],
+    pair: dict[str, Any],
 ) -> None:
     """Calibrate a law to another law over a grid, or to a table of measurements.
 
@@ -197,13 +147,13 @@ def fit(
     from cylcontact.fitting import Campaign, calibrate, fit_table, read_campaign
     from cylcontact.fitting.results import require_same_inputs
 
-    where, given = workers(jobs, scheduler), table.given(law)
+    where, given = workers(jobs, scheduler), pair | settings | ({} if law is None else {"law": law})
     planned: Campaign | TableCampaign
     if source.suffix.lower() == ".json":
         remedy = f"study its uncertainty with: cylcontact uncertainty {source}"
         raise InputError(str(source), "", None, "is a fit result", remedy)
     if is_table(source):
-        measured = _table(source, given, seed, runs, optimizer)
+        measured = _measured(source, given, seed, runs, optimizer)
         planned = measured.campaign(measured.spec.law)
     elif given:
         rule = "is an option for tables of measurements, and this is a campaign"
@@ -283,7 +233,7 @@ def optimizers(
         list[str] | None,
         typer.Argument(metavar="[NAME]...", help=f"{listed(OPTIMIZERS)}; all by default."),
     ] = None,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="A .csv of the runs.")] = None,
+    out: Annotated[Path | None, output("A .csv of the runs.")] = None,
     runs: Runs = None,
     seed: Seed = None,
     jobs: Jobs = None,
@@ -310,26 +260,20 @@ def optimizers(
 def uncertainty(
     result: Result,
     *,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="The study, .json.")] = None,
-    bootstrap: Annotated[
-        int | None,
-        typer.Option(parser=integer_from(2), metavar="N", help="Refit N times to resampled data."),
-    ] = None,
+    out: Annotated[Path | None, output("The study, .json.")] = None,
+    bootstrap: Annotated[int | None, count(2, "Refit N times to resampled data.")] = None,
     over: Annotated[
         str | None,
-        typer.Option(
-            metavar="WHAT", help="What to resample: rows (default), material, dR, pair or group."
-        ),
+        option("What to resample: rows (default), material, dR, pair or group.", metavar="WHAT"),
     ] = None,
     leave_out: Annotated[
         str | None,
-        typer.Option(
-            metavar="WHAT",
-            help="Leave out one after the other: material, dR, pair, group; E, nu, load.",
+        option(
+            "What to leave out in turn: material, dR, pair, group; E, nu, load.", metavar="WHAT"
         ),
     ] = None,
     pairs: Annotated[
-        bool, typer.Option("--pairs", help="Map each pair of parameters, into the output.")
+        bool, option("Map each pair of parameters, into the output.", "--pairs")
     ] = False,
     level: Level = 0.95,
     law: OwnLaw = None,
@@ -377,23 +321,18 @@ def uncertainty(
     say(f"{study}\n\nwritten to {out}" if out else str(study))
 
 
-@partial(expand_options, hide=PAIR)
+@takes("settings", SETTINGS)
+@takes("pair", PAIR, listed=False)
 def choose(
-    data: Measured,
+    data: Table,
     *,
     law: Annotated[
         list[str] | None,
-        typer.Option(
-            "--law",
-            metavar="NAME[,...]",
-            callback=split,
-            help="The laws to compare, e.g. johnson,explicit; all by default.",
-        ),
+        several("The laws to compare; all by default.", metavar=f"NAME{_ANY}"),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The folder; results/NAME beside the table.")
-    ] = None,
-    table: TableOptions,
+    out: Annotated[Path | None, output("The folder; results/NAME beside the table.")] = None,
+    settings: dict[str, Any],
+    pair: dict[str, Any],
 ) -> None:
     """Fit all laws that apply to a table, and rank them if the data can tell.
 
@@ -405,40 +344,31 @@ def choose(
 
     folder = out or data.parent / "results" / data.stem
     require_writable(*(folder / name for name in CHOICE_FILES))
-    measured = _table(data, table.given(law[0] if law else "johnson"))
+    measured = _measured(data, {**pair, **settings, "law": law[0] if law else "johnson"})
     with progress_bars() as progress:
         choice = choose_law(measured, law or (), progress)
     write_choice(choice, folder)
     say(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
 
 
-@partial(expand_options, hide=PAIR)
+@takes("settings", SETTINGS)
+@takes("pair", PAIR, listed=False)
 def design(
-    data: Measured,
+    data: Table,
     *,
-    law: Annotated[str, typer.Option(metavar="NAME", help="The law, e.g. johnson.")],
-    loads: Annotated[
-        str, typer.Option("--loads", help="Loads that can be taken, in N/mm.", metavar="LOW:HIGH")
-    ],
-    add: Annotated[
-        int, typer.Option(parser=integer_from(1), metavar="N", help="Readings to add.")
-    ] = 5,
+    law: Annotated[str, option("The law, e.g. johnson.", metavar="NAME")],
+    loads: Annotated[str, option("Loads that can be taken, in N/mm.", metavar="LOW:HIGH")],
+    add: Annotated[int, count(1, "Readings to add.")] = 5,
     parameter: Annotated[
-        str | None, typer.Option(metavar="NAME", help="The one that counts; all by default.")
+        str | None, option("The one that counts; all by default.", metavar="NAME")
     ] = None,
     clearances: Annotated[
         list[str] | None,
-        typer.Option(
-            "--dR-choices",
-            help="Clearances that can be taken, in mm.",
-            metavar="DR[,...]",
-            callback=split,
-        ),
+        several("Clearances that can be taken, in mm.", "--dR-choices", metavar=f"DR{_ANY}"),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="A folder for the picture and its table.")
-    ] = None,
-    table: TableOptions,
+    out: Annotated[Path | None, output("A folder for the picture and its table.")] = None,
+    settings: dict[str, Any],
+    pair: dict[str, Any],
 ) -> None:
     """Say which further readings of a table would narrow its intervals most.
 
@@ -456,7 +386,7 @@ def design(
         raise InputError(str(data), "--loads", loads, rule, remedy)
     if out is not None:
         require_writable(*(out / name for name in DESIGN_FILES))
-    measured = _table(data, table.given(law))
+    measured = _measured(data, {**pair, **settings, "law": law})
     with progress_bars() as progress:
         fitted = fit_table(measured.campaign(law), 1, progress)
     possible = numbers("--dR-choices", clearances) or None
@@ -472,10 +402,7 @@ def design(
 def predict(
     result: Result,
     *,
-    load: Annotated[
-        list[str],
-        typer.Option("--load", help='A load with its unit, e.g. "4500 N"; may be repeated.'),
-    ],
+    load: Annotated[list[str], option('A load with its unit, "4500 N"; may be repeated.')],
     level: Level = 0.95,
     law: OwnLaw = None,
 ) -> None:
@@ -534,7 +461,7 @@ def verify(
         raise typer.Exit(1)
 
 
-def _table(
+def _measured(
     path: Path,
     given: dict[str, Any],
     seed: int | None = None,

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,16 +11,19 @@ import typer
 from cylcontact import choices
 from cylcontact.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, listed
 from cylcontact.cli.options import (
-    NUMBER,
     Jobs,
     Materials,
+    Options,
     Resume,
     Scheduler,
-    expand_options,
-    integer_from,
+    count,
+    number,
     numbers,
+    option,
+    output,
     resumable,
-    split,
+    several,
+    takes,
 )
 from cylcontact.cli.terminal import noting, progress_bars, say, workers
 from cylcontact.errors import InputError, require
@@ -36,103 +38,78 @@ if TYPE_CHECKING:
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 
 
-def _number(help: str) -> Any:
-    return typer.Option(help=help, **NUMBER)
-
-
-def _count(least: int, help: str) -> Any:
-    return typer.Option(parser=integer_from(least), metavar="N", help=help)
-
-
-def _several(help: str, metavar: str = "FLOAT[,...]") -> Any:
-    return typer.Option(callback=split, metavar=metavar, help=help)
-
-
-Spec = Annotated[
-    Path,
-    typer.Argument(metavar="SPEC", help="A mechanism's spec, e.g. datasets/slider_crank.toml."),
-]
-Table = Annotated[
-    Path, typer.Option("-o", "--out", metavar="FILE", help="The table, .csv or .parquet.")
-]
-Law = Annotated[str | None, typer.Option(metavar="NAME", help="The law, e.g. johnson.")]
-Restitution = Annotated[float | None, _number("Restitution, above 0 up to 1.")]
-Friction = Annotated[float | None, _number("Friction coefficient.")]
-Revolutions = Annotated[int | None, _count(1, "Revolutions in all; the spec's by default.")]
-First = Annotated[int | None, _count(0, "First revolution that counts, from 0.")]
+Spec = Annotated[Path, typer.Argument(help="A mechanism's spec, e.g. datasets/slider_crank.toml.")]
+Table = Annotated[Path, output("The table, .csv or .parquet.")]
+Law = Annotated[str | None, option("The law, e.g. johnson.", metavar="NAME")]
+Restitution = Annotated[float | None, number("Restitution, above 0 up to 1.")]
+Friction = Annotated[float | None, number("Friction coefficient.")]
+Revolutions = Annotated[int | None, count(1, "Revolutions in all; the spec's by default.")]
+First = Annotated[int | None, count(0, "First revolution that counts, from 0.")]
 Method = Annotated[
     choices.Method | None,
-    typer.Option(
+    option(
+        f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
         parser=str,
         metavar="METHOD",
-        help=f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
     ),
 ]
-Tolerance = Annotated[float | None, _number("Tolerance of the integrator; the spec's by default.")]
+Tolerance = Annotated[float | None, number("Tolerance of the integrator; the spec's by default.")]
 Beyond = Annotated[
     choices.Beyond,
-    typer.Option(
+    option(
+        f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
         parser=str,
         metavar="WHAT",
-        help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
     ),
 ]
+# What replaces values of a mechanism's spec, each by one or several.
+CHANGES: Options = {
+    name: (list[str] | None, several(f"{help}.", metavar=f"{value}[,...]"))
+    for name, help, value in (
+        ("law", "Laws, e.g. johnson", "NAME"),
+        ("clearance", "Radial clearances, mm", "FLOAT"),
+        ("restitution", "Restitutions, above 0 up to 1", "FLOAT"),
+        ("friction", "Friction coefficients", "FLOAT"),
+    )
+}
 
 
-@dataclass(frozen=True)
-class Changes:
-    """Options that replace values of a mechanism's spec, each by one or several."""
+def _combined(changes: Mapping[str, list[str]]) -> list[Case]:
+    """Return every combination of the changes; the spec's value of what is not given."""
+    from cylcontact.mechanism import cases
 
-    law: Annotated[list[str] | None, _several("Laws, e.g. johnson.", "NAME[,...]")] = None
-    clearance: Annotated[list[str] | None, _several("Radial clearances, mm.")] = None
-    restitution: Annotated[list[str] | None, _several("Restitutions, above 0 up to 1.")] = None
-    friction: Annotated[list[str] | None, _several("Friction coefficients.")] = None
-
-    def combined(self) -> list[Case]:
-        """Return every combination of the changes; the spec's value of what is not given."""
-        from cylcontact.mechanism import cases
-
-        given: dict[str, list[Any]] = {
-            name: texts or [] if name == "law" else numbers(f"--{name}", texts)
-            for name, texts in asdict(self).items()
-        }
-        return cases(*(values or [None] for values in given.values()))
+    given: dict[str, Any] = {
+        name: numbers(f"--{name}", changes.get(name)) for name in CHANGES if name != "law"
+    }
+    given["law"] = changes.get("law")
+    return cases(*(given[name] or [None] for name in CHANGES))
 
 
 def simulate(
     spec: Spec,
     *,
     out: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--out",
-            metavar="FILE",
-            help="The trajectory, .parquet, or a film of its last revolutions, .gif or .mp4.",
-        ),
+        Path | None, output("The trajectory, .parquet, or a film of the end, .gif or .mp4.")
     ] = None,
     table: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="Write the numbers by revolution to this .csv or .parquet."
-        ),
+        Path | None, option("The numbers by revolution, .csv or .parquet.", metavar="PATH")
     ] = None,
     law: Law = None,
-    clearance: Annotated[float | None, _number("Radial clearance, mm.")] = None,
+    clearance: Annotated[float | None, number("Radial clearance, mm.")] = None,
     restitution: Restitution = None,
     friction: Friction = None,
     materials: Materials = None,
     revolutions: Annotated[
-        int | None, _count(1, "Revolutions in all; the spec's by default, of a film three.")
+        int | None, count(1, "Revolutions in all; the spec's by default, of a film three.")
     ] = None,
     first: Annotated[
-        int | None, _count(0, "First revolution that counts, or that a film shows, from 0.")
+        int | None, count(0, "First revolution that counts, or that a film shows, from 0.")
     ] = None,
     method: Method = None,
     tolerance: Tolerance = None,
     beyond: Beyond = "stop",
     allowed_penetration: Annotated[
-        float | None, _number("The paper's step control: how deep contact may begin, µm.")
+        float | None, number("The paper's step control: how deep contact may begin, µm.")
     ] = None,
     resume: Resume = False,
 ) -> None:
@@ -264,12 +241,12 @@ def _run(
         ) from None
 
 
-@expand_options
+@takes("changes", CHANGES)
 def sweep(
     spec: Spec,
     *,
     out: Table,
-    changes: Changes,
+    changes: dict[str, list[str]],
     materials: Materials = None,
     revolutions: Revolutions = None,
     first: First = None,
@@ -278,7 +255,7 @@ def sweep(
     beyond: Beyond = "stop",
     against: Annotated[
         float | None,
-        _number("Run at this tolerance too; count only revolutions after the two separate."),
+        number("Run at this tolerance too; count only revolutions after the two separate."),
     ] = None,
     resume: Resume = False,
     jobs: Jobs = None,
@@ -297,7 +274,7 @@ def sweep(
     where = workers(jobs, scheduler)
     with resumable(out, "case") as journal:
         with progress_bars() as progress:
-            table = run(mechanism, changes.combined(), plan, where, progress, journal, resume)
+            table = run(mechanism, _combined(changes), plan, where, progress, journal, resume)
         write_table(table, out)
     stopped = table[table["status"] != "complete"]
     say(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
@@ -307,16 +284,16 @@ def sweep(
         raise typer.Exit(1)
 
 
-@expand_options
+@takes("changes", CHANGES)
 def tolerances(
     spec: Spec,
     *,
     out: Table,
-    changes: Changes,
+    changes: dict[str, list[str]],
     materials: Materials = None,
     revolutions: Revolutions = None,
     tolerance: Annotated[
-        list[str] | None, _several("Tolerances of the integrator; 1e-5 to 1e-11 by default.")
+        list[str] | None, several("Tolerances of the integrator; 1e-5 to 1e-11 by default.")
     ] = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
@@ -328,7 +305,7 @@ def tolerances(
     _require_table(out)
     mechanism = read_mechanism(spec, materials)
     total = revolutions or mechanism.integration.revolutions
-    wanted, where = changes.combined(), workers(jobs, scheduler)
+    wanted, where = _combined(changes), workers(jobs, scheduler)
     methods = METHODS if mechanism.slider_crank is not None else METHODS[1:]
     plans = [
         Plan(total, method=method, tolerance=value, beyond="tangent")
@@ -352,18 +329,18 @@ def bifurcation(
     out: Table,
     clearance: Annotated[
         list[str] | None,
-        _several("The smallest and the largest, mm; 0.01,0.5 by default.", "LOW,HIGH"),
+        several("The smallest and the largest, mm; 0.01,0.5 by default.", metavar="LOW,HIGH"),
     ] = None,
-    points: Annotated[int, _count(1, "How many clearances.")] = 40,
+    points: Annotated[int, count(1, "How many clearances.")] = 40,
     law: Law = None,
     restitution: Restitution = None,
     friction: Friction = None,
     materials: Materials = None,
-    revolutions: Annotated[int, _count(1, "Revolutions in all.")] = 200,
-    last: Annotated[int, _count(1, "Revolutions recorded of each.")] = 50,
+    revolutions: Annotated[int, count(1, "Revolutions in all.")] = 200,
+    last: Annotated[int, count(1, "Revolutions recorded of each.")] = 50,
     impact_rate: Annotated[
         list[str] | None,
-        _several("Impact rate δ̇⁽⁻⁾ of the damping, m/s; 0, the default: that at onset."),
+        several("Impact rate δ̇⁽⁻⁾ of the damping, m/s; 0, the default: that at onset."),
     ] = None,
     beyond: Beyond = "stop",
     jobs: Jobs = None,

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import copy
-from dataclasses import fields, is_dataclass
 from functools import wraps
 from itertools import chain
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any
 
 import typer
 
@@ -33,19 +32,24 @@ def split(values: list[str] | None) -> list[str]:
     return [part.strip() for value in values or () for part in value.split(",")]
 
 
-def integer_from(least: int) -> Callable[[str], int]:
-    """Return a parser of integers of at least `least`."""
+def option(help: str, *names: str, **details: Any) -> Any:
+    """Return an option; without names it is called like its parameter."""
+    return typer.Option(*names, help=help, **details)
 
-    def parse(text: str) -> int:
-        try:
-            number = int(text)
-        except ValueError:
-            number = least - 1
-        if number < least:
-            raise typer.BadParameter(f"{text!r} must be an integer of at least {least}")
-        return number
 
-    return parse
+def output(help: str) -> Any:
+    """Return the option of what a command writes."""
+    return option(help, "-o", "--out", metavar="PATH")
+
+
+def several(help: str, *names: str, metavar: str = "FLOAT[,...]", **details: Any) -> Any:
+    """Return an option that may be repeated, or hold several values between commas."""
+    return option(help, *names, callback=split, metavar=metavar, **details)
+
+
+def number(help: str, *names: str, **details: Any) -> Any:
+    """Return an option of one number; typer's own reader takes 1_700 and nan."""
+    return option(help, *names, parser=_number, metavar="FLOAT", **details)
 
 
 def _number(given: str | float) -> float:
@@ -56,8 +60,19 @@ def _number(given: str | float) -> float:
         raise typer.BadParameter(f"{given!r} is not a number") from None
 
 
-# What an option of one number gives to typer, whose own reader takes 1_700 and nan.
-NUMBER: dict[str, Any] = {"parser": _number, "metavar": "FLOAT"}
+def count(least: int, help: str, *names: str) -> Any:
+    """Return an option of an integer of at least `least`."""
+
+    def parse(text: str) -> int:
+        try:
+            integer = int(text)
+        except ValueError:
+            integer = least - 1
+        if integer < least:
+            raise typer.BadParameter(f"{text!r} must be an integer of at least {least}")
+        return integer
+
+    return option(help, *names, parser=parse, metavar="N")
 
 
 def plain_numbers(texts: Sequence[str]) -> list[float] | None:
@@ -77,54 +92,52 @@ def numbers(option: str, texts: Sequence[str] | None) -> list[float]:
     return values
 
 
-def expand_options(command: Callable[..., None], hide: Collection[str] = ()) -> Callable[..., None]:
-    """Declare every field of a command's dataclass parameters as an option of its own.
+# Options by the names under which a command finds their values, with the type of these.
+Options = Mapping[str, tuple[Any, Any]]
 
-    The help does not list those to `hide`.
+
+def takes(name: str, options: Options, listed: bool = True) -> Callable[..., Callable[..., None]]:
+    """Give a command a set of options, as a dictionary of those that are used.
+
+    Without `listed` its help leaves them out.
 
     Examples
     --------
-    >>> from dataclasses import dataclass
-    >>> @dataclass
-    ... class Size:
-    ...     width: int = 1
-    >>> @expand_options
-    ... def draw(name: str, *, size: Size) -> None:
+    >>> @takes("size", {"width": (int | None, option("Its width."))})
+    ... def draw(name: str, *, size: dict[str, int]) -> None:
     ...     print(name, size)
-    >>> inspect.signature(draw)
-    <Signature (*, name: str, width: int = 1)>
-    >>> draw(name="box", width=2)
-    box Size(width=2)
+    >>> list(inspect.signature(draw).parameters)
+    ['name', 'width']
+    >>> draw(name="box", width=2), draw(name="dot", width=None)
+    box {'width': 2}
+    dot {}
+    (None, None)
     """
-    parameters = inspect.signature(command, eval_str=True).parameters
-    groups: dict[str, Any] = {
-        name: parameter.annotation
-        for name, parameter in parameters.items()
-        if is_dataclass(parameter.annotation)
-    }
-    options = []
-    for name, parameter in parameters.items():
-        group = groups.get(name)
-        own = inspect.signature(group, eval_str=True).parameters.values() if group else [parameter]
-        options += [option.replace(kind=inspect.Parameter.KEYWORD_ONLY) for option in own]
-    options = [_hidden(option) if option.name in hide else option for option in options]
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    parameters = []
+    for key, (kind, shown) in options.items():
+        details = copy(shown)
+        details.hidden = not listed
+        parameters.append(
+            inspect.Parameter(key, keyword, default=None, annotation=Annotated[kind, details])
+        )
 
-    @wraps(command)
-    def expanded(**given: Any) -> None:
-        for name, group in groups.items():
-            given[name] = group(**{field.name: given.pop(field.name) for field in fields(group)})
-        command(**given)
+    def expand(command: Callable[..., None]) -> Callable[..., None]:
+        own = inspect.signature(command, eval_str=True).parameters
 
-    expanded.__signature__ = inspect.Signature(options)  # type: ignore[attr-defined]
-    return expanded
+        @wraps(command)
+        def expanded(**given: Any) -> None:
+            used = {key: given.pop(key) for key in options}
+            values = {key: value for key, value in used.items() if value not in (None, [])}
+            command(**given, **{name: values})
 
+        others = [each.replace(kind=keyword) for each in own.values() if each.name != name]
+        expanded.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+            [*others, *parameters]
+        )
+        return expanded
 
-def _hidden(option: inspect.Parameter) -> inspect.Parameter:
-    """Return an option that the help does not list."""
-    kind, details = get_args(option.annotation)
-    details = copy(details)
-    details.hidden = True
-    return option.replace(annotation=Annotated[kind, details])
+    return expand
 
 
 def keep_inputs(command: Callable[..., None]) -> Callable[..., None]:
@@ -172,39 +185,18 @@ def resumable(out: Path, part: str) -> Iterator[Path]:
 def _existing_folder(folder: Path) -> Path:
     """Refuse a folder of results that does not exist; only the default one may be missing."""
     if folder != RESULTS and not folder.is_dir():
-        raise InputError(
-            "--results", "", str(folder), "is not a folder", "name one that holds fit results"
-        )
+        rule, remedy = "is not a folder", "name one that holds fit results"
+        raise InputError("--results", "", str(folder), rule, remedy)
     return folder
 
 
-Results = Annotated[
-    Path,
-    typer.Option("--results", callback=_existing_folder, help="The folder of fit results."),
-]
-Jobs = Annotated[
-    int | None,
-    typer.Option(
-        "--jobs",
-        "-j",
-        parser=integer_from(1),
-        metavar="INTEGER",
-        help="Worker processes; all cores by default.",
-    ),
-]
+Results = Annotated[Path, option("The folder of fit results.", callback=_existing_folder)]
+Jobs = Annotated[int | None, count(1, "Worker processes; all cores by default.", "--jobs", "-j")]
 Scheduler = Annotated[
-    str | None,
-    typer.Option(metavar="ADDRESS", help="A Dask cluster instead, e.g. tcp://host:8786."),
+    str | None, option("A Dask cluster instead, e.g. tcp://host:8786.", metavar="ADDRESS")
 ]
 Materials = Annotated[
-    str | None,
-    typer.Option(
-        "--materials", help="A table of your own materials; datasets/materials.csv by default."
-    ),
+    str | None, option("Your own materials; datasets/materials.csv by default.", metavar="TABLE")
 ]
-Force = Annotated[
-    bool, typer.Option("--force", help="Replace an output that came from other inputs.")
-]
-Resume = Annotated[
-    bool, typer.Option("--resume", help="Go on from what an interrupted command left.")
-]
+Force = Annotated[bool, option("Replace an output that came from other inputs.", "--force")]
+Resume = Annotated[bool, option("Go on from what an interrupted command left.", "--resume")]

@@ -1,18 +1,16 @@
-"""Options for a pair of cylinders, which `laws`, `fit` and `choose` share.
+"""Options for a pair of cylinders, which `laws`, `fit` and others share.
 
-Annotations are no texts here: those of `PairOptions` are read in the modules that extend it.
 What needs numbers is imported in the functions, as in all modules of the command line.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, cast
-
-import typer
+from typing import TYPE_CHECKING, Any, cast
 
 from cylcontact.choices import CONTACTS, Contact, listed
-from cylcontact.cli.options import NUMBER, Materials, plain_numbers
+from cylcontact.cli.options import Options, number, option, plain_numbers
 from cylcontact.errors import InputError, require
 
 if TYPE_CHECKING:
@@ -20,71 +18,42 @@ if TYPE_CHECKING:
     from cylcontact.materials import Material, MaterialRow
     from cylcontact.pair import CylinderPair
 
-
-def _option(name: str, help: str, **details: Any) -> Any:
-    """Return an option in the help panel for the pair."""
-    return typer.Option(name, help=help, rich_help_panel="The pair of cylinders", **details)
+_PANEL = {"rich_help_panel": "The pair of cylinders"}
 
 
-@dataclass(frozen=True)
-class PairOptions:
-    """Options for a pair, by their names as constants of a table; None if not given."""
+def _text(help: str, name: str) -> tuple[Any, Any]:
+    return str | None, option(help, name, metavar="TEXT", **_PANEL)
 
-    contact: Annotated[str | None, _option("--contact", f"{listed(CONTACTS)}.")] = None
-    pin: Annotated[
-        str | None, _option("--pin", "The pin's material: its name, or E and ν, '207 GPa, 0.3'.")
-    ] = None
-    hole: Annotated[str | None, _option("--hole", "The hole's material, in the same way.")] = None
-    material: Annotated[str | None, _option("--material", "Material of both bodies.")] = None
-    material_i: Annotated[
-        str | None, _option("--material-i", "Material of the first of two rollers.")
-    ] = None
-    material_j: Annotated[
-        str | None, _option("--material-j", "Material of the second of two rollers.")
-    ] = None
-    materials: Materials = None
-    E_MPa: Annotated[
-        str | None, _option("--E", "Young's modulus of both bodies, MPa or e.g. '207 GPa'.")
-    ] = None
-    nu: Annotated[float | None, _option("--nu", "Poisson's ratio of both bodies.", **NUMBER)] = None
-    dR_mm: Annotated[
-        float | None,
-        _option(
-            "--dR", "ΔR, mm: the radial clearance, or the sum of two rollers' radii.", **NUMBER
-        ),
-    ] = None
-    R_i_mm: Annotated[
-        float | None,
-        _option("--Ri", "Radius R_i of the hole, or of the first roller, mm.", **NUMBER),
-    ] = None
-    R_j_mm: Annotated[
-        float | None,
-        _option("--Rj", "Radius R_j of the pin, or of the second roller, mm.", **NUMBER),
-    ] = None
-    hole_diameter: Annotated[
-        float | None, _option("--hole-diameter", "Diameter of the hole, mm.", **NUMBER)
-    ] = None
-    pin_diameter: Annotated[
-        float | None, _option("--pin-diameter", "Diameter of the pin, mm.", **NUMBER)
-    ] = None
-    length_mm: Annotated[float | None, _option("--length", "Axial length, mm.", **NUMBER)] = None
-    R_o: Annotated[
-        float | None,
-        _option("--R-o", "Radius of the housing's rim, mm; laws that know it take it.", **NUMBER),
-    ] = None
-    clamp: Annotated[
-        str | None,
-        _option("--clamp", "What is clamped of the rim: rim (all of it), near:60 or far:60."),
-    ] = None
-    layer: Annotated[
+
+def _number(help: str, name: str) -> tuple[Any, Any]:
+    return float | None, number(help, name, **_PANEL)
+
+
+# By their names as constants of a table, where they have one.
+PAIR: Options = {
+    "contact": _text(f"{listed(CONTACTS)}.", "--contact"),
+    "pin": _text("The pin's material: its name, or E and ν, '207 GPa, 0.3'.", "--pin"),
+    "hole": _text("The hole's material, in the same way.", "--hole"),
+    "material": _text("Material of both bodies.", "--material"),
+    "material_i": _text("Material of the first of two rollers.", "--material-i"),
+    "material_j": _text("Material of the second of two rollers.", "--material-j"),
+    "materials": _text("Your own materials; datasets/materials.csv by default.", "--materials"),
+    "E_MPa": _text("Young's modulus of both bodies, MPa or e.g. '207 GPa'.", "--E"),
+    "nu": _number("Poisson's ratio of both bodies.", "--nu"),
+    "dR_mm": _number("ΔR, mm: the radial clearance, or the sum of two rollers' radii.", "--dR"),
+    "R_i_mm": _number("Radius R_i of the hole, or of the first roller, mm.", "--Ri"),
+    "R_j_mm": _number("Radius R_j of the pin, or of the second roller, mm.", "--Rj"),
+    "hole_diameter": _number("Diameter of the hole, mm.", "--hole-diameter"),
+    "pin_diameter": _number("Diameter of the pin, mm.", "--pin-diameter"),
+    "length_mm": _number("Axial length, mm.", "--length"),
+    "R_o": _number("Radius of the housing's rim, mm; laws that know it take it.", "--R-o"),
+    "clamp": _text("What is clamped: rim (all of it, by default), near:60 or far:60.", "--clamp"),
+    "layer": (
         list[str] | None,
-        _option("--layer", "A ring around the hole's own, its material and inner radius, "
-                "bronze:12; may be repeated."),
-    ] = None  # fmt: skip
-
-
-# What the help of `laws` lists for all commands.
-PAIR = (*PairOptions.__dataclass_fields__,)
+        option("A ring around the hole's own, bronze:12 for its material and inner radius in mm; "
+               "may be repeated.", "--layer", metavar="NAME:MM", **_PANEL),
+    ),
+}  # fmt: skip
 # What stands for a constant under another name, and the factor from one to the other.
 _OTHERS = {
     "pin": ("material_j", None),
@@ -97,20 +66,18 @@ OF_PIN_AND_HOLE = {*_OTHERS}
 # Constants of one body alone.
 _APART = {f"{name}_{of}" for of in "ij" for name in ("material", "nu")} | {"E_i_MPa", "E_j_MPa"}
 # The options that `constants_of` takes.
-_OTHERWISE = {"contact", "materials", "R_o", "clamp", "layer"}
-IN_CONSTANTS = {*PAIR} - _OTHERWISE
+IN_CONSTANTS = {*PAIR} - {"contact", "materials", "R_o", "clamp", "layer"}
 
 
 def option_of(name: str) -> str:
-    """Return the option of a field.
+    """Return the option of a constant or of a setting.
 
-    Examples
-    --------
-    >>> option_of("leave_out"), option_of("R_i_mm"), option_of("E_MPa")
-    ('--leave-out', '--Ri', '--E')
+    >>> option_of("load_error"), option_of("R_i_mm"), option_of("E_MPa")
+    ('--load-error', '--Ri', '--E')
     """
-    short = name.removesuffix("_mm").removesuffix("_MPa")
-    return "--" + (short.replace("R_i", "Ri").replace("R_j", "Rj")).replace("_", "-")
+    if name in PAIR:
+        return str(PAIR[name][1].default)  # where typer has the first name
+    return "--" + name.replace("_", "-")
 
 
 def constants_of(
@@ -152,7 +119,7 @@ def constants_of(
     return values, options
 
 
-def housing_of(given: dict[str, Any], source: str, contact: str) -> "HousingSpec | None":
+def housing_of(given: dict[str, Any], source: str, contact: str) -> HousingSpec | None:
     """Return the housing that the options give, and take them away."""
     R_o, clamp, layers = (given.pop(name, None) for name in ("R_o", "clamp", "layer"))
     if R_o is None and clamp is None and not layers:
@@ -200,10 +167,10 @@ def pair_of(
     constants: Mapping[str, Any],
     options: Mapping[str, str],
     contact: str,
-    rows: Mapping[str, "MaterialRow"],
+    rows: Mapping[str, MaterialRow],
     source: str,
-    default: "CylinderPair",
-) -> "CylinderPair":
+    default: CylinderPair,
+) -> CylinderPair:
     """Return the pair of some options; what they leave out is that of another pair."""
     from cylcontact.pair import CylinderPair, roles
 
@@ -238,10 +205,10 @@ def _body(
     role: str,
     constants: Mapping[str, Any],
     options: Mapping[str, str],
-    rows: Mapping[str, "MaterialRow"],
+    rows: Mapping[str, MaterialRow],
     source: str,
-    default: "Material",
-) -> "Material":
+    default: Material,
+) -> Material:
     """Return the material of a body, its own or that of both, by its name or by E and ν."""
     from cylcontact.materials import Material, find_material
 

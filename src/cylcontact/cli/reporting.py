@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,16 +10,18 @@ import typer
 
 from cylcontact.choices import CODES, FORMATS, JOINT_TARGETS, TARGETS, listed
 from cylcontact.cli.options import (
-    NUMBER,
     RESULTS,
     STYLES,
     TABLES,
     Jobs,
     Results,
-    expand_options,
-    split,
+    number,
+    option,
+    output,
+    several,
+    takes,
 )
-from cylcontact.cli.pair import PAIR, PairOptions, constants_of, housing_of, option_of, pair_of
+from cylcontact.cli.pair import PAIR, constants_of, housing_of, option_of, pair_of
 from cylcontact.cli.terminal import cores, progress_bars, say
 from cylcontact.errors import InputError, require
 from cylcontact.files import (
@@ -50,15 +51,10 @@ def figure(
             'its name, e.g. maps material="titanium alloy" law=explicit.'
         ),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The folder; reports/figures by default.")
-    ] = None,
-    style: Annotated[str | None, typer.Option(help=f"{listed(STYLES)}.")] = None,
+    out: Annotated[Path | None, output("The folder; reports/figures by default.")] = None,
+    style: Annotated[str | None, option(f"{listed(STYLES)}.", metavar="STYLE")] = None,
     formats: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--format", callback=split, metavar="FORMAT[,...]", help=f"{listed(FORMATS)}."
-        ),
+        list[str] | None, several(f"{listed(FORMATS)}.", "--format", metavar="FORMAT[,...]")
     ] = None,
     results: Results = RESULTS,
     jobs: Jobs = None,
@@ -202,14 +198,15 @@ def manuscript(
     say(f"{made.pdf}; sources for a journal in {made.sources}")
 
 
-@expand_options
+@takes("pair", PAIR)
 def laws(
     *,
-    pair: PairOptions,
-    load: Annotated[float, typer.Option(help="Load per unit length, N/mm.", **NUMBER)] = 100.0,
+    load: Annotated[float, number("Load per unit length, N/mm.")] = 100.0,
     own: Annotated[
-        str | None, typer.Option(help="A function of your own to list as well, module:function.")
+        str | None,
+        option("A function of your own to list as well.", metavar="MODULE:FUNCTION"),
     ] = None,
+    pair: dict[str, Any],
 ) -> None:
     """Compare the laws for a pair, and say which one to use.
 
@@ -222,9 +219,8 @@ def laws(
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.laws_table import to_text
 
-    given = {name: value for name, value in vars(pair).items() if value is not None}
-    around = _housing_of(given, pair, "laws")
-    cylinders = _pair_of(given, pair, "laws")
+    around = _housing_of(pair, "laws")
+    cylinders = _pair_of(pair, "laws")
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
     listed_too = None if own is None else user_law(own, Path.cwd())
     say(f"{advice}\n\n{to_text(cylinders, load, listed_too, around)}")
@@ -233,29 +229,29 @@ def laws(
             say(f"warning: {warning}", err=True)
 
 
-def _housing_of(given: dict[str, Any], pair: PairOptions, source: str) -> Housing | None:
+def _housing_of(pair: dict[str, Any], source: str) -> Housing | None:
     """Return the housing that options give, and take them away."""
-    housing = housing_of(given, source, given.get("contact", "internal"))
+    housing = housing_of(pair, source, pair.get("contact", "internal"))
     if housing is None:
         return None
     from cylcontact.materials import own_table
 
-    own = own_table(pair.materials, Path(), source, "--materials")
+    own = own_table(pair.get("materials"), Path(), source, "--materials")
     return housing.with_numbers(own, source, "--layer").housing
 
 
-def _pair_of(given: Mapping[str, Any], pair: PairOptions, source: str) -> CylinderPair:
+def _pair_of(pair: Mapping[str, Any], source: str) -> CylinderPair:
     """Return the pair that options give, and for the rest that which is compared by default."""
     from cylcontact.materials import known_materials, own_table
     from cylcontact.reports.laws_table import case
 
-    contact = given.get("contact", "internal")
-    constants, options = constants_of(given, source, contact)
-    rows = known_materials(own_table(pair.materials, Path(), source, "--materials"))
+    contact = pair.get("contact", "internal")
+    constants, options = constants_of(pair, source, contact)
+    rows = known_materials(own_table(pair.get("materials"), Path(), source, "--materials"))
     return pair_of(constants, options, contact, rows, source, case())
 
 
-@partial(expand_options, hide=PAIR)
+@takes("pair", PAIR, listed=False)
 def export(
     what: Annotated[
         str | None,
@@ -265,31 +261,28 @@ def export(
     ] = None,
     *,
     joint: Annotated[
-        Path | None, typer.Option(help="A joint, e.g. datasets/joint.toml, as a force element.")
+        Path | None,
+        option("A joint, e.g. datasets/joint.toml, as a force element.", metavar="JOINT"),
     ] = None,
-    pair: PairOptions,
     target: Annotated[
         str,
-        typer.Option(
-            "--to",
-            help=f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}, or with --range "
+        option(
+            f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}, or with --range "
             f"{listed(CODES)}.",
+            "--to",
+            metavar="TARGET",
         ),
     ],
     force_range: Annotated[
         str | None,
-        typer.Option("--range", help="Total force in N, LOW:HIGH, for a code's own contact."),
+        option("Total force in N for a code's own contact.", "--range", metavar="LOW:HIGH"),
     ] = None,
-    mass: Annotated[
-        float | None, typer.Option(help="Effective mass of its impacts, kg; 1.", **NUMBER)
-    ] = None,
-    speed: Annotated[
-        float | None, typer.Option(help="Their speed, m/s; by the middle of the range.", **NUMBER)
-    ] = None,
+    mass: Annotated[float | None, number("Effective mass of its impacts, kg; 1.")] = None,
+    speed: Annotated[float | None, number("Their speed, m/s; by the middle of the range.")] = None,
     out: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", help="The file; standard output by default, but for a joint."),
+        Path | None, output("The file; standard output by default, but for a joint.")
     ] = None,
+    pair: dict[str, Any],
 ) -> None:
     """Write a law, or a clearance joint, in another language.
 
@@ -302,15 +295,14 @@ def export(
     from cylcontact.export.in_housing import law_in_housing
     from cylcontact.housing_spec import in_housing
 
-    given = {name: value for name, value in vars(pair).items() if value is not None}
     if target in CODES:
-        _print_parameters(joint, target, force_range, mass, speed, pair.materials, out)
+        _print_parameters(joint, target, force_range, mass, speed, pair.get("materials"), out)
         return
-    for option, value in (("--range", force_range), ("--mass", mass), ("--speed", speed)):
+    for name, value in (("--range", force_range), ("--mass", mass), ("--speed", speed)):
         remedy = f"leave it out, or choose --to {listed(CODES)}"
-        require(value is None, "export", option, value, "is for a code's own contact", remedy)
+        require(value is None, "export", name, value, "is for a code's own contact", remedy)
     if joint is not None:
-        others = {"RESULT|LAW": what} | {option_of(name): given[name] for name in given}
+        others = {"RESULT|LAW": what} | {option_of(name): pair[name] for name in pair}
         _export_joint(joint, target, out, others.pop("--materials", None), others)
         return
     if what is None:
@@ -318,15 +310,15 @@ def export(
         raise InputError("export", "RESULT|LAW", None, "is missing", remedy)
     if out is not None:
         require_writable(out)
-    housing = _housing_of(given, pair, "export")
+    housing = _housing_of(pair, "export")
     if housing is not None:
         law = in_housing(what, housing, "export", "RESULT|LAW")
-        law, words = law_in_housing(law, _pair_of(given, pair, "export"))
+        law, words = law_in_housing(law, _pair_of(pair, "export"))
         say(f"{what} in this housing: {words}", err=True)
         source = exported(law, None, target, words)
     else:
-        contact = given.pop("contact", None)
-        for name, value in given.items():
+        contact = pair.pop("contact", None)
+        for name, value in pair.items():
             rule, remedy = "is for a law in a housing or a joint", "leave it out, or add --R-o"
             raise InputError("export", option_of(name), value, rule, remedy)
         source = export_named(what, contact, target)
