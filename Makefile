@@ -98,8 +98,9 @@ figures: build/.figures ## Draw the figures from this machine's fits, in build
 report: $(VENV)/.editable ## Build the report, reports/html/index.html, from the committed fits
 	$(CYLCONTACT) report
 
-paper: $(VENV)/.paper ## Typeset the manuscript, reports/typeset/contact-laws, from the committed results
-	$(CYLCONTACT) manuscript
+paper: $(VENV)/.paper ## Typeset the manuscript and its supplement, in reports/typeset, from the committed results
+	$(CYLCONTACT) paper
+	$(CYLCONTACT) paper reports/manuscript/supplement.md
 
 claims: $(VENV)/.editable ## Hold every number the paper states against ours
 	$(CYLCONTACT) claims
@@ -224,7 +225,7 @@ lock: ## Pin the dependencies anew in the locks; make lock UPGRADE=--upgrade for
 	@mv $(LOCKS:%=build/%) .
 
 clean: ## Remove what the commands above made: fits, figures, tables, caches
-	rm -rf build dist datasets/generated reports/figures reports/html reports/tables reports/typeset
+	rm -rf build dist datasets/generated reports/figures reports/html reports/typeset
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests reports -name __pycache__ -type d -prune -exec rm -rf {} +
 

@@ -1,26 +1,13 @@
-"""The values that `contact-laws.md` names, and the phrases that they must support."""
+"""The values that `pin_in_hole.md` and `supplement.md` name; an assertion guards their words."""
 
 import cylcontact
 from cylcontact.reports import Bench
-from cylcontact.reports.manuscript import Group
 
-from . import law_values, mechanism_values
-from .law_values import (
-    explicit_law,
-    housing,
-    johnson,
-    law,
-    made,
-    pairs,
-    pins,
-    ranges,
-    readings,
-    yielding,
-)
-from .mechanism_values import crank, elements, ledger, restitution
+from .joint_values import crank, restitution
+from .law_values import Values, explicit_law, housing, johnson, pairs, pins, yielding
+from .paper_values import elements, law, ledger, made, ranges, readings
 
 __all__ = [
-    "HOLDS",
     "crank",
     "elements",
     "explicit_law",
@@ -38,9 +25,7 @@ __all__ = [
     "yielding",
 ]
 
-HOLDS = {**law_values.HOLDS, **mechanism_values.HOLDS}
 
-
-def software(bench: Bench) -> Group:  # noqa: ARG001
+def software(bench: Bench) -> Values:  # noqa: ARG001
     """Return the version of the package."""
     return {"version": cylcontact.__version__}

@@ -22,7 +22,7 @@ from tests.support.spec_files import ELEMENTS, write_bench, write_toml
 
 def group_of(line):
     """Return the command of a line, or that it needs an extra."""
-    return "extras" if re.search(r"\.parquet|^manuscript", line) else line.split(" ")[0]
+    return "extras" if re.search(r"\.parquet|^paper", line) else line.split(" ")[0]
 
 
 GROUPS = [

@@ -312,12 +312,11 @@ class TestAdditions:
             "    figure =", "    bench.input('datasets/loads.csv').read_text()\n    figure ="
         )
         put(bench, "loads.py", text)
-        for name in ("materials", "loads", "claims"):
+        for name in ("materials", "loads"):
             put(bench, f"../datasets/{name}.csv", "mine\n")
         before = tree(bench.root)
         for command, name in (
             (("claims", "-o", "datasets/materials.csv"), "materials"),
-            (("report", "--tables", "csv", "-o", "datasets"), "claims"),
             (("figure", "loads", "-o", "datasets", "--jobs", 2), "loads"),
         ):
             code, out, errors = run(*command)

@@ -17,29 +17,23 @@ bibliography: references.bib
 VALUES = """
 import pandas as pd
 
-from cylcontact.reports.quantity import Quantity
+from cylcontact.reports.manuscript import number, plain
 
 DEPTH = 2.5
 
 
 def wear(bench):
-    table = pd.DataFrame({"load, N/mm": ["20", "50"], "law": ["a_b", "*c*"]})
-    return {"depth": Quantity(DEPTH, "µm"), "count": Quantity(3), "who": "A & B_c", "table": table}
-
-
-def deep(bench):
-    return DEPTH > 2
-
-
-HOLDS = {"more than two": deep}
+    assert DEPTH > 2, "more than two"
+    table = pd.DataFrame({"load, N/mm": ["20", "50"], "law": [plain("a_b"), plain("*c*")]})
+    return {"depth": number(DEPTH, "µm"), "count": 3, "who": plain("A & B_c"), "table": table}
 """
 BODY = """Deep are {{wear.depth}}, more than
-two, and {{ wear.count:words }} of {{wear.who}} [@johnson1985, Sect. 4.2];
+two, and {{ wear.count | words }} of {{wear.who}} [@johnson1985, Sect. 4.2];
 see @fig:one, @tbl:one, @eq:one.
 
 $$ a = 1.5 b $$ {#eq:one}
 
-![A line in {{figure.fig99.largest load, N/mm:.1f}}.](fig99){#fig:one}
+![A line in {{ figure("fig99")["largest load, N/mm"] | number("N/mm") }}.](fig99){#fig:one}
 
 {{wear.table}}
 

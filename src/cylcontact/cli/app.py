@@ -71,7 +71,7 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         reporting.figure: "figure fig12 --style single-column --format pdf,svg",
         reporting.report: "report -o build/report",
         reporting.claims: "claims -o build/claims.csv",
-        reporting.manuscript: "manuscript reports/manuscript/template.md",
+        reporting.paper: "paper reports/manuscript/template.md",
         fit.verify: "verify fitting/results/external-E1000.json",
         init.init: "init mine",
     },

@@ -19,7 +19,7 @@ from cylcontact.files import replacing_all, require_writable, shipped_bench
 FOLDERS = ("datasets", "fitting", "notebooks", "reports")
 # Files that commands and users add to a checkout; a wheel has none of them.
 _NOT_SHIPPED = (
-    *("__pycache__", ".*", "figures", "generated", "html", "tables", "typeset"),
+    *("__pycache__", ".*", "figures", "generated", "html", "typeset"),
     *("mine*", "materials.csv", "*.lock", "*.partial"),
 )
 

@@ -24,7 +24,6 @@ LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 NOISES = ("constant", "proportional", "both")
 OPTIMIZERS = ("genetic", "differential-evolution", "least-squares", "descents", "cma")
 STYLES = ("journal", "single-column", "double-column", "slides")
-TABLES = ("latex", "csv", "html")
 
 
 def split(values: list[str] | None) -> list[str]:

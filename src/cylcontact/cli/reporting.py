@@ -1,4 +1,4 @@
-"""The commands `figure`, `report`, `claims`, `manuscript`, `laws` and `export`."""
+"""The commands `figure`, `report`, `claims`, `paper`, `laws` and `export`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from cylcontact.choices import CODES, FORMATS, JOINT_TARGETS, TARGETS, listed
 from cylcontact.cli.options import (
     RESULTS,
     STYLES,
-    TABLES,
     Jobs,
     Results,
     number,
@@ -33,14 +32,10 @@ from cylcontact.files import (
     shipped_bench,
     write_table,
 )
-from cylcontact.plain_text import brief
 
 if TYPE_CHECKING:
     from cylcontact.laws import Housing
     from cylcontact.pair import CylinderPair
-
-# Characters of a warning, which may list many words of a text.
-LONGEST_NOTE = 500
 
 
 def figure(
@@ -91,36 +86,17 @@ def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str
 
 
 def report(
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(help="With --tables: the recipes whose captions to write; all by default."),
-    ] = None,
     out: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", help="The folder; reports/html, or reports/tables."),
-    ] = None,
-    tables: Annotated[
-        str | None, typer.Option(help=f"Write the tables and captions instead: {listed(TABLES)}.")
+        Path | None, typer.Option("-o", "--out", help="The folder; reports/html by default.")
     ] = None,
     results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
-    """Build the report to read in a browser, with every figure, or its tables for a manuscript."""
+    """Build the report to read in a browser, with every figure."""
     from cylcontact.reports.bench import Bench
-
-    bench = Bench(Path(), results, jobs or cores())
-    if tables is not None:
-        from cylcontact.reports.tables import write_tables
-
-        folder = out or bench.recipes_folder / "tables"
-        count = len(write_tables(bench, names or (), tables, folder))
-        say(f"{count} {'file' if count == 1 else 'files'} in {folder}")
-        return
-    if names:
-        rule, remedy = "is for --tables", f"draw figures with cylcontact figure {' '.join(names)}"
-        raise InputError("report", "RECIPE", names[0], rule, remedy)
     from cylcontact.reports.html import build_site
 
+    bench = Bench(Path(), results, jobs or cores())
     with progress_bars() as progress:
         site = build_site(bench, out or bench.recipes_folder / "html", progress)
     for reason in site.missing:
@@ -171,31 +147,25 @@ def claims(
     say(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
 
 
-def manuscript(
+def paper(
     source: Annotated[
-        Path,
-        typer.Argument(help="The manuscript, Markdown with placeholders for numbers and figures."),
-    ] = Path("reports/manuscript/contact-laws.md"),
+        Path, typer.Argument(help="The manuscript: Markdown that names numbers and figures.")
+    ] = Path("reports/manuscript/pin_in_hole.md"),
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="The folder; reports/typeset/NAME.")
     ] = None,
     results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
-    """Typeset a paper whose numbers and figures come from results, as PDF and as LaTeX.
-
-    Warns of numbers that are typed, and of figures and tables that the text does not mention.
-    """
+    """Typeset a paper whose numbers and figures come from results, as PDF and as LaTeX."""
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.typeset import typeset
+    from cylcontact.reports.manuscript import typeset
 
     bench = Bench(Path(), results, jobs or cores())
     folder = out or bench.recipes_folder / "typeset" / source.stem
     with progress_bars() as progress:
         made = typeset(bench, source, folder, progress)
-    for note in made.notes:
-        say(f"warning: {brief(note, LONGEST_NOTE)}", err=True)
-    say(f"{made.pdf}; sources for a journal in {made.sources}")
+    say(f"{made}; sources for a journal in {folder / 'latex'}")
 
 
 @takes("pair", PAIR)

@@ -19,9 +19,6 @@ __all__ = [
     "manuscript",
     "notebook",
     "paper",
-    "quantity",
-    "tables",
-    "typeset",
 ]
 
 
