@@ -1,8 +1,6 @@
-"""Figures restyled without touching code: styles, formats, fonts, tables, and many at once."""
+"""Figures restyled without touching code: styles, formats, fonts, and many at once."""
 
-import csv
 import hashlib
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,16 +8,12 @@ from pathlib import Path
 import matplotlib as mpl
 import pytest
 from PIL import Image
-from typer.testing import CliRunner
 
 from cylcontact import InputError
-from cylcontact.cli.app import app
 from cylcontact.plots.figure import new_figure
-from cylcontact.plots.latex import latex
 from cylcontact.plots.style import STYLES, FigureOptions, choose, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, chosen_recipes, draw, write
-from tests.support.claim_files import STATICS, claims_of
 from tests.support.figure_files import embedded_fonts, font_sizes_inside, page_mm
 
 ROOT = Path(__file__).parents[2]
@@ -184,55 +178,3 @@ class TestCommand:
             "has no attribute 'x'); correct the recipe\n"
         )
         assert (small / "reports" / "figures" / "fig99.pdf").is_file()
-
-
-@pytest.fixture(scope="module")
-def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """All kinds for one figure of the real bench and its quick claims, by the command."""
-    folder, claims = tmp_path_factory.mktemp("tables"), claims_of(BENCH, *STATICS).values()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(ROOT)
-        patch.setattr("cylcontact.reports.tables.ledger", lambda _: claims)
-        for kind in ("latex", "csv", "html"):
-            arguments = ["report", "fig02", "--tables", kind, "-o", str(folder)]
-            done = CliRunner().invoke(app, arguments, catch_exceptions=False)
-            assert done.exit_code == 0
-    return folder
-
-
-class TestTables:
-    @pytest.mark.slow
-    def test_latex_is_plain_and_balanced(self, tables: Path) -> None:
-        for name in ("coefficients", "claims", "fig02-caption"):
-            text = (tables / f"{name}.tex").read_text(encoding="utf-8")
-            assert text.isascii(), name
-            bare = re.sub(r"\\[{}]", "", text)
-            assert bare.count("{") == bare.count("}")
-            body = text if "caption" in name else text.split(r"\endhead")[1]
-            assert not re.search(r"(?<!\\)[#%$]", body)
-        rows = (tables / "claims.tex").read_text().split(r"\endhead")[1].split("\\\\\n")[:-1]
-        assert {row.count(" & ") for row in rows} == {4}
-
-    @pytest.mark.slow
-    def test_captions_are_ready_to_input(self, tables: Path) -> None:
-        caption = (tables / "fig02-caption.tex").read_text()
-        assert caption.startswith(r"\caption{Load per unit length (N/mm) against penetration")
-        assert caption.endswith("}\n\\label{fig:fig02}\n")
-
-    def test_csv_holds_the_coefficients_beside_the_published(self, tables: Path) -> None:
-        with (tables / "coefficients.csv").open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-        (a,) = [row for row in rows if (row["fit"], row["coefficient"]) == ("external", "a")]
-        assert (a["published"], a["fitted"]) == ("0.39", "0.37815")
-
-    def test_html_is_escaped(self, tables: Path) -> None:
-        html = (tables / "claims.html").read_text(encoding="utf-8")
-        assert html.count("<tr") > 50
-        assert not re.search(r"<(?!/?(table|thead|tbody|tr|th|td)\b)", html)
-        assert (tables / "captions.html").read_text().startswith('<figcaption id="fig02">Load')
-
-    def test_texts_of_users_are_no_commands(self) -> None:
-        assert latex(r"\input{x} a_b^c ~ 50% #1 $y$ <&>|") == (
-            r"\textbackslash{}input\{x\} a\_b\textasciicircum{}c \textasciitilde{} 50\% \#1 \$y\$ "
-            r"\ensuremath{<}\&\ensuremath{>}\ensuremath{|}"
-        )

@@ -40,6 +40,7 @@ _FILTER = Path(__file__).with_name("crossref.lua")
 _TEMPLATES = {"latex": "article.tex", "typst": "article.typ"}
 _IMAGE = re.compile(r"\]\(<?([^<>()\n]+)>?\)(?=\{#fig:)")
 _BIBLIOGRAPHY = re.compile(r"^bibliography: *(\S+) *$", re.MULTILINE)
+Number = float | np.integer[Any]
 _WORDS = [
     "zero",
     "one",
@@ -200,7 +201,7 @@ def _put(value: object) -> object:
     return number(value) if isinstance(value, float | int | np.integer | tuple) else value
 
 
-def number(value: float | tuple[float, ...], unit: str = "", digits: int = 3) -> str:
+def number(value: Number | tuple[Number, ...], unit: str = "", digits: int = 3) -> str:
     r"""Return a number, or a range, with its unit; integers in full.
 
     Examples
@@ -213,14 +214,14 @@ def number(value: float | tuple[float, ...], unit: str = "", digits: int = 3) ->
     return " to ".join(_digits(end, digits) for end in ends) + space + unit
 
 
-def _digits(value: float, digits: int) -> str:
+def _digits(value: Number, digits: int) -> str:
     """Return a number with so many significant digits, very large and small ones with a power."""
-    plain = str(value) if isinstance(value, int | np.integer) else f"{float(value):#.{digits}g}"
-    if not 1e-4 <= abs(Decimal(plain)) < 1e6 and "e" in plain:
-        mantissa, _, power = plain.partition("e")
+    printed = str(value) if isinstance(value, int | np.integer) else f"{float(value):#.{digits}g}"
+    if not 1e-4 <= abs(Decimal(printed)) < 1e6 and "e" in printed:
+        mantissa, _, power = printed.partition("e")
         factor = "" if mantissa == "1." else rf"{mantissa.rstrip('.')} \times "
         return f"${factor}10^{{{int(power)}}}$"
-    text = f"{Decimal(plain):f}".rstrip(".") if "e" in plain else plain.rstrip(".")
+    text = f"{Decimal(printed):f}".rstrip(".") if "e" in printed else printed.rstrip(".")
     return f"${text}$" if text.startswith("-") else text
 
 
@@ -298,7 +299,7 @@ def _pandoc(text: str, kind: str, source: Path) -> str:
     require_file(template, "copy it from reports/manuscript")
     options = ["--natbib", f"--template={template.resolve()}", f"--lua-filter={_FILTER}"]
     try:
-        import pypandoc
+        import pypandoc  # type: ignore[import-untyped]
 
         made: str = pypandoc.convert_text(
             text, kind, _READER, extra_args=["--fail-if-warnings", *options]
