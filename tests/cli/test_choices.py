@@ -7,7 +7,6 @@ from cylcontact.fitting.measured import LOSSES
 from cylcontact.fitting.noise import NOISES
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.plots import style
-from cylcontact.reports import tables
 
 
 @pytest.mark.parametrize(
@@ -17,7 +16,6 @@ from cylcontact.reports import tables
         (options.NOISES, NOISES),
         (options.OPTIMIZERS, OPTIMIZERS),
         (options.STYLES, style.STYLES),
-        (options.TABLES, tables.KINDS),
     ],
 )
 def test_help_offers_what_there_is(offered, known):
