@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, laws
-from cylcontact.datasets import read_grid
 from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.objectives import Problem, collect_samples, make_objective
@@ -72,24 +71,6 @@ def test_any_datum_shifts_the_law_as_it_shifts_the_reference(pin, hole, datum):
     shift *= laws.Conformal(datum).constant(pair) - laws.Conformal().constant(pair)
     johnson = laws.Parametric().penetration(loads, pair)
     np.testing.assert_allclose(found, johnson + shift, rtol=1e-12)
-
-
-@pytest.mark.parametrize("C", [-0.3, 0.0, 1.0, 10.0])
-def test_load_and_penetration_invert_each_other_for_every_pair_and_datum(C):
-    law = laws.Parametric(datum=C)
-    pair = random_pairs(60, seed=5)
-    least = unlike_least(pair)
-    fine = np.squeeze(least < C)  # with this datum δ grows with the load
-    assert fine.sum() > 20
-    pair = CylinderPair.from_dundurs(pair.alpha[fine], pair.beta[fine])
-    d = np.geomspace(1e-12, 1e6, 100)
-    np.testing.assert_allclose(law.penetration(law.load(d, pair), pair), d + 0 * pair.beta, 1e-9)
-
-
-def unlike_least(pair):
-    """The C above which the penetration grows with the load, for each pair."""
-    johnson = laws.Conformal().constant(pair)
-    return johnson - laws.ExplicitPair().numbers(pair).c
 
 
 def test_the_largest_arc_is_that_of_the_reference():
@@ -157,16 +138,6 @@ def test_a_grid_holds_the_pairs_that_are_possible():
     ):
         alone = CylinderPair.from_dundurs(alpha, beta)
         assert laws.Conformal().penetration(phi, alone) == pytest.approx(d, rel=1e-12)
-
-
-def test_the_shipped_grid_reaches_the_edges():
-    grid = read_grid(ROOT / "datasets/any-pair.toml")
-    alpha, beta = grid.row_values(np.arange(grid.rows))
-    assert grid.rows == 156
-    assert (np.isclose(4 * beta, alpha + 1).sum(), np.isclose(4 * beta, alpha - 1).sum()) == (
-        12,
-        12,
-    )
 
 
 def test_sample_writes_alpha_beta_phi_and_d(run, tmp_path):

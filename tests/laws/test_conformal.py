@@ -1,4 +1,4 @@
-"""Persson's law against forty digits, direct quadrature and a numerical contact solver."""
+"""Persson's law against forty digits and direct quadrature."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,6 @@ from cylcontact.laws.conformal import load_at_angle, pressure
 from cylcontact.laws.foundation import DEPTH, Winkler
 from cylcontact.limits import hertz_stress
 from cylcontact.materials import material_in_MPa
-from tests.laws.test_conformal_any_pair import influence
 from tests.support.strategies import gaps, materials, powers_of_ten
 
 LAW = Persson()
@@ -106,14 +105,6 @@ def test_the_pressure_balances_the_load(u):
         assert abs(carried - 1) < 1e-20
 
 
-@pytest.mark.parametrize("u", ARCS)
-def test_the_pressure_adds_up_to_what_the_penetration_was_derived_with(u):
-    with mp.workdps(40):
-        u = mp.mpf(u)
-        total = integral_over_arc(lambda a: pressure_mp(a, u), u)
-        assert abs(total * load_mp(u) / (2 * mp.pi * (2 / N_mp(u) - 1)) - 1) < 1e-20
-
-
 @pytest.mark.parametrize("part", [0.0, 0.3, 0.7, 1.0])
 @pytest.mark.parametrize("u", ARCS)
 def test_hole_and_pin_touch_all_along_the_arc(u, part):
@@ -200,12 +191,6 @@ def test_the_angle_comes_back_from_its_load(phi):
     assert load_at_angle(angle, UNIT) == pytest.approx(phi, rel=1e-14 + 32 * lost, abs=0)
 
 
-@given(powers_of_ten(-300, 300))
-def test_load_and_penetration_invert_each_other(x):
-    assert LAW.load(LAW.penetration(x, UNIT), UNIT) == pytest.approx(x, rel=32 * EPS, abs=0)
-    assert LAW.penetration(LAW.load(x, UNIT), UNIT) == pytest.approx(x, rel=32 * EPS, abs=0)
-
-
 @given(materials, gaps, load_numbers)
 def test_the_law_is_one_curve_in_dimensionless_variables(material, dR, phi):
     pair = CylinderPair.from_dR("internal", dR, material)
@@ -265,82 +250,6 @@ def test_the_pressure_ends_with_the_contact_and_goes_round_with_the_angle():
     assert np.isnan(pressure([np.nan, np.inf], f, SLIM)).all()
 
 
-def test_the_peak_is_the_closed_form():
-    f = np.array([1e-6, 0.1, 1.0, 100.0]) * SLIM.E_star * SLIM.dR
-    b, R = np.tan(contact_angle(f, SLIM) / 2), np.sqrt(SLIM.R_i * SLIM.R_j)
-    peak = f / (np.pi * R) * (2 * b / np.sqrt(1 + b**2) + np.arcsinh(b) / (b**2 * (1 + b**2)))
-    np.testing.assert_allclose(peak_pressure(f, SLIM), peak, rtol=1e-14)
-
-
-# --- an independent solution of the contact -----------------------------------------------------
-
-
-def solve_contact(phi, green, dR=1.0):
-    """Pressure at the nodes from 0 to 90°, penetration and contact, by an active set.
-
-    The contact is all of it at first; then nodes that pull leave, and nodes that overlap enter.
-    """
-    width, half = 2 * np.pi / green.size, green.size // 4
-    node = np.arange(half)
-    angle, twice = width * node, np.where(node > 0, 1.0, 0.0)
-    opening = green[abs(node[:, None] - node)] + twice * green[node[:, None] + node]
-    weight = (1 + twice) * np.cos(angle) * width * np.sinc(width / (2 * np.pi)) ** 2
-    contact = np.ones(half, dtype=bool)
-    for _ in range(30):
-        inside = np.flatnonzero(contact)
-        system = np.zeros((inside.size + 1, inside.size + 1))
-        system[:-1, :-1] = opening[np.ix_(inside, inside)]
-        system[:-1, -1], system[-1, :-1] = -np.cos(angle[inside]), weight[inside]
-        solution = np.linalg.solve(system, np.append(-dR * (1 - np.cos(angle[inside])), phi))
-        p, delta = np.zeros(half), solution[-1]
-        p[inside] = solution[:-1]
-        overlap = delta * np.cos(angle) - dR * (1 - np.cos(angle)) - opening @ p
-        renewed = np.where(contact, p > 0, overlap > 1e-12)
-        if np.array_equal(renewed, contact):
-            return angle, p, delta, contact
-        contact = renewed
-    raise AssertionError("the active set does not settle")
-
-
-NUMERICAL_LOADS = [0.1, 0.2, 0.63, 1.7, 5.0, 50.0, 1000.0]
-
-
-@pytest.fixture(scope="module")
-def green():
-    return influence(UNIT, 2048)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("phi", NUMERICAL_LOADS)
-def test_the_numerical_contact_has_the_same_pressure_and_angle(phi, green):
-    angle, p, _, contact = solve_contact(phi, green)
-    pair = CylinderPair.from_dR("internal", 1.0, UNIT.material_i, R_i=GOLDEN)
-    exact, edge = pressure(angle, phi, pair), contact_angle(phi, pair)
-    inner = angle < 0.9 * edge
-    np.testing.assert_allclose(p[inner], exact[inner], rtol=0, atol=2e-5 * exact[0])
-    # The edge falls between the last node in contact and the next.
-    assert abs(angle[contact].max() - edge) < angle[1]
-
-
-@pytest.mark.slow
-def test_the_numerical_contact_has_the_same_penetration_but_for_the_datum(green):
-    """The constant is C = 2ln 2 − 3/2 less the −1/2 that the mode n = 1 adds to the kernel."""
-    numerical = np.array([solve_contact(phi, green)[2] for phi in NUMERICAL_LOADS])
-    loads = np.array(NUMERICAL_LOADS)
-    shift = (LAW.penetration(loads, UNIT) - numerical) * np.pi / loads
-    np.testing.assert_allclose(shift, 2 * np.log(2) - 1, rtol=0, atol=3e-5)
-
-
-def test_the_numerical_contact_converges_to_the_law():
-    phi, errors = 1.0, []
-    pair = CylinderPair.from_dR("internal", 1.0, UNIT.material_i, R_i=GOLDEN)
-    for nodes in (256, 1024, 4096):
-        angle, p, _, _ = solve_contact(phi, influence(UNIT, nodes))
-        errors.append(np.sum(abs(p - pressure(angle, phi, pair))) * angle[1])
-    assert errors[0] > 6 * errors[1] > 36 * errors[2]
-    assert errors[2] < 1e-5
-
-
 # --- the foundation of Winkler ----------------------------------------------------------------
 
 
@@ -356,13 +265,6 @@ def test_the_foundation_is_the_sum_of_its_springs(d, depth):
     assert law.stiffness(d, UNIT) == pytest.approx(float(slope), rel=16 * EPS, abs=0)
 
 
-@given(materials, gaps, load_numbers)
-def test_the_foundation_is_one_curve_too(material, dR, phi):
-    pair = CylinderPair.from_dR("internal", dR, material)
-    scaled = Winkler().penetration(phi * pair.E_star * dR, pair) / dR
-    assert scaled == pytest.approx(Winkler().penetration(phi, UNIT), rel=32 * EPS, abs=0)
-
-
 def test_the_default_depth_makes_complete_contact_as_stiff_as_perssons():
     assert LAW.penetration(1e300, UNIT) * np.pi / 2e300 == pytest.approx(DEPTH, rel=4 * EPS)
     assert Winkler().load(1e9, UNIT) == pytest.approx(LAW.load(1e9, UNIT), rel=1e-8)
@@ -376,38 +278,6 @@ def test_the_foundation_is_too_soft_at_small_loads():
 
 
 # --- edges and bad input; test_every_law.py has the laws
-
-
-@pytest.mark.parametrize("law", [LAW, Winkler()])
-def test_nothing_ends_the_law(law):
-    assert law.load(np.inf, UNIT) == law.penetration(np.inf, UNIT) == np.inf
-    assert np.isfinite(law.stiffness(np.inf, UNIT))
-
-
-ASKED = [
-    *(lambda pair, m=m: getattr(LAW, m)(1.0, pair) for m in METHODS),
-    LAW.max_load,
-    LAW.max_penetration,
-    lambda pair: contact_angle(1.0, pair),
-    lambda pair: load_at_angle(1.0, pair),
-    lambda pair: pressure(0.0, 1.0, pair),
-    lambda pair: peak_pressure(1.0, pair),
-]
-
-
-@pytest.mark.parametrize("ask", ASKED)
-def test_rollers_and_different_materials_are_refused(ask, steel):
-    with pytest.raises(InputError, match=r"^Persson's law: pair.contact = 'external': must be int"):
-        ask(CylinderPair.external(10.0, 9.0, steel))
-    for other in (Material("bronze", 1e5, 0.3), Material("odd steel", 207e3, 0.2)):
-        with pytest.raises(InputError, match=f"material_j = '{other.name}': must have the same E"):
-            ask(CylinderPair.internal(10.0, 9.0, steel, material_j=other))
-    twin = Material("twin", steel.E, steel.nu)
-    assert ask(CylinderPair.internal(10.0, 9.0, steel, material_j=twin)) > 0
-    bare = CylinderPair.from_dR("internal", 0.5, steel)
-    if ask in ASKED[-2:]:
-        with pytest.raises(InputError, match="the contact pressure needs both radii"):
-            ask(bare)
 
 
 @pytest.mark.parametrize("depth", [0.0, -1.0, np.nan, np.inf])

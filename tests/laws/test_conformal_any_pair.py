@@ -141,13 +141,6 @@ def test_no_ratio_of_moduli_is_too_large(nu, sign):
         np.testing.assert_allclose(asked(exponent), rigid, rtol=1e-11)
 
 
-@pytest.mark.parametrize(("ratio", "limit"), [(1e12, 72.348301), (1.0, 84.827946)])
-def test_the_arc_ends_at_its_limit(ratio, limit):
-    hole, pin = material_in_MPa("hole", 1.0, 0.5), material_in_MPa("pin", ratio, 0.5)
-    pair = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
-    assert LAW.contact_angle(1e300, pair) == pytest.approx(limit, abs=1e-6)
-
-
 def test_a_rubber_pin_in_a_rigid_hole_can_close_all_around():
     """(1 − S)² → 2w_i at complete contact, so the limit angle tends to 180° with w_i."""
     w_i = np.array([0.25, 1e-4, 1e-8, 1e-12])
@@ -300,15 +293,6 @@ def test_the_solution_by_harmonics_is_the_same(pair, part):
     assert_same(pair, part, solution, 1e-6 * solution)
 
 
-@pytest.mark.parametrize("part", [1 / 4, 3 / 8])
-def test_the_solution_by_harmonics_is_the_same_on_arcs_of_90_and_135_degrees(part):
-    """A soft pin, whose largest arc is 137.7°; there φ is as uncertain as 1/K."""
-    pair = pair_of_shares(0.001, 0.02, 0.01)
-    solution, error, _ = extrapolated(pair, part)
-    assert np.all(error[1:] < 3e-6 * np.array([1, 5]))
-    assert_same(pair, part, solution, error)
-
-
 def assert_same(pair, part, solution, error):
     """Angle, L and peak of the law at the load of a solution, within its error.
 
@@ -344,12 +328,6 @@ def test_small_loads_are_those_of_hertz_and_johnson(pin, hole):
 
 
 # --- properties -------------------------------------------------------------------------------
-
-
-@given(any_pairs, load_numbers)
-def test_load_and_penetration_invert_each_other(pair, x):
-    assert LAW.load(LAW.penetration(x, pair), pair) == pytest.approx(x, rel=1e-13, abs=0)
-    assert LAW.penetration(LAW.load(x, pair), pair) == pytest.approx(x, rel=1e-13, abs=0)
 
 
 @pytest.mark.slow
@@ -428,12 +406,6 @@ def test_ends_of_the_domain(method):
 
 
 # --- bad input and what is shown --------------------------------------------------------------
-
-
-def test_the_datum_shows_in_the_repr():
-    assert repr(Conformal()) == "Conformal(datum='johnson')"
-    joint = Conformal(Housing(R_o=200.0, pin="diametral"))
-    assert "diametral" in joint._repr_html_()
 
 
 @pytest.mark.parametrize(

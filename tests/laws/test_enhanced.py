@@ -63,11 +63,7 @@ def test_factor_and_exponent_are_eqs_5_and_6_for_any_material(at, E, nu):
 
 def test_the_published_coefficients_are_those_of_eq_6():
     assert list(PUBLISHED) == ["internal", "external"]
-    assert list(asdict(PUBLISHED["internal"]).values()) == [
-        *(0.965, 0.0965),
-        *PUBLISHED_Y,
-        -0.005,
-    ]
+    assert list(asdict(PUBLISHED["internal"]).values()) == [*(0.965, 0.0965), *PUBLISHED_Y, -0.005]
     assert list(asdict(PUBLISHED["external"]).values()) == [0.39, 0.85, 1.094]
 
 
@@ -116,13 +112,6 @@ def test_outside_its_range_of_dR_the_internal_law_is_nan(dR):
     assert np.all(np.isnan(answers))
 
 
-@pytest.mark.parametrize(("contact", "dR"), [*ALL, ("external", 0.001), ("external", 1e4)])
-def test_inside_it_the_law_has_no_limit(contact, dR):
-    pair = steel_pair(contact, dR)
-    assert LAW.max_load(pair) == LAW.max_penetration(pair) == np.inf
-    assert np.all(np.isfinite([getattr(LAW, method)(1e-3, pair) for method in METHODS]))
-
-
 def test_nan_takes_only_the_pairs_outside_the_range():
     pair = steel_pair("internal", [0.001, 0.05, 1.0, 10.0])
     load = LAW.load(1e-3, pair)
@@ -152,13 +141,6 @@ def test_coefficients_may_come_as_a_mapping_of_names():
 
 
 # --- Eq 9 -------------------------------------------------------------------------------------
-
-
-def test_the_difference_is_that_of_penetrations_at_equal_load_in_percent():
-    pair = steel_pair("internal", 0.05)
-    judged, truth = LAW.penetration(40.0, pair), laws.Johnson().penetration(40.0, pair)
-    difference = laws.difference_percent(LAW, laws.Johnson(), 40.0, pair)
-    assert difference == pytest.approx(100 * (judged / truth - 1), rel=0, abs=1e-13)
 
 
 def test_a_stiffer_law_differs_by_a_negative_percentage(pair):

@@ -160,17 +160,6 @@ def test_a_load_above_first_yield_of_an_eye_is_warned_of():
     assert limits.yield_warning(0.99 * limit, pair, eye) is None
 
 
-def test_the_table_of_laws_says_where_an_eye_yields(run):
-    options = ("--pin", "high-strength steel", "--hole", "bronze", "--Ri", 10, "--Rj", 9.95)
-    code, said, errors = run("laws", *options, "--load", 1000, "--R-o", 15, "--clamp", "far:60")
-    assert code == 0
-    (line,) = [line for line in said.splitlines() if line.startswith("first yield")]
-    assert line.startswith("first yield at 3,320 N/mm (von Mises, in the hole, 0.16 mm below")
-    assert line.endswith("in this housing at 487 N/mm (von Mises, in the hole, at its surface, "
-                         "89° from the load)")  # fmt: skip
-    assert "above first yield at" in errors
-
-
 @pytest.mark.parametrize(
     ("housing", "pair", "message"),
     [
@@ -191,10 +180,3 @@ def test_what_has_no_first_yield_is_refused_in_a_line(housing, pair, message):
     with pytest.raises(InputError, match=message) as error:
         limits.first_yield(pair, housing=housing)
     assert "\n" not in str(error.value)
-
-
-def test_the_papers_estimate_knows_no_housing():
-    with pytest.raises(
-        InputError, match=r"housing = Housing.* is nothing that the criterion 'Hertz'"
-    ):
-        limits.yield_load(CylinderPair.internal(10.0, 9.9, STEEL), "Hertz", housing=Housing(20.0))

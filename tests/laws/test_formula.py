@@ -12,7 +12,6 @@ from scipy.integrate import quad
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.laws.formula import FUNCTIONS, Formula, lines_of, needed
-from cylcontact.laws.law import Law
 from tests.support.strategies import ROUNDING
 
 STEEL = Material("steel", E=207e3, nu=0.3)
@@ -297,9 +296,3 @@ def test_a_datum_is_a_length(datum):
         laws.Johnson(datum=datum)
     with pytest.raises(InputError, match="must be positive and finite"):
         laws.Block(datum)
-
-
-def test_every_law_states_its_equation_for_exported_files():
-    for kind in laws.LAW_TYPES:
-        if issubclass(kind, Law):
-            assert kind.formula.equation

@@ -146,30 +146,12 @@ def test_the_limits_belong_to_each_other_exactly(pair):
     assert LAW.penetration(LAW.max_load(pair), pair) == LAW.max_penetration(pair)
 
 
-@given(pairs, fractions)
-def test_no_load_in_the_domain_gives_a_penetration_outside_it(pair, fraction):
-    penetration = LAW.penetration(fraction * LAW.max_load(pair), pair)
-    assert penetration <= LAW.max_penetration(pair)
-    assert LAW.load(penetration, pair) <= LAW.max_load(pair)
-
-
 @given(pairs)
 def test_one_unit_in_the_last_place_beyond_the_limit_there_is_no_law(pair):
     deeper = np.nextafter(LAW.max_penetration(pair), np.inf)
     assert np.isnan(LAW.load(deeper, pair))
     assert np.isnan(LAW.stiffness(deeper, pair))
     assert np.isnan(LAW.penetration(np.nextafter(LAW.max_load(pair), np.inf), pair))
-
-
-def test_stiffness_is_infinite_at_the_limit_and_only_there(pair):
-    limit = LAW.max_penetration(pair)
-    assert LAW.stiffness(limit, pair) == np.inf
-    assert np.isfinite(LAW.stiffness(np.nextafter(limit, 0.0), pair))
-
-
-@pytest.mark.parametrize("method", [LAW.load, LAW.penetration, LAW.stiffness])
-def test_the_smallest_positive_number_is_inside_the_domain(method, pair):
-    assert 0.0 <= method(5e-324, pair) < np.inf
 
 
 def test_the_end_is_exact_beside_elements_outside_the_domain(pair):
@@ -189,11 +171,6 @@ def test_penetration_over_dR_depends_only_on_load_over_E_star_dR(pair, fraction)
     phi = 0.999 * fraction * LAW.max_load(UNIT)
     d = LAW.penetration(phi * pair.E_star * pair.dR, pair) / pair.dR
     assert d == pytest.approx(LAW.penetration(phi, UNIT), rel=1.5e-15, abs=0)
-
-
-def test_internal_and_external_contact_differ_only_in_dR(steel):
-    inside, outside = (CylinderPair.from_dR(c, 5.0, steel) for c in ("internal", "external"))
-    assert LAW.load(1e-3, inside) == LAW.load(1e-3, outside)
 
 
 # --- different materials ----------------------------------------------------------------------

@@ -9,13 +9,8 @@ from hypothesis import strategies as st
 from numba import njit
 
 from cylcontact import CylinderPair, InputError, Material, laws
-from cylcontact.laws.kernels import (
-    TABLE,
-    kernel,
-    kernel_load,
-    kernel_stiffness,
-)
-from cylcontact.laws.tabulated import DEEPEST, TABLE_ERROR, cubic, tabulate
+from cylcontact.laws.kernels import TABLE, kernel, kernel_load
+from cylcontact.laws.tabulated import DEEPEST, TABLE_ERROR, tabulate
 
 STEEL = Material("steel", E=207e3, nu=0.3)
 PAIRS = {
@@ -26,16 +21,6 @@ PAIRS = {
 
 def loads(made, deltas):
     return np.array([kernel_load(made.kind, made.parameters, delta) for delta in deltas])
-
-
-@pytest.mark.parametrize("name", ["johnson", "hertz-cylinder", "goldsmith"])
-def test_a_logarithmic_law_ends_at_its_largest_load(name):
-    law, pair = laws.LAWS[name](), PAIRS["tight"]
-    made = kernel(law, pair)
-    end = made.max_penetration
-    assert end == law.max_penetration(pair)
-    assert kernel_load(made.kind, made.parameters, end) == pytest.approx(float(law.max_load(pair)))
-    assert kernel_stiffness(made.kind, made.parameters, end) == np.inf
 
 
 # --- tables -----------------------------------------------------------------------------------
@@ -111,15 +96,6 @@ def test_below_the_table_the_law_goes_on_as_the_power_with_which_it_begins():
     slope = laws.Persson().stiffness(first, pair) * first / laws.Persson().load(first, pair)
     assert middle / top == pytest.approx(1e-2**slope, rel=1e-12, abs=0)
     assert bottom / middle == pytest.approx(middle / top, rel=1e-12, abs=0)
-
-
-def test_the_cubic_is_any_cubic_of_the_same_values_and_slopes():
-    p = np.polynomial.Polynomial([1.0, -2.0, 0.5, 3.0])
-    a, b, at = 0.2, 0.9, np.linspace(0.2, 0.9, 7)
-    rise = (p(b) - p(a)) / (b - a)
-    above, slope = cubic((at - a) / (b - a), b - a, rise, p.deriv()(a), p.deriv()(b))
-    np.testing.assert_allclose(p(a) + above, p(at), rtol=1e-13)
-    np.testing.assert_allclose(slope, p.deriv()(at), rtol=1e-12)
 
 
 # --- inside compiled code, and refusals ---------------------------------------------------------

@@ -6,13 +6,7 @@ from hypothesis import given
 from mpmath import mp
 
 from cylcontact import InputError, Material
-from cylcontact.materials import (
-    COLUMNS,
-    SHIPPED,
-    known_materials,
-    material_in_MPa,
-    read_materials,
-)
+from cylcontact.materials import COLUMNS, SHIPPED, known_materials, material_in_MPa, read_materials
 from tests.support.spec_files import assert_told
 from tests.support.strategies import ROUNDING, moduli, ratios
 

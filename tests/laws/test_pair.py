@@ -112,13 +112,6 @@ def test_what_is_derived_is_computed_once_and_neither_it_nor_the_pair_can_be_cha
 # --- which pair it is ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("build", BUILD)
-def test_one_material_serves_both_bodies_unless_the_second_is_given(build):
-    alone, mixed = build(10.0, 9.0, STEEL), build(10.0, 9.0, STEEL, material_j=BRASS)
-    assert (alone.material_i, alone.material_j) == (STEEL, STEEL)
-    assert (mixed.material_i, mixed.material_j) == (STEEL, BRASS)
-
-
 def test_pin_and_hole_are_other_names_of_the_materials():
     expected = CylinderPair.internal(10.0, 9.0, STEEL, 5.0, BRASS)
     assert CylinderPair.internal(10.0, 9.0, length=5.0, pin=BRASS, hole=STEEL) == expected
