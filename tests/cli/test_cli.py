@@ -33,9 +33,7 @@ def bench(tmp_path, monkeypatch, small_result):
     }
     for name, changes in variants.items():
         write_toml(tmp_path / f"fitting/{name}.toml", changed(CAMPAIGN, changes))
-    for name, changes in {
-        "masked": {"axes.load": {"values": [1e9]}},
-    }.items():
+    for name, changes in {"masked": {"axes.load": {"values": [1e9]}}}.items():
         write_toml(tmp_path / f"datasets/{name}.toml", changed(GRID, changes))
     data = json.loads((tmp_path / "good.json").read_text())
     nan = changed(data, {"objective.value": float("nan")})

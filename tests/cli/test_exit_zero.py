@@ -119,9 +119,7 @@ def folder(tmp_path_factory, small_result):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "output", "read"),
-    CASES,
-    ids=[f"{case[0][0]}-{case[1]}" for case in CASES],
+    ("arguments", "output", "read"), CASES, ids=[f"{case[0][0]}-{case[1]}" for case in CASES]
 )
 def test_after_exit_code_zero_the_output_is_there_and_can_be_read(
     folder, monkeypatch, run, arguments, output, read

@@ -140,14 +140,7 @@ def uninterrupted(tmp_path_factory):
 
 
 @pytest.mark.parametrize("name", RESUMABLE)
-@pytest.mark.parametrize(
-    "how",
-    [
-        *("SIGKILL", "SIGINT"),
-        "SIGTERM",
-        "SIGHUP",
-    ],
-)
+@pytest.mark.parametrize("how", [*("SIGKILL", "SIGINT"), "SIGTERM", "SIGHUP"])
 def test_stopped_in_the_middle_and_resumed_it_gives_the_same(uninterrupted, tmp_path, name, how):
     command = COMMANDS[name]
     folder = bench(tmp_path)

@@ -1,258 +1,264 @@
-"""Every malformed input gets one clear line and exit code 2, and nothing is written."""
+"""Malformed input, by hand and at random: one line and exit code 2, and nothing is written.
 
-import itertools
+Random cases start from good files and command lines, and spoil them in one or two places.
+"""
+
+import copy
 import json
 import re
+import tomllib
 from pathlib import Path
-from typing import NamedTuple
 
+import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
-from cylcontact.materials import COLUMNS
-from tests.support.spec_files import CAMPAIGN, DROP, GRID, changed, toml, tree
+from cylcontact import InputError
+from cylcontact.datasets import read_grid
+from cylcontact.datasets.finite_element.study import read_study
+from cylcontact.datasets.measurements import read_measured
+from cylcontact.fitting import FitResult, read_campaign
+from cylcontact.mechanism import SpatialJoint, read_joint, read_mechanism
+from tests.support.spec_files import (
+    CAMPAIGN,
+    DROP,
+    ELEMENTS,
+    GRID,
+    changed,
+    toml,
+    tree,
+    write_toml,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
-QUICK = changed(
-    CAMPAIGN,
-    {"parameters.n": {"value": 1.2, "fixed": True}, "genetic.runs": 1, "genetic.generations": 2},
-)
+SHIPPED = ("slider_crank", "four_bar", "joint", "spatial_joint", "any-pair")
+FILES = {name: tomllib.loads((ROOT / f"datasets/{name}.toml").read_text()) for name in SHIPPED}
+QUICK = {"parameters.n": {"value": 1.2, "fixed": True}, "genetic.runs": 1, "genetic.generations": 2}
+FILES |= {"small": GRID, "campaign": changed(CAMPAIGN, QUICK), "elements": ELEMENTS}
+READERS = {
+    "slider_crank": read_mechanism,
+    "four_bar": read_mechanism,
+    "joint": read_joint,
+    "spatial_joint": SpatialJoint.read,
+    "any-pair": read_grid,
+    "small": read_grid,
+    "campaign": read_campaign,
+    "elements": read_study,
+}
 TABLE = """\
-# penetration of a pin in a hole
 dR_um,E_GPa,nu,load_N_per_mm,penetration_um
 50,207,0.3,10,0.21
 50,207,0.3,100,1.7
 50,207,0.3,1000,13.2
 100,207,0.3,10,0.23
-100,207,0.3,100,1.9
 """
-# As a spreadsheet program of another country writes it, in Windows-1252.
-SEMICOLONS = """\
-Kraft;displacement;Probe;Prüfer
-N/mm;µm;;
-0;0,02;A;X
-10,5;0,21;A;X
-100;1,7;A;X
-300;4,6;A;X
-1000;13,1;A;X
-1000;13,2;B;X
-500;7,1;B;X
-100;1,9;B;X
-30;0,58;B;X
-10,5;0,23;B;X
+FIT = "--law power --contact internal -j 1 -o out.json"
+LINES = f"""
+sample datasets/small.toml -o out.csv
+fit campaign.toml --seed 1 -j 1 -o out.json
+fit table.csv --bound n=1:1.5 --noise proportional {FIT}
+fit table.csv --fixed n=1.1 --columns load=load_N_per_mm --loss linear {FIT}
+compare good.json
+uncertainty good.json -j 1 -o out.json
+laws --E 207GPa --nu 0.3 --dR 0.05 --load 100
+export johnson --to c --contact internal -o out.c
+export good.json --to python -o out.py
+export --joint joint.toml --to c -o out.c
+simulate slider_crank.toml --law explicit --revolutions 1 --restitution 0.9 -o out.parquet
+sweep slider_crank.toml --law explicit --revolutions 1 -j 1 -o out.csv
+finite-element elements.toml -j 1 -o out.csv
 """
-OWN_MATERIALS = f"{','.join(COLUMNS)}\ngunmetal,110,paper,0.34,paper,220,assumed,a note\n"
-STEEL = "dR_um,load_N_per_mm,penetration_um\n50,10,0.21\n50,100,1.7\n50,1000,13.2\n"
+# What takes the place of an argument; none asks for more work.
+WRONG = (
+    *("", "x", "-1", "0", "nan", "1e999", "1,5", "9:1", "a=b", "ä", "--", "--law", "-o", ".", "/"),
+    *("no.toml", "empty", "table.csv", "good.json", "joint.toml", "slider_crank.toml", "os:system"),
+)
 
+# --- what is said -----------------------------------------------------------------------------
 
-class Case(NamedTuple):
-    """A command line, a file that it reads, what that file holds, and a pattern of what is said."""
-
-    name: str
-    arguments: tuple[str, ...]
-    path: str = ""
-    contents: bytes = b""
-    line: str = ""
-
-
-OUT = ("-j", "1", "-o", "out.json")
-POWER = ("--law", "power", "--contact", "internal", *OUT)
-# Small files, which are run in full.
-READERS = {
-    "fitting/small.toml": ("fit", "fitting/small.toml", *OUT),
-    "datasets/small.toml": ("sample", "datasets/small.toml", "-o", "out.csv"),
-    "good.json": ("compare", "good.json"),
-    "table.csv": ("fit", "table.csv", *POWER),
-    "semicolons.csv": (
-        *("fit", "semicolons.csv", *POWER, "--columns", "load=Kraft", "--group", "Probe"),
-        *("--E", "207000", "--nu", "0.3", "--dR", "0.05"),
-    ),
-    "materials.csv": (
-        *("fit", "steel.csv", *POWER, "--material", "gunmetal", "--materials", "materials.csv"),
-    ),
-}
-SAMPLE = READERS["datasets/small.toml"]
-
-
-def document(spec):
-    """Return a spec as the bytes of a TOML file."""
-    return "".join(f"{key} = {toml(value)}\n" for key, value in spec.items()).encode()
-
-
-# Those with a message of their own are in test_campaign_files.py, test_grid.py and test_ties.py.
-VALUES = {
-    "fitting/small.toml": {
-        "dataset": ["../../../no.toml"],
-        "law": ["", "Power"],
-        "objective": ["", "max"],
-        "optimizer": [""],
-        "parameters.n": [{"value": 1.2}, {"fixed": True}, {"low": 1.0}],
-        "ties": ["n", {"z": "n"}, {"n": "K_star"}, {"n": 2}, {"n": ""}, {"n": "2*(" * 100}],
-        "genetic.populations": [[10**9]],
-    },
-    "datasets/small.toml": {
-        "reference": ["", "lankarani-nikravesh"],
-        "axes.E.min": [700.0, 1e-300],
-        "axes.nu.values": [[0.3, "x"]],
-        "axes.load": [{"values": [1e9]}, {"min": 1, "max": 2}],
-        "axes.dR": [{"values": [1e13]}, {"values": [1.0], "min": 1}],
-    },
-}
-# Of tables: a text, and what takes its place.
-REPLACED = {
-    "table.csv": [
-        *(("dR_um", "gap_um"), ("dR_um", "dR_furlong"), ("dR_um", "dR"), ("nu,", "E_GPa,")),
-        *(("load_N_per_mm", "weight"), (",100,", ",-100,"), ("0.3,", "0.7,"), ("207", "-207")),
-        *(("0.21", new) for new in ("small", "", "nan", "inf", "0", "0.21,1", '"0.21')),
-        *((",0.21", ""), (TABLE, ""), (TABLE, TABLE.splitlines()[1]), (TABLE, "\0\0\0\0")),
-    ],
-    "semicolons.csv": [
-        *(("10,5", new) for new in ("1.010,5", "10.5", "-10,5", "10,5 N", "", "1e999")),
-        *(("N/mm;", "N;"), ("N/mm;", "N/m²;"), ("displacement", "E"), ("Probe", "displacement")),
-        *(("Kraft", "Last"), ("Probe", "Charge"), (";A;", ";;"), ("0,02;A;X", "0,02;A")),
-    ],
-    "materials.csv": [
-        *(("E_GPa,", ""), ("E_GPa", "E_MPa"), (",110,", ",hard,"), (",110,", ",-110,")),
-        *((",0.34,paper", ",0.90,paper"), ("paper", "rumour"), ("gunmetal", "")),
-        *(("gunmetal", "ceramics"), (OWN_MATERIALS, ""), (OWN_MATERIALS, "\0")),
-        (OWN_MATERIALS, OWN_MATERIALS + "steel,200\n"),
-        (OWN_MATERIALS, OWN_MATERIALS + OWN_MATERIALS.splitlines()[1] + "\n"),
-    ],
-}
-# What is said, as a pattern, of texts in the place of a spec and of a result.
 NOT_TEXT = (b"\xff\xfe", b"\x89PNG\r\n\x1a\n\0\0", 'name = "ä"'.encode("latin-1"))
-NOT_TOML = {
-    "is not a text file; give a TOML file in UTF-8": NOT_TEXT,
-    r"is not valid TOML \(.*\); correct the line it names": (
-        *(b"contact = internal", b"a = 1\na = 2", b"name = [", b"a = " + b"[" * 5000),
-    ),
-    r'contact: is required; add "internal" or "external" \(2 more mistakes\)': (b"",),
-    r"colour = 1: is not a known key; known keys here: contact, reference, ": (
-        document(GRID | {"colour": 1}),
-    ),
-    r"axes: is required; add ": (document(changed(GRID, {"axes": DROP})),),
-    r"reference = 3: must be a string; give ": (document(GRID | {"reference": 3}),),
-    r"contact = \[1\]: must be 'internal' or 'external'; give ": (
-        document(GRID | {"contact": [1]}),
-    ),
-    r"axes = \[\]: must be a table; give ": (document(GRID | {"axes": []}),),
-    r"axes.E.min = True: must be a number; give ": (document(changed(GRID, {"axes.E.min": True})),),
-    r"axes.E.min = nan: must be a finite number; give ": (
-        document(changed(GRID, {"axes.E.min": float("nan")})),
-    ),
-    r"axes.E.points = 1.5: must be an integer; give ": (
-        document(changed(GRID, {"axes.E.points": 1.5})),
-    ),
-    r"axes.E.points = 0: must be at least 2; ": (document(changed(GRID, {"axes.E.points": 0})),),
-    "is a mechanism, not a grid spec; name a grid spec": (
-        (ROOT / "datasets/slider_crank.toml").read_bytes(),
-    ),
+GRID_WITH = {
+    r"colour = 1: is not a known key; known keys here: contact, reference, ": {"colour": 1},
+    r"axes: is required; add ": {"axes": DROP},
+    r"reference = 3: must be a string; give ": {"reference": 3},
+    r"contact = \[1\]: must be 'internal' or 'external'; give ": {"contact": [1]},
+    r"axes = \[\]: must be a table; give ": {"axes": []},
+    r"axes.E.min = True: must be a number; give ": {"axes.E.min": True},
+    r"axes.E.min = nan: must be a finite number; give ": {"axes.E.min": float("nan")},
+    r"axes.E.points = 1.5: must be an integer; give ": {"axes.E.points": 1.5},
+    r"axes.E.points = 0: must be at least 2; ": {"axes.E.points": 0},
 }
-NOT_JSON = {
-    "is not a text file; name a result, a JSON file": NOT_TEXT,
-    r"is not JSON \(.*\); name a result, or redo the fit": (
-        *(b"", b"{", b"[" * 100_000, b'{"name": "small", "law"', b"[axes.E]\nmin = 69\n"),
+MECHANISM = (ROOT / "datasets/slider_crank.toml").read_bytes()
+SAID = [
+    *(("small.toml", text, "is not a text file; give a TOML file in UTF-8") for text in NOT_TEXT),
+    *(
+        ("small.toml", text, r"is not valid TOML \(.*\); correct the line it names")
+        for text in (b"contact = internal", b"a = 1\na = 2", b"name = [", b"a = " + b"[" * 5000)
     ),
-    "is not a result; name one that a fit has written": (b"[]", b"null", b"3", b'"x"'),
-}
-# Separated by semicolons; test_cli.py, test_mechanism_sweep.py and others have more, with messages.
-COMMANDS = """
-export; simulate; finite-element; fit; sample elements.toml -o out.csv;
-sample . -o out.csv; fit mechanism.toml; fit fitting/small.toml --optimizer;
-fit fitting/small.toml --optimizer simplex; fit fitting/small.toml --scheduler nowhere;
-fit fitting/small.toml --scheduler tcp://x:y; fit table.csv --law hertz --contact internal;
-fit table.csv --law power --contact x;
-fit table.csv --law os:system --contact internal -o out.json;
-fit table.csv --law power --contact internal --loss steep -o out.json;
-fit table.csv --law nomodule:f --contact internal -o out.json;
-optimizers fitting/small.toml genetic simplex; fit fitting/small.toml --optimizer all;
-optimizers fitting/small.toml -o out.json; optimizers no.toml;
-optimizers fitting/small.toml -o .; optimizers datasets/small.toml;
-optimizers table.csv; fit fitting/small.toml --level 0.9;
-fit table.csv --law power --contact internal --pairs; fit good.json;
-uncertainty good.json --level 2; uncertainty table.csv;
-compare mechanism.toml; export good.json; export good.json --to cobol;
-export --to c; export --joint no.toml --to c -o out.c; export --joint good.json --to c -o out.c;
-export --joint datasets/slider_crank.toml --to c -o out.c;
-export --joint datasets/joint.toml --to c; export --joint datasets/joint.toml --to c -o out.f90;
-export --joint datasets/joint.toml --to json -o out.json;
-export --joint datasets/joint.toml --to python -o 2-pins.py;
-export explicit --joint datasets/joint.toml --to c -o out.c;
-export --joint datasets/joint.toml --contact internal --to c -o out.c;
-export nonsense --to c; export johnson --to c --contact sideways; export no.json --to c;
-laws --E -1; laws --nu 2; laws --dR 0; laws --load x; laws --contact sideways; claims -o out.txt;
-figure nonsense; figure fig12 --format gif; figure --html;
-simulate datasets/small.toml; simulate mechanism.toml --restitution 2;
-simulate mechanism.toml --tolerance x; sweep no.toml -o t.csv;
-sweep mechanism.toml -o t.csv --jobs 0; simulate mechanism.toml --jobs 2;
-sweep mechanism.toml; simulate mechanism.toml --study cases -o t.csv;
-finite-element no.toml; finite-element mechanism.toml
-"""
-
-
-def cases(files):
-    """Yield every case that breaks a known rule, given the good files."""
-    good = {"fitting/small.toml": QUICK, "datasets/small.toml": GRID}
-    for path, key, value in ((p, k, v) for p in VALUES for k in VALUES[p] for v in VALUES[p][k]):
-        contents = document(changed(good[path], {key: value}))
-        yield Case(f"{path}: {key} = {value!r}", READERS[path], path, contents)
-    result = "good.json"  # whose parts contradict one another
-    for key, value in itertools.product(
-        ("settings.campaign", "coefficients", "law", "reference"), (DROP, "x", [1, 2])
-    ):
-        contents = json.dumps(changed(json.loads(files[result]), {key: value})).encode()
-        yield Case(f"{result}: {key} = {value!r}", READERS[result], result, contents)
-    for path, rules in (("datasets/small.toml", NOT_TOML), (result, NOT_JSON)):
-        for rule, texts in rules.items():
-            line = f"cylcontact: {re.escape(path)}: {rule}"
-            yield from (Case(f"{path}: {t[:24]!r}", READERS[path], path, t, line) for t in texts)
-    for path, (old, new) in ((name, pair) for name in REPLACED for pair in REPLACED[name]):
-        coding = "cp1252" if path == "semicolons.csv" else "utf-8"
-        contents = files[path].replace(old.encode(coding), new.encode(coding))
-        yield Case(f"{path}: {new!r} for {old!r}", READERS[path], path, contents)
-    yield Case("table.csv: not text", READERS["table.csv"], "table.csv", NOT_TEXT[1])
-    yield from (Case(f"cylcontact {line}", tuple(line.split())) for line in COMMANDS.split(";"))
+    ("small.toml", b"", r'contact: is required; add "internal" or "external" \(2 more mistakes\)'),
+    ("small.toml", MECHANISM, "is a mechanism, not a grid spec; name a grid spec"),
+    *(("good.json", text, "is not a text file; name a result, a JSON file") for text in NOT_TEXT),
+    *(
+        ("good.json", text, r"is not JSON \(.*\); name a result, or redo the fit")
+        for text in (b"", b"{", b"[" * 100_000, b'{"name": "small", "law"', b"[axes.E]\nmin = 69\n")
+    ),
+    *(
+        ("good.json", text, "is not a result; name one that a fit has written")
+        for text in (b"[]", b"null", b"3", b'"x"')
+    ),
+]
+SAID += [
+    ("small.toml", "\n".join(f"{k} = {toml(v)}" for k, v in changed(GRID, spoiled).items()), rule)
+    for rule, spoiled in GRID_WITH.items()
+]
 
 
 @pytest.fixture
 def bench(small_result, tmp_path, monkeypatch):
-    """The good files in a folder of their own."""
+    """A good file of every kind in a folder of its own."""
+    for name, spec in FILES.items():
+        write_toml(tmp_path / f"{name}.toml", spec)
+    write_toml(tmp_path / "datasets/small.toml", GRID)
     small_result.save(tmp_path / "good.json")
-    files = {
-        "fitting/small.toml": document(QUICK),
-        "datasets/small.toml": document(GRID),
-        "table.csv": TABLE.encode(),
-        "semicolons.csv": SEMICOLONS.encode("cp1252"),
-        "steel.csv": STEEL.encode(),
-        "materials.csv": OWN_MATERIALS.encode(),
-        "datasets/joint.toml": (ROOT / "datasets/joint.toml").read_bytes(),
-        "datasets/slider_crank.toml": (ROOT / "datasets/slider_crank.toml").read_bytes(),
-        "mechanism.toml": (ROOT / "datasets/slider_crank.toml").read_bytes(),
-        "elements.toml": (ROOT / "datasets/finite_element/recommended.toml").read_bytes(),
-    }
-    for name, contents in files.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_bytes(contents)
+    (tmp_path / "table.csv").write_text(TABLE)
+    (tmp_path / "empty").touch()
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
-@pytest.mark.usefixtures("bench")
-def test_the_good_files_are_accepted(run):
-    """So that what is refused below is refused for what was broken in it."""
-    for path, arguments in READERS.items():
+def test_every_mistake_has_its_line(bench, run):
+    commands = {"small.toml": ("sample", "small.toml", "-o", "s.csv"), "good.json": ("compare",)}
+    commands["good.json"] += ("good.json",)
+    for path, text, rule in SAID:
+        (bench / path).write_bytes(text if isinstance(text, bytes) else text.encode())
+        before = tree(bench)
+        code, _, errors = run(*commands[path])
+        assert code == 2
+        assert re.fullmatch(rf"cylcontact: {re.escape(path)}: {rule}[^\n]*\n", errors), errors
+        assert tree(bench) == before
+
+
+# --- at random --------------------------------------------------------------------------------
+
+numbers = st.sampled_from([-1, 0, 1, 3, 10**19, True, -0.5, 1e-300, 1e13, np.inf, np.nan])
+words = st.text(st.characters(codec="utf-8"), max_size=6) | st.sampled_from(["steel", "207 GPa"])
+values = st.recursive(
+    numbers.map(lambda x: x if isinstance(x, int) else float(x)) | words,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(words, inner, max_size=2),
+    max_leaves=4,
+)
+few_or_many = pytest.mark.parametrize("times", [1, pytest.param(20, marks=pytest.mark.long)])
+
+
+def places(value, path=()):
+    """Yield the path of everything in nested tables and lists."""
+    if isinstance(value, dict | list):
+        for key in value if isinstance(value, dict) else range(len(value)):
+            yield (*path, key)
+            yield from places(value[key], (*path, key))
+
+
+@st.composite
+def spoiled(draw, spec):
+    """A spec with one or two entries left out, renamed or given another value."""
+    spec = copy.deepcopy(spec)
+    for _ in range(draw(st.integers(1, 2))):
+        *path, key = draw(st.sampled_from(list(places(spec)) or [("new",)]))
+        table = spec
+        for name in path:
+            table = table[name]
+        how = draw(st.sampled_from(["drop", "rename", "other", "other"]))
+        if how == "other":
+            table[key] = draw(values)
+        elif key in table or isinstance(table, list):
+            old = table.pop(key)
+            if how == "rename" and isinstance(table, dict):
+                table[draw(words)] = old
+    return spec
+
+
+def many(examples, strategy):
+    """Return a decorator that runs a check with so many random cases."""
+
+    def decorate(check):
+        random = settings(max_examples=examples, suppress_health_check=list(HealthCheck))
+        return random(given(strategy)(check))()
+
+    return decorate
+
+
+def is_refused(read, path):
+    """Whether a reader refuses a file, which it must do in a line with a rule and a remedy."""
+    try:
+        read(path)
+    except InputError as refused:
+        error = refused
+    else:
+        return False
+    assert len(str(error).splitlines()) == 1
+    assert error.rule
+    assert error.remedy
+    return True
+
+
+@few_or_many
+@pytest.mark.parametrize("name", READERS)
+def test_a_spec_is_read_or_refused(bench, name, times):
+    path, refused = bench / f"{name}.toml", []
+    assert not is_refused(READERS[name], path)
+
+    @many(30 * times, spoiled(FILES[name]))
+    def check(spec):
+        refused.append(is_refused(READERS[name], write_toml(path, spec)))
+
+    assert sum(refused) > len(refused) / 2
+
+
+@few_or_many
+def test_a_result_is_read_or_refused(bench, times):
+    good = json.loads((bench / "good.json").read_text())
+
+    @many(60 * times, spoiled(good))
+    def check(spec):
+        (bench / "good.json").write_text(json.dumps(spec))
+        is_refused(FitResult.read, bench / "good.json")
+
+
+@few_or_many
+def test_a_table_is_read_or_refused(bench, times):
+    cells = re.split(r"([,\n])", TABLE)
+    wrong = words | st.sampled_from(["", ",", "\n", '"', ";", "-1", "1,5", "nan", "1e999", "\0"])
+    spoil = st.lists(st.tuples(st.integers(0, len(cells) - 2), wrong), min_size=1, max_size=3)
+
+    @many(100 * times, spoil)
+    def check(spoil):
+        text = list(cells)
+        for place, cell in spoil:
+            text[place] = cell
+        (bench / "table.csv").write_text("".join(text), encoding="utf-8")
+        is_refused(lambda path: read_measured(path, "internal"), bench / "table.csv")
+
+
+@few_or_many
+def test_a_command_line_is_done_or_refused(bench, run, times):
+    before, lines = tree(bench), [line.split() for line in LINES.strip().splitlines()]
+    place, other = st.integers(0, 20), st.sampled_from([None, *WRONG])
+
+    @many(100 * times, st.tuples(st.sampled_from(lines), place, other))
+    def check(case):
+        line, place, other = case
+        place %= len(line)
+        arguments = [*line[:place], *([] if other is None else [other]), *line[place + 1 :]]
         code, _, errors = run(*arguments)
-        assert (code, errors) == (0, ""), path
-
-
-def test_every_case_that_breaks_a_rule_is_told_in_one_line(bench, run):
-    before, wrong = tree(bench), []
-    for case in cases(before):
-        if case.path:
-            (bench / case.path).write_bytes(case.contents)
-        code, _, errors = run(*case.arguments)
-        if case.path:
-            (bench / case.path).write_bytes(before[case.path])
-        clear = re.fullmatch(rf"{case.line or 'cylcontact: '}[^\n]*\n", errors)
-        if code != 2 or not clear or tree(bench) != before:
-            wrong.append(f"{case.name}: exit code {code}: {errors!r}")
-    assert wrong == []
+        after = tree(bench)
+        if code == 2:
+            assert re.fullmatch(r"cylcontact: [^\n]+\n", errors), (arguments, errors)
+            assert after == before, arguments
+            return
+        assert code == 0, (arguments, errors)
+        for name in sorted(after.keys() - before.keys(), reverse=True):
+            (bench / name).rmdir() if after[name] is None else (bench / name).unlink()
+        for name in before:
+            if after[name] != before[name]:
+                (bench / name).write_bytes(before[name])

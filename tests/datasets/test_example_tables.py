@@ -83,12 +83,7 @@ def test_the_rig_with_its_compliance_and_drift_gives_the_truth(corrected):
     with_all = fit(RIG, free=["compliance"], drift=True)
     assert [outlier.line for outlier in with_all.uncertainty.outliers] == [OFF_LINE]
     result = cc.fit(
-        corrected,
-        "explicit",
-        script(RIG)["PAIR"],
-        columns=COLUMNS,
-        free=["compliance"],
-        drift=True,
+        corrected, "explicit", script(RIG)["PAIR"], columns=COLUMNS, free=["compliance"], drift=True
     )
     assert holds(result, truth) == dict.fromkeys(["stiffness_factor", "offset", "compliance"], True)
     noise = result.uncertainty.noise

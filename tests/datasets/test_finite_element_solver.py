@@ -312,10 +312,7 @@ class TestTwoMaterials:
         case, load, pair = at(joint(*PAIRS[name]), phi)
         b = np.tan(np.radians(laws.Conformal().contact_angle(load, pair)) / 2)
         pressure = pressure_along(np.atleast_1d(b), float(pair.beta))
-        for body, side, nu in (
-            ("plate", -1, pair.material_i.nu),
-            ("pin", 1, pair.material_j.nu),
-        ):
+        for body, side, nu in (("plate", -1, pair.material_i.nu), ("pin", 1, pair.material_j.nu)):
             depth, stress = case.stress_below(body)
             near = depth < 0.5 * R_I
             shape = depth[near] / R_I

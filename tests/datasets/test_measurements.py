@@ -5,11 +5,7 @@ import pandas as pd
 import pytest
 
 from cylcontact import InputError
-from cylcontact.datasets.measurements import (
-    MeasuredData,
-    measurements_of,
-    read_measured,
-)
+from cylcontact.datasets.measurements import MeasuredData, measurements_of, read_measured
 from cylcontact.fitting.measured import STANDARDISED
 from cylcontact.fitting.table_campaign import campaign_of_table
 from cylcontact.materials import COLUMNS

@@ -11,10 +11,7 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.datasets.columns import is_unloading
-from cylcontact.datasets.measurements import (
-    measurements_of,
-    read_measured,
-)
+from cylcontact.datasets.measurements import measurements_of, read_measured
 from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
 from cylcontact.units import column_named
 from tests.support.measured_files import CONSTANTS, write_measured

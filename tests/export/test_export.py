@@ -218,15 +218,7 @@ def test_a_law_in_matlab_is_the_law(name, octave):
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        "johnson-internal",
-        "scaled-parametric",
-        "looped",
-        "own",
-        "power",
-        "explicit-external",
-    ],
+    "name", ["johnson-internal", "scaled-parametric", "looped", "own", "power", "explicit-external"]
 )
 def test_jax_differentiates_the_inverse_and_by_the_pair(name):
     """Against the stiffness, and differences over a tenth of the digits for the pair."""

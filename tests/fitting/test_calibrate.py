@@ -151,10 +151,7 @@ def test_the_bounds_of_a_campaign_do_not_cut_its_optimum_off(name):
     assert lowest >= best.objective.value * (1 - 1e-4)
 
 
-@pytest.mark.parametrize(
-    ("name", "objective"),
-    [("", 0.0636), ("-five", 0.0594), ("-six", 0.0580)],
-)
+@pytest.mark.parametrize(("name", "objective"), [("", 0.0636), ("-five", 0.0594), ("-six", 0.0580)])
 def test_few_constants_that_follow_the_clearance_reach_what_seven_do(name, objective):
     """Once more by scipy, from the samples themselves."""
     result = FitResult.read(ROOT / f"fitting/results/power-clearance{name}.json")

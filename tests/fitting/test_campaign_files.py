@@ -198,9 +198,7 @@ BAD_INPUT = [
 
 
 @pytest.mark.parametrize(
-    ("changes", "key", "value", "rule", "remedy"),
-    BAD_INPUT,
-    ids=labels(BAD_INPUT),
+    ("changes", "key", "value", "rule", "remedy"), BAD_INPUT, ids=labels(BAD_INPUT)
 )
 def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     tmp_path, changes, key, value, rule, remedy

@@ -54,10 +54,7 @@ def test_the_choice_is_the_best_of_all(fitted, parameter):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("series", "settings"),
-    [
-        (1, {"noise": "constant", "ignore": ["group"]}),
-        (8, {"noise": "constant", "group": "group"}),
-    ],
+    [(1, {"noise": "constant", "ignore": ["group"]}), (8, {"noise": "constant", "group": "group"})],
     ids=["one series", "random series"],
 )
 def test_expected_widths_are_those_of_repeated_experiments(series, settings):

@@ -316,10 +316,7 @@ def test_the_effects_of_the_series_solve_hendersons_equations():
     y = likelihood.residuals
     R, G = 1 / single, np.tile([DEVIATIONS[n] ** 2 for n in ("offset", "gain", "drift")], 7)
     left = np.block(
-        [
-            [(X.T * R) @ X, (X.T * R) @ Z],
-            [(Z.T * R) @ X, (Z.T * R) @ Z + np.diag(1 / G)],
-        ]
+        [[(X.T * R) @ X, (X.T * R) @ Z], [(Z.T * R) @ X, (Z.T * R) @ Z + np.diag(1 / G)]]
     )
     solution = np.linalg.solve(left, np.concatenate([(X.T * R) @ y, (Z.T * R) @ y]))
     beta, _, rest, _ = least_squares(X, y, V)
@@ -746,9 +743,7 @@ def test_a_series_left_out_is_judged_with_the_effects_of_a_random_one():
     problem = result.optimum.fit
     deviations = {"proportional": 0.0, "drift": 0.0, **result.uncertainty.noise.deviations}
     for left, rows in zip(
-        leave_one_out(result.optimum, "group"),
-        np.arange(40).reshape(5, 8),
-        strict=True,
+        leave_one_out(result.optimum, "group"), np.arange(40).reshape(5, 8), strict=True
     ):
         V, _, _ = dense(problem.noise.covariance.take(rows, np.zeros(8, int)), deviations)
         law = problem.model.build(left.coefficients)

@@ -12,16 +12,8 @@ from _cylcontact_bench.fig_optimizers import optimizer_runs
 from cylcontact import InputError
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.optimizer_comparison import (
-    as_text,
-    compare_optimizers,
-)
-from cylcontact.fitting.optimizers import (
-    OPTIMIZERS,
-    BudgetSpentError,
-    EvaluationBudget,
-    budget_of,
-)
+from cylcontact.fitting.optimizer_comparison import as_text, compare_optimizers
+from cylcontact.fitting.optimizers import OPTIMIZERS, BudgetSpentError, EvaluationBudget, budget_of
 from cylcontact.fitting.polish import polish
 from cylcontact.reports.bench import Bench
 from tests.support.spec_files import assert_told, tree, write_bench

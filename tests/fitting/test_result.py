@@ -117,10 +117,7 @@ BAD_INPUT = [
     ({"published.coefficients": {}}, "", "published.coefficients", [], NAMES, REDO),
     ({"profiles.a.values": [0.4]}, "", "profiles.a", None, "as many values as", REDO),
     ({"settings": {}}, "", "settings", None, "lacks the campaign or the dataset", REDO),
-    (
-        {"settings.campaign.seed": "1"},
-        *(", settings.campaign", "seed", "1", INTEGER, "the seed"),
-    ),
+    ({"settings.campaign.seed": "1"}, *(", settings.campaign", "seed", "1", INTEGER, "the seed")),
     (
         {"settings.dataset.axes.E.points": 0},
         *(", settings.dataset", "axes.E.points", 0, "must be at least 2", "values = [...]"),
@@ -133,9 +130,7 @@ BAD_INPUT = [
 
 
 @pytest.mark.parametrize(
-    ("changes", "where", "key", "value", "rule", "remedy"),
-    BAD_INPUT,
-    ids=labels(BAD_INPUT),
+    ("changes", "where", "key", "value", "rule", "remedy"), BAD_INPUT, ids=labels(BAD_INPUT)
 )
 def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     tmp_path, changes, where, key, value, rule, remedy

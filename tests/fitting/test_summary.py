@@ -78,7 +78,7 @@ def test_comparison_separates_contacts_and_names_every_result():
     table, *rest = compare([one, other]).split("\n\n")
     assert table.splitlines()[-2:] == [f"made by hand: {SAMPLED}", f"another: {SAMPLED}"]
     assert table.splitlines()[0].split() == [
-        *("enhanced,", "external", "published", "made", "by", "hand", "another"),
+        *("enhanced,", "external", "published", "made", "by", "hand", "another")
     ]
     assert "0.045" in table
     assert [part.splitlines()[0] for part in rest] == ["made by hand:", "another:"]

@@ -529,10 +529,7 @@ MISTAKES = {
     "no modulus": ({"pin.E": DROP}, "pin.E: is required; give E, or material = NAME"),
     "no unit": ({"pin.E": "hard"}, "pin.E = 'hard': must be a number; give Young's modulus in GPa"),
     "no stiffness": ({"pin.E": "0 GPa"}, "pin.E = '0 GPa': Young's modulus must be positive and"),
-    "in MPa": (
-        {"pin.E": 207e3},
-        "pin.E = 207000.0: a bare number is in GPa, and diamond has 1200",
-    ),
+    "in MPa": ({"pin.E": 207e3}, "pin.E = 207000.0: a bare number is in GPa, and diamond has 1200"),
     "both": ({"bearing.nu": 0.3}, "bearing.nu = 0.3: is that of the material already; remove nu"),
     "unknown material": (
         {"bearing.material": "cheese"},

@@ -13,14 +13,7 @@ from cylcontact import InputError, laws, limits
 from cylcontact.mechanism import Interrupted, long_run, simulate
 from cylcontact.mechanism.batch_means import BatchMeans
 from cylcontact.mechanism.joint_motion import Limits
-from cylcontact.mechanism.statistics import (
-    HELD,
-    LONGEST,
-    QUANTITIES,
-    REPEATS,
-    of_joint,
-    period_of,
-)
+from cylcontact.mechanism.statistics import HELD, LONGEST, QUANTITIES, REPEATS, of_joint, period_of
 from tests.support.mechanism_cases import slider_crank, yields_at
 
 

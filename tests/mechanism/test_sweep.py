@@ -213,15 +213,7 @@ def test_bifurcation_tabulates_sections(run, tmp_path):
     out = tmp_path / "table.csv"
     options = ("--clearance", "0.4,0.5", "--points", 2, "--revolutions", 33, "--last", 4)
     code, sentence, _ = run(
-        "bifurcation",
-        SPEC,
-        "-o",
-        out,
-        *options,
-        "--impact-rate",
-        "0,0.05",
-        "--jobs",
-        1,
+        "bifurcation", SPEC, "-o", out, *options, "--impact-rate", "0,0.05", "--jobs", 1
     )
     assert code == 0
     assert "4 runs, " in sentence
