@@ -254,7 +254,7 @@ def test_impossible_settings_are_told(arguments, message):
 
 def test_minimal_coordinates_are_for_a_slider_crank():
     with pytest.raises(
-        InputError, match="is for a slider-crank at constant speed with one clearance"
+        InputError, match="is for a slider-crank at constant speed with a clearance"
     ):
         simulate(mechanism_from(FOUR_BAR), "minimal")
     elsewhere = moved("crank-pin")

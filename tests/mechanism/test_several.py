@@ -10,7 +10,14 @@ from benchmarks.exudyn_peer import module_of
 from cylcontact import InputError
 from cylcontact.mechanism import Trajectory, long_run, mechanism_from, simulate
 from cylcontact.mechanism.linkage import assemble, closure, constraint_table, driven
-from tests.support.mechanism_cases import CLEARANCE, FOUR_BAR, SLIDER_CRANK, with_clearance
+from tests.support.mechanism_cases import (
+    CLEARANCE,
+    FOUR_BAR,
+    ODD,
+    SLIDER_CRANK,
+    TURNED,
+    with_clearance,
+)
 from tests.support.spec_files import changed
 
 TWO = with_clearance(SLIDER_CRANK, "crank-pin")
@@ -25,16 +32,52 @@ def two_clearances(crank_pin=0.5, wrist_pin=0.5, **changes):
 # --- two clearances in the slider-crank -----------------------------------------------------------
 
 
+@pytest.mark.parametrize("method", ["minimal", "multiplier"])
 @pytest.mark.parametrize("restitution", [1.0, 0.9])
 @pytest.mark.parametrize("friction", [0.0, 0.1])
-def test_the_energy_balance_closes_with_two_clearances(restitution, friction):
-    run = simulate(two_clearances(restitution=restitution, friction=friction), revolutions=10)
+def test_the_energy_balance_closes_with_two_clearances(restitution, friction, method):
+    mechanism = two_clearances(restitution=restitution, friction=friction)
+    run = simulate(mechanism, method, revolutions=10)
     assert min(len(joint.contacts) for joint in run.joints.values()) > 100
     assert np.abs(run.energy_error).max() < 4e-8 * run.kinetic_energy.max()
     assert run.drift[:, 0].max() < 1e-10
     for joint in run.joints.values():
         assert joint.penetration[joint.in_contact].min() > -1e-13
         assert joint.penetration[~joint.in_contact].max() < 1e-12
+
+
+# Each joint turned: the hole in the other body.
+TURNED_PIN = {f"joint.{CRANK}.between": ["rod.pin", "crank.pin"]}
+
+
+@pytest.mark.parametrize("changes", [{}, ODD | TURNED, ODD | TURNED_PIN])
+@pytest.mark.parametrize("order", [1, -1])
+def test_both_forms_agree_with_two_clearances(changes, order):
+    """On the first impacts and what has been lost by then, in either order of the joints."""
+    spec = changed(TWO, changes)
+    mechanism = mechanism_from(spec | {"joint": spec["joint"][::order]})
+    runs = [simulate(mechanism, form, 1, 1e-11) for form in (None, "multiplier")]
+    assert [run.settings.method for run in runs] == ["minimal", "multiplier"]
+    first = [onsets(run)[:20] for run in runs]
+    assert len(first[0]) == 20
+    for (mine, name), (other, named) in zip(*first, strict=True):
+        assert name == named
+        assert mine == pytest.approx(other, abs=1e-6 * mechanism.period)
+    rows = [np.searchsorted(run.time, times[-1][0]) for run, times in zip(runs, first, strict=True)]
+    for name in ("drive_work", "friction_dissipation", "kinetic_energy", "potential_energy"):
+        ends = [getattr(run, name)[row] for run, row in zip(runs, rows, strict=True)]
+        assert ends[0] == pytest.approx(ends[1], rel=1e-5)
+    ends = [run.coordinates[row] for run, row in zip(runs, rows, strict=True)]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-7)
+    for joint in mechanism.clearances:
+        forces = [run.joints[joint.name].force for run in runs]
+        largest = [np.hypot(*f[:row].T).max() for f, row in zip(forces, rows, strict=True)]
+        assert largest[0] == pytest.approx(largest[1], rel=1e-2)
+
+
+def onsets(run):
+    """Return when contacts begin in s, and in which joint."""
+    return sorted((float(t), name) for name, j in run.joints.items() for t in j.contacts["onset_s"])
 
 
 class Reduced:
@@ -101,9 +144,7 @@ class Reduced:
 def test_a_second_formulation_gives_the_first_twenty_impacts(restitution, friction):
     mechanism = two_clearances(0.1, 0.1, restitution=restitution, friction=friction)
     run = simulate(mechanism, revolutions=1, tolerance=1e-11)
-    ours = sorted(
-        (float(t), name) for name, j in run.joints.items() for t in j.contacts["onset_s"]
-    )[:20]
+    ours = onsets(run)[:20]
     theirs = Reduced(mechanism).onsets(20)
     assert [name for _, name in ours] == [name for _, name in theirs]
     for (mine, _), (other, _) in zip(ours, theirs, strict=True):

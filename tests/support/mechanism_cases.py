@@ -84,7 +84,7 @@ class Equations:
     def rates(self, t, y):
         """Return the rates of coordinates and ledgers."""
         run, y = self.run, np.ascontiguousarray(y[: self.size], dtype=float)
-        model = dop853.Model(run.joints, run.laws, run.crank, run.linkage, self.space, y)
+        model = dop853.Model(run.joints, run.laws, run.crank, run.pin, run.linkage, self.space, y)
         dop853.rates_at(t, dop853.clock(t, run.crank), y, 0, model)
         return self.space[0].copy()
 
@@ -92,7 +92,7 @@ class Equations:
         """Return δ in m and δ̇ in m/s."""
         run, y = self.run, np.ascontiguousarray(y[: self.size], dtype=float)
         turn = dop853.clock(t, run.crank)
-        e_x, e_y, u_x, u_y, *_ = dop853.motion(turn, y, self.joint, run.crank, run.linkage)
+        e_x, e_y, u_x, u_y, *_ = dop853.motion(turn, y, self.joint, run.crank, run.pin, run.linkage)
         distance = math.hypot(e_x, e_y)
         rate = (e_x * u_x + e_y * u_y) / distance if distance > 0 else 0.0
         return distance - self.joint["clearance"], rate

@@ -4,9 +4,10 @@ The coefficients are those of Hairer, Nørsett and Wanner (Solving Ordinary Diff
 2nd ed., Springer 1993, Sect. II.10). Only the coordinates and their rates are integrated under
 error control; the ledgers feed nothing back and are summed with the weights of the method.
 
-Of a slider-crank `crank` is a record and `linkage` is None, of any other mechanism the reverse. As
-numba leaves out branches on arguments that are None, but not on fields, functions with such a
-branch take them as arguments, and either model is compiled alone.
+Of a slider-crank `crank` is a record and `linkage` is None, of any other mechanism the reverse;
+`pin` is a record if the crank pin has a clearance too. As numba leaves out branches on arguments
+that are None, but not on fields, functions with such a branch take them as arguments, and each
+model is compiled alone.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ class Model(NamedTuple):
     joints: Any
     laws: FloatArray
     crank: Any
+    pin: Any
     linkage: Any
     rates: FloatArray
     stage: FloatArray
@@ -67,9 +69,13 @@ def later(turn: Turn, dt: float, crank: Any) -> Turn:
 
 @inlined
 def _evaluate(
-    t: float, turn: Turn, y: FloatArray, row: int, m: Model, crank: Any, linkage: Any
+    t: float, turn: Turn, y: FloatArray, row: int, m: Model, crank: Any, pin: Any, linkage: Any
 ) -> None:
-    if crank is not None:
+    if pin is not None:
+        slider_crank.derivatives_of_two(
+            turn[0], turn[1], y, m.rates, row, m.joints, m.laws, crank, pin
+        )
+    elif crank is not None:
         slider_crank.derivatives(turn[0], turn[1], y, m.rates, row, m.joints[0], m.laws, crank)
     if linkage is not None:
         cartesian.derivatives(t, y, m.rates, row, m.joints, m.laws, linkage)
@@ -78,12 +84,14 @@ def _evaluate(
 @compiled
 def rates_at(t: float, turn: Turn, y: FloatArray, row: int, m: Model) -> None:
     """Write the rates of coordinates and ledgers at a state to a row of `rates`."""
-    _evaluate(t, turn, y, row, m, m.crank, m.linkage)
+    _evaluate(t, turn, y, row, m, m.crank, m.pin, m.linkage)
 
 
 @inlined
-def motion(turn: Turn, y: FloatArray, joint: Joint, crank: Any, linkage: Any) -> Motion:
+def motion(turn: Turn, y: FloatArray, joint: Joint, crank: Any, pin: Any, linkage: Any) -> Motion:
     """Return the motion of a joint at a state."""
+    if pin is not None:
+        return slider_crank.motion_of_two(turn[0], turn[1], y, joint, crank, pin)
     if crank is not None:
         return slider_crank.joint_motion(turn[0], turn[1], y, crank)
     if linkage is not None:
@@ -95,30 +103,41 @@ def motion(turn: Turn, y: FloatArray, joint: Joint, crank: Any, linkage: Any) ->
 def step(t: float, h: float, turn: Turn, y: FloatArray, new: FloatArray, m: Model) -> None:
     """Write the state at t + h to `new`, from the state at t and its rates in row 0."""
     for i in range(1, STAGES):
-        _combine(i, h, y, m.rates, m.stage, m.crank)
+        _combine(i, h, y, m.rates, m.stage, m.crank, m.pin)
         at = later(turn, C[i] * h, m.crank)
-        _evaluate(t + C[i] * h, at, m.stage, i, m, m.crank, m.linkage)
-    _combine(STAGES, h, y, m.rates, new, m.crank)
+        _evaluate(t + C[i] * h, at, m.stage, i, m, m.crank, m.pin, m.linkage)
+    _combine(STAGES, h, y, m.rates, new, m.crank, m.pin)
 
 
 @inlined
-def _combine(i: int, h: float, y: FloatArray, k: FloatArray, out: FloatArray, crank: Any) -> None:
+def _combine(
+    i: int, h: float, y: FloatArray, k: FloatArray, out: FloatArray, crank: Any, pin: Any
+) -> None:
     """Write y + h·Σ a_ij·k_j to `out`."""
-    if crank is not None:  # four coordinates and rates: sums that stay in registers
-        k0, k1, k2, k3 = 0.0, 0.0, 0.0, 0.0
-        for j in range(i):
-            a = A[i, j]
-            k0 += a * k[j, 0]
-            k1 += a * k[j, 1]
-            k2 += a * k[j, 2]
-            k3 += a * k[j, 3]
-        out[0], out[1], out[2], out[3] = y[0] + h * k0, y[1] + h * k1, y[2] + h * k2, y[3] + h * k3
+    if crank is not None:
+        _combine_four(i, h, y, k, out, 0)
+        if pin is not None:
+            _combine_four(i, h, y, k, out, 4)
         return
     for n in range(y.size):
         total = 0.0
         for j in range(i):
             total += A[i, j] * k[j, n]
         out[n] = y[n] + h * total
+
+
+@inlined
+def _combine_four(i: int, h: float, y: FloatArray, k: FloatArray, out: FloatArray, n: int) -> None:
+    """Do so for four coordinates or rates from the n-th on: sums that stay in registers."""
+    k0, k1, k2, k3 = 0.0, 0.0, 0.0, 0.0
+    for j in range(i):
+        a = A[i, j]
+        k0 += a * k[j, n]
+        k1 += a * k[j, n + 1]
+        k2 += a * k[j, n + 2]
+        k3 += a * k[j, n + 3]
+    out[n], out[n + 1] = y[n] + h * k0, y[n + 1] + h * k1
+    out[n + 2], out[n + 3] = y[n + 2] + h * k2, y[n + 3] + h * k3
 
 
 @inlined

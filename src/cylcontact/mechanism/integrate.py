@@ -86,7 +86,7 @@ class Start(NamedTuple):
 @compiled
 def _look(turn: Turn, y: FloatArray, joint: Joint, m: Model) -> Look:
     """Return δ, δ̇, v_t and ė of a joint at a state."""
-    e_x, e_y, u_x, u_y, spin_i, spin_j = motion(turn, y, joint, m.crank, m.linkage)
+    e_x, e_y, u_x, u_y, spin_i, spin_j = motion(turn, y, joint, m.crank, m.pin, m.linkage)
     distance = math.sqrt(e_x * e_x + e_y * e_y)
     delta = distance - joint.clearance
     if distance == 0.0:
@@ -476,6 +476,7 @@ def integrate(
     joints: Any,
     laws: FloatArray,
     crank: Any,
+    pin: Any,
     linkage: Any,
     tolerances: tuple[float, FloatArray, float],
     buffers: tuple[FloatArray, FloatArray, BoolArray, FloatArray],
@@ -490,7 +491,7 @@ def integrate(
     """
     relative, absolute, max_step = tolerances
     rates = np.zeros((STAGES + 1, y.size + ledgers.size))
-    m = Model(joints, laws, crank, linkage, rates, np.zeros(y.size))
+    m = Model(joints, laws, crank, pin, linkage, rates, np.zeros(y.size))
     new, count = np.empty(y.size), joints.shape[0]
     looks, after, accelerations = np.zeros((count, 5)), np.zeros((count, 5)), np.zeros(count)
 

@@ -97,7 +97,7 @@ class JointMotion:
         """e and its rate in global axes; minimal coordinates give them without cancellation."""
         shape = self.run.slider_crank
         if shape is not None:
-            return shape.eccentricity(self.run.rows.values)
+            return shape.eccentricity(self.run.rows.values, self.number)
         i, j = (
             self.run.point(body, at)
             for body, at in ((self.joint.i, self.joint.point_i), (self.joint.j, self.joint.point_j))

@@ -312,7 +312,7 @@ class Mechanism:
 
     @cached_property
     def slider_crank(self) -> SliderCrank | None:
-        """Its dimensions if it is a slider-crank with one clearance, between rod and slider."""
+        """Its dimensions if it is a slider-crank for minimal coordinates; see `simulate`."""
         from cylcontact.mechanism.slider_crank import recognise
 
         return recognise(self)

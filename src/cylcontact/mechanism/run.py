@@ -37,7 +37,8 @@ JOINT_LEDGERS = ("normal_dissipation", "friction_dissipation", "penetration_inte
 # Scales of the absolute tolerances in m and m/s: lengths of the size of the clearance, speeds of
 # some metres per second.
 _LENGTH_SCALE, _SPEED_SCALE = 1e-4, 1.0
-# Relative tolerance where only the absolute one shall apply: absolute positions and angles.
+# Relative tolerance where only the absolute one shall apply: to absolute positions and angles, and
+# to a rod that is free at both ends, whose energy a relative one would keep three times worse.
 _NOT_RELATIVE = 1e-15
 # Steps between two checks for Ctrl-C.
 _BUFFER = 4096
@@ -159,7 +160,8 @@ def settings_for(
             raise InputError("simulate", key, value, "is not known", f"choose {', '.join(known)}")
     require(
         fits or method != "minimal", mechanism.source, "method", method,
-        "is for a slider-crank at constant speed with one clearance, between rod and slider",
+        "is for a slider-crank at constant speed with a clearance between rod and slider, and none "
+        "or one between crank and rod",
         'use "multiplier", which takes any mechanism',
     )  # fmt: skip
     tolerance = mechanism.integration.tolerance if tolerance is None else tolerance
@@ -180,10 +182,10 @@ def settings_for(
 class Run:
     """A mechanism prepared for the integrator, and its present state.
 
-    `joints` are of the type `contact.JOINT`, `laws` the numbers of all their laws; `crank` is the
-    record of a slider-crank in minimal coordinates, None for any other mechanism, which has a
-    `linkage`. `scale` is that of the absolute tolerance of each coordinate and rate, beside which
-    there is a `relative` one.
+    `joints` are of the type `contact.JOINT`, `laws` the numbers of all their laws; `crank` and
+    `pin` are the records of a slider-crank in minimal coordinates, None for any other mechanism,
+    which has a `linkage`. `scale` is that of the absolute tolerance of each coordinate and rate,
+    beside which there is a `relative` one.
     """
 
     mechanism: Mechanism
@@ -191,6 +193,7 @@ class Run:
     joints: Any
     laws: FloatArray
     crank: Any
+    pin: Any
     linkage: Linkage | None
     scale: FloatArray
     relative: float
@@ -201,7 +204,7 @@ class Run:
         """Return a run at its start, or at the state where an earlier one ended."""
         q, v = assemble(mechanism)
         shape = mechanism.slider_crank if settings.method == "minimal" else None
-        coordinates = np.concatenate((q, v)) if shape is None else np.zeros(4)
+        coordinates = np.concatenate((q, v)) if shape is None else np.zeros(shape.size)
         joints = np.zeros(len(mechanism.clearances), contact.JOINT)
         laws = [np.empty(0)]
         for k, joint in enumerate(mechanism.clearances):
@@ -224,9 +227,10 @@ class Run:
             joints,
             np.concatenate(laws),
             None if shape is None else shape.record,
+            None if shape is None else shape.pin,
             linkage_of(mechanism) if shape is None else None,
             np.repeat([_LENGTH_SCALE, _SPEED_SCALE], coordinates.size // 2),
-            _NOT_RELATIVE if shape is None else settings.tolerance,
+            settings.tolerance if shape is not None and shape.pin is None else _NOT_RELATIVE,
             state,
         )
 
@@ -255,8 +259,8 @@ class Run:
                 np.empty((_BUFFER, count), np.bool_), np.empty((_BUFFER, count)),
             )  # fmt: skip
             n, status = integrate.integrate(
-                now[0], y, ledgers, end, self.joints, self.laws, self.crank, self.linkage,
-                tolerances, buffers,
+                now[0], y, ledgers, end, self.joints, self.laws, self.crank, self.pin,
+                self.linkage, tolerances, buffers,
             )  # fmt: skip
             revolution = np.full(n, label, dtype=np.int32)
             time_s, values, touching, rates = buffers
@@ -301,7 +305,9 @@ class Run:
         """Return δ of a joint at the present state in m."""
         turn = dop853.clock(self.state.time, self.crank)
         values = self.state.values[: self.scale.size]
-        e_x, e_y, *_ = dop853.motion(turn, values, self.joints[number], self.crank, self.linkage)
+        e_x, e_y, *_ = dop853.motion(
+            turn, values, self.joints[number], self.crank, self.pin, self.linkage
+        )
         return float(np.hypot(e_x, e_y) - self.joints[number]["clearance"])
 
     def _law_left(self, number: int) -> LawDomainError:
@@ -347,9 +353,9 @@ def simulate(
     mechanism : Mechanism
         The mechanism; see `read_mechanism`.
     method : {"minimal", "multiplier"}, optional
-        The equations of motion: minimal coordinates, for a slider-crank at constant speed with one
-        clearance, between rod and slider, or multipliers, for any mechanism. By default minimal
-        coordinates if they apply.
+        The equations of motion: minimal coordinates, for a slider-crank at constant speed with a
+        clearance between rod and slider, and none or one between crank and rod; or multipliers,
+        for any mechanism. By default minimal coordinates if they apply.
     revolutions : int, optional
         Total number of revolutions of the driver; by default that of the spec.
     tolerance : float, optional

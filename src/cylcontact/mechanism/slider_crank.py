@@ -1,4 +1,4 @@
-"""The slider-crank in minimal coordinates: two unknowns, the components of the eccentricity.
+"""The slider-crank in minimal coordinates: the components of its one or two eccentricities.
 
 This is a second derivation, independent of multipliers, and the faster one. The frame has its
 origin at the crank's pivot and its first axis along the slide. A(t) is the crank pin, prescribed by
@@ -21,6 +21,14 @@ moment of inertia J_A of the rod about A and its centre of mass at a·u + b·u�
 
 and E follows by differentiating its definition twice. The driver's power is the moment of the
 crank's reaction about its pivot times ω.
+
+With a second clearance, between crank and rod, the rod begins at B = A + D in place of A, and D,
+the eccentricity of rod against crank, has two unknowns more. The rod is then free: with the force p
+on it at B and I about its centre of mass G,
+
+    m·G̈ = p − f + gravity,    I·φ̈ = (B − G)×p − (P − G)×f + M,
+
+and B̈ and P̈ follow from G̈, φ̈ and φ̇. Nothing else changes.
 """
 
 from __future__ import annotations
@@ -52,6 +60,16 @@ CRANK = np.dtype(
     ]
 )
 
+# What a second clearance between crank and rod adds: the sign of its eccentricity, where the joint
+# of the slider is among the two, the slider among the bodies, and the free rod.
+PIN = np.dtype(
+    [
+        ("side", np.float64),
+        *((name, np.int64) for name in ("wrist", "slider")),
+        *((name, np.float64) for name in ("per_rod_mass", "per_rod_inertia")),
+    ]
+)
+
 # Of Taylor's series.
 _COS = (-1 / 2, 1 / 24, -1 / 720, 1 / 40320)
 _SIN = (-1 / 6, 1 / 120, -1 / 5040, 1 / 362880)
@@ -78,11 +96,14 @@ def turned(c: float, s: float, dt: float, m: Crank) -> tuple[float, float]:
 
 
 @inlined
-def _rod_motion(c: float, s: float, y: FloatArray, m: Crank) -> tuple[float, float, float]:
-    """Return sin φ, cos φ and φ̇ of the rod; c and s are those of the crank's angle."""
-    sine = (m.offset - m.crank * s - y[1]) * m.per_rod
+def _rod_motion(c: float, s: float, up: float, rate: float, m: Crank) -> tuple[float, float, float]:
+    """Return sin φ, cos φ and φ̇ of the rod; c and s are those of the crank's angle.
+
+    The eccentricities together lift the slider by `up`, which has a `rate`.
+    """
+    sine = (m.offset - m.crank * s - up) * m.per_rod
     cosine = math.sqrt(1.0 - sine * sine)
-    spin = -(m.omega * m.crank * c + y[3]) * m.per_rod / cosine
+    spin = -(m.omega * m.crank * c + rate) * m.per_rod / cosine
     return sine, cosine, spin
 
 
@@ -90,9 +111,28 @@ def _rod_motion(c: float, s: float, y: FloatArray, m: Crank) -> tuple[float, flo
 def joint_motion(c: float, s: float, y: FloatArray, m: Crank) -> contact.Motion:
     """Return the motion of the joint along the slide; c and s are of the crank's angle."""
     side = m.side
-    _, _, spin = _rod_motion(c, s, y, m)
+    _, _, spin = _rod_motion(c, s, y[1], y[3], m)
     spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
     return side * y[0], side * y[1], side * y[2], side * y[3], spin_i, spin_j
+
+
+@inlined
+def motion_of_two(
+    c: float, s: float, y: FloatArray, joint: contact.Joint, m: Crank, pin: Any
+) -> contact.Motion:
+    """Return the motion of either joint along the slide, with two clearances."""
+    _, _, spin = _rod_motion(c, s, y[1] + y[3], y[5] + y[7], m)
+    return _of_two(spin, y, joint, m, pin)
+
+
+@inlined
+def _of_two(spin: float, y: FloatArray, joint: contact.Joint, m: Crank, pin: Any) -> contact.Motion:
+    if pin.slider in (joint.i, joint.j):
+        side, n, near, far = m.side, 0, spin, 0.0
+    else:
+        side, n, near, far = pin.side, 2, m.omega, spin
+    spin_i, spin_j = (far, near) if side > 0 else (near, far)
+    return side * y[n], side * y[n + 1], side * y[n + 4], side * y[n + 5], spin_i, spin_j
 
 
 @inlined
@@ -110,7 +150,7 @@ def derivatives(
 
     c and s are the cosine and sine of the crank's angle.
     """
-    sine, cosine, spin = _rod_motion(c, s, y, m)
+    sine, cosine, spin = _rod_motion(c, s, y[1], y[3], m)
     omega, length = m.omega, m.rod
     A_x, A_y = m.crank * c, m.crank * s
     a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
@@ -155,13 +195,77 @@ def derivatives(
     rates[row, 4] = omega * (A_x * reaction_y - A_y * reaction_x - weight)
 
 
+@inlined
+def derivatives_of_two(
+    c: float,
+    s: float,
+    y: FloatArray,
+    rates: FloatArray,
+    row: int,
+    joints: Any,
+    laws: FloatArray,
+    m: Crank,
+    pin: Any,
+) -> None:
+    """Write the rates with two clearances, like `derivatives`.
+
+    Coordinates are the eccentricity of the slider, then that of the rod at the crank.
+    """
+    sine, cosine, spin = _rod_motion(c, s, y[1] + y[3], y[5] + y[7], m)
+    omega, length = m.omega, m.rod
+
+    # Forces on the slider, f, and on the rod at the crank, p; moments on rod and crank.
+    f_x, f_y, p_x, p_y, moment, on_crank = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(2):
+        joint, first = joints[k], 10 + 4 * k
+        lost, rubbed, delta, normal = 0.0, 0.0, 0.0, 0.0
+        if joint.touching:
+            law = laws[joint.first : joint.first + joint.size]
+            motion = _of_two(spin, y, joint, m, pin)
+            x, z, moment_i, moment_j, normal, lost, rubbed, delta = contact.forces(
+                motion, joint.impact_rate, joint, law
+            )
+            if k == pin.wrist:
+                f_x, f_y = m.side * x, m.side * z
+                moment += moment_j if m.side > 0 else moment_i
+            else:
+                p_x, p_y = pin.side * x, pin.side * z
+                on_rod, on_crank = (moment_i, moment_j) if pin.side > 0 else (moment_j, moment_i)
+                moment += on_rod
+        rates[row, first], rates[row, first + 1] = lost, rubbed
+        rates[row, first + 2], rates[row, first + 3] = delta, normal
+
+    # The rod about its centre of mass G, then its ends B and P; B at −(o_x, o_y) from G.
+    a, b = m.rod_a, m.rod_b
+    o_x, o_y = a * cosine - b * sine, a * sine + b * cosine
+    far_x, far_y = length * cosine - o_x, length * sine - o_y
+    turning = o_y * p_x - o_x * p_y + far_y * f_x - far_x * f_y + moment
+    alpha, square = turning * pin.per_rod_inertia, spin * spin
+    b_x = (p_x - f_x) * pin.per_rod_mass + m.gravity_x + alpha * o_y + square * o_x
+    b_y = (p_y - f_y) * pin.per_rod_mass + m.gravity_y - alpha * o_x + square * o_y
+    A_x, A_y = m.crank * c, m.crank * s
+
+    for n in range(4):
+        rates[row, n] = y[4 + n]
+    slider = f_x * m.per_slider_mass + m.gravity_x
+    rates[row, 4] = slider - b_x + length * (sine * alpha + cosine * square)
+    rates[row, 5] = -b_y - length * (cosine * alpha - sine * square)
+    rates[row, 6], rates[row, 7] = b_x + omega * omega * A_x, b_y + omega * omega * A_y
+
+    c_x, c_y = m.crank_a * c - m.crank_b * s, m.crank_a * s + m.crank_b * c
+    weight = m.crank_mass * (c_x * m.gravity_y - c_y * m.gravity_x)
+    rates[row, 8] = omega * (A_x * p_y - A_y * p_x - on_crank - weight)
+    rates[row, 9] = 0.0
+
+
 @dataclass(frozen=True)
 class SliderCrank:
     """A slider-crank with a clearance between rod and slider, seen along its slide.
 
     `bodies` are crank, rod and slider. The frame is at `pivot` and turned by `slide`. The turns,
     added to the angle of a body, give the direction of its line; centres are those of mass, along
-    the lines or, of the slider, from the joint along the slide. `record` is of the type `CRANK`.
+    the lines or, of the slider, from the joint along the slide. `record` is of the type `CRANK`;
+    `pin` is of the type `PIN`, None without a clearance between crank and rod.
     """
 
     bodies: tuple[int, int, int]
@@ -172,27 +276,44 @@ class SliderCrank:
     slider_angle: float
     slider_centre: complex
     record: Any
+    pin: Any
 
-    def eccentricity(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return e and its rate in global axes, shapes (n, 2), from coordinates and rates."""
-        turn = self.record["side"] * np.exp(1j * self.slide)
-        e = turn * (values[:, 0] + 1j * values[:, 1])
-        rate = turn * (values[:, 2] + 1j * values[:, 3])
+    @property
+    def size(self) -> int:
+        """The number of coordinates and rates."""
+        return 4 if self.pin is None else 8
+
+    def _displaced(self, values: FloatArray) -> tuple[FloatArray, ...]:
+        """Return E, its rate, D and its rate along the slide, from coordinates and rates."""
+        pairs = values[:, : self.size : 2] + 1j * values[:, 1 : self.size : 2]
+        if self.pin is None:
+            still = np.zeros_like(pairs[:, 0])
+            return pairs[:, 0], pairs[:, 1], still, still
+        return pairs[:, 0], pairs[:, 2], pairs[:, 1], pairs[:, 3]
+
+    def eccentricity(self, values: FloatArray, number: int) -> tuple[FloatArray, FloatArray]:
+        """Return e of a joint and its rate in global axes, shapes (n, 2)."""
+        E, E_rate, D, D_rate = self._displaced(values)
+        turn = np.exp(1j * self.slide)
+        if self.pin is None or number == self.pin["wrist"]:
+            e, rate = turn * self.record["side"] * E, turn * self.record["side"] * E_rate
+        else:
+            e, rate = turn * self.pin["side"] * D, turn * self.pin["side"] * D_rate
         return np.column_stack((e.real, e.imag)), np.column_stack((rate.real, rate.imag))
 
     def motion(self, t: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return coordinates and velocities of the bodies in global axes, shapes (n, 9)."""
         m = self.record
-        E, E_rate = values[:, :2], values[:, 2:4]
+        E, E_rate, D, D_rate = self._displaced(values)
         theta = m["angle"] + m["omega"] * t
         A = m["crank"] * np.exp(1j * theta)
-        A_rate = 1j * m["omega"] * A
-        sine = (m["offset"] - A.imag - E[:, 1]) / m["rod"]
+        B, B_rate = A + D, 1j * m["omega"] * A + D_rate
+        sine = (m["offset"] - B.imag - E.imag) / m["rod"]
         phi = np.arcsin(sine)
-        phi_rate = -(A_rate.imag + E_rate[:, 1]) / (m["rod"] * np.cos(phi))
+        phi_rate = -(B_rate.imag + E_rate.imag) / (m["rod"] * np.cos(phi))
         rod = np.exp(1j * phi)
-        joint = A + m["rod"] * rod + (E[:, 0] + 1j * E[:, 1])
-        joint_rate = A_rate + 1j * phi_rate * m["rod"] * rod + (E_rate[:, 0] + 1j * E_rate[:, 1])
+        joint = B + m["rod"] * rod + E
+        joint_rate = B_rate + 1j * phi_rate * m["rod"] * rod + E_rate
         rod_centre = complex(m["rod_a"], m["rod_b"]) * rod
         crank_centre = complex(m["crank_a"], m["crank_b"]) * np.exp(1j * theta)
         ones, zeros = np.ones_like(t), np.zeros_like(t)
@@ -200,7 +321,7 @@ class SliderCrank:
         motions = (
             (crank_centre, 1j * m["omega"] * crank_centre, theta - self.crank_turn,
              m["omega"] * ones),
-            (A + rod_centre, A_rate + 1j * phi_rate * rod_centre, phi - self.rod_turn, phi_rate),
+            (B + rod_centre, B_rate + 1j * phi_rate * rod_centre, phi - self.rod_turn, phi_rate),
             (joint + self.slider_centre, joint_rate, self.slider_angle * ones, zeros),
         )  # fmt: skip
         turn, pivot = np.exp(1j * self.slide), complex(*self.pivot)
@@ -233,7 +354,12 @@ def recognise(mechanism: Mechanism) -> SliderCrank | None:
         for joint in mechanism.joints:
             if joint.kind == "revolute" and {joint.i, joint.j} == {*pair}:
                 joints[pair] = joint
-    if len(joints) != 3 or mechanism.clearances != (joints[rod, slider],):
+    if len(joints) != 3:
+        return None
+    open_joints, wrist = mechanism.clearances, joints[rod, slider]
+    if wrist not in open_joints or any(
+        joint not in (wrist, joints[crank, rod]) for joint in open_joints
+    ):
         return None
     shape = _measure(mechanism, bodies, (*joints.values(), slides[0]), drivers[0])
     q, _ = assemble(mechanism)
@@ -276,6 +402,15 @@ def _measure(
     m["gravity_x"], m["gravity_y"] = gravity.real, gravity.imag
     m["per_rod"], m["per_slider_mass"] = 1 / m["rod"], 1 / m["slider_mass"]
     m["per_rod_inertia"] = 1 / m["rod_inertia"]
+    second = None
+    if pin.clearance is not None:
+        second = np.zeros(1, PIN)[0]
+        second["side"] = 1.0 if pin.i == rod else -1.0
+        second["wrist"], second["slider"] = mechanism.clearances.index(wrist), slider
+        second["per_rod_mass"], second["per_rod_inertia"] = (
+            1 / masses[1].mass,
+            1 / masses[1].inertia,
+        )
     return SliderCrank(
         bodies,
         (pivot.real, pivot.imag),
@@ -285,6 +420,7 @@ def _measure(
         slide.angle,
         _turned(-_at(wrist, slider), slide.angle - along),
         m,
+        second,
     )
 
 
