@@ -63,7 +63,7 @@ def _cases(short: bool) -> Iterator[list[Row]]:
 
 
 def _several(short: bool) -> list[Row]:
-    """Time one clearance and two, in the equations that take any number of them."""
+    """Time one clearance and two, in both forms."""
     revolutions, data = 1 if short else 50, read_toml(SPEC)
     pin = next(joint for joint in data["joint"] if "law" in joint)
     second = [pin | joint if joint["name"] == "crank-pin" else joint for joint in data["joint"]]
@@ -72,11 +72,13 @@ def _several(short: bool) -> list[Row]:
         "two clearances": mechanism_from(data | {"joint": second}, str(SPEC)),
     }
     sides = [
-        Side(name, partial(long_run, mechanism, revolutions, method="multiplier"))
+        Side(name + suffix, partial(long_run, mechanism, revolutions, method=method))
+        for suffix, method in zip(("", ", as any mechanism"), METHODS, strict=True)
         for name, mechanism in mechanisms.items()
     ]
-    measured = timings(sides, 1)
-    seconds = {name: [total / revolutions for total in measured[name]] for name in mechanisms}
+    seconds = {
+        name: [total / revolutions for total in times] for name, times in timings(sides, 1).items()
+    }
     case = "several clearances: enhanced, 0.5 mm, restitution 0.9, friction 0.1"
     return rows("mechanism", case, seconds, "ms per revolution", 1e3)
 
