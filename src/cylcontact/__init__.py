@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cylcontact import fits, laws, limits
+    from cylcontact import fits, laws, limits, sizing
     from cylcontact import impact as dissipation
     from cylcontact import impact as friction
     from cylcontact.errors import InputError
@@ -31,6 +31,7 @@ __all__ = [
     "mechanism",
     "plots",
     "reports",
+    "sizing",
 ]
 __version__ = "0.1.0"
 

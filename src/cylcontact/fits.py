@@ -104,11 +104,20 @@ class Fit:
         low, high = self.clearance
         return "interference" if high <= 0 else "clearance" if low >= 0 else "transition"
 
+    @property
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The least and the largest radius of the hole, and of the pin, in mm."""
+        (low, high), (least, most) = (
+            ((self.nominal + lower) / 2, (self.nominal + upper) / 2)
+            for lower, upper in (self.hole, self.pin)
+        )
+        return (low, high), (least, most)
+
     def radii(self, share: float | FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return radii of hole and pin in mm, from the tightest (share 0) to the loosest (1)."""
-        (low, high), (least, most) = self.hole, self.pin
-        hole = self.nominal + low + as_floats(share) * (high - low)
-        return hole / 2, (self.nominal + most - as_floats(share) * (most - least)) / 2
+        (low, high), (least, most) = self.limits
+        share = as_floats(share)
+        return as_floats(low + share * (high - low)), as_floats(most - share * (most - least))
 
     def require_clearance(self, source: str, key: str = "fit") -> None:
         """Raise `InputError` unless every pin within the limits fits in every hole."""

@@ -50,7 +50,7 @@ class MaterialSpec(Spec):
         table = "the tables of materials"
         row = find_material(self.material, rows, source, key, table, others).material
         stress = self.yield_stress or row.yield_stress
-        return Material(row.name, f"{float(row.E)!r} MPa", row.nu, stress)
+        return Material(row.name, f"{float(row.E)!r} MPa", row.nu, stress, row.thermal_expansion)
 
 
 class LayerSpec(MaterialSpec):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,7 +40,11 @@ _ORIGINS = {
     "yield_stress_MPa": "yield_provenance",
 }
 _REQUIRED = ("name", "E_GPa", "nu")
-COLUMNS = ("name", *(column for pair in _ORIGINS.items() for column in pair), "note")
+_EXPANSION = "thermal_expansion_per_K"
+_MAY_BE_EMPTY = ("yield_stress_MPa", _EXPANSION)
+COLUMNS = (
+    "name", *(column for pair in _ORIGINS.items() for column in pair), "note", _EXPANSION
+)  # fmt: skip
 # The table of the package; a table of the user adds to it, by default the one in `_OWN`.
 SHIPPED = Path(__file__).parent / "data" / "materials.csv"
 _OWN = "datasets/materials.csv"
@@ -62,12 +66,15 @@ class Material:
         Poisson's ratio, from 0 to 0.5.
     yield_stress : float, optional
         Yield stress (tensile strength for brittle materials) in MPa.
+    thermal_expansion : float, optional
+        Coefficient of linear expansion in 1/K, 12e-6 for steel.
 
     Raises
     ------
     InputError
-        If a modulus or yield stress is not positive and finite, a bare modulus is below 1000 or
-        any above 1e7 MPa, which are hardly meant, a unit is not known, or ν is outside [0, 0.5].
+        If a modulus, yield stress or expansion is not positive and finite, a bare modulus is below
+        1000 or any above 1e7 MPa, which are hardly meant, a unit is not known, or ν is outside
+        [0, 0.5].
 
     Examples
     --------
@@ -82,11 +89,17 @@ class Material:
     E: Number
     nu: Number
     yield_stress: float | None = None
+    thermal_expansion: float | None = field(default=None, repr=False)
 
     if TYPE_CHECKING:
 
         def __init__(
-            self, name: str, E: Number | str, nu: Number, yield_stress: float | None = None
+            self,
+            name: str,
+            E: Number | str,
+            nu: Number,
+            yield_stress: float | None = None,
+            thermal_expansion: float | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -104,6 +117,17 @@ class Material:
             rule, remedy = "must be positive and finite", "give it in MPa, or leave it out"
             require_positive(
                 self.yield_stress, source, "yield_stress", remedy, f"yield stress {rule}"
+            )
+        if self.thermal_expansion is not None:
+            key, value = "thermal_expansion", self.thermal_expansion
+            rule, remedy = "is beyond any material", "give it in 1/K, 12e-6 for steel"
+            require(
+                require_positive(value, source, key, remedy) < 1e-3,
+                source,
+                key,
+                value,
+                rule,
+                remedy,
             )
         own_arrays(self)
 
@@ -267,8 +291,8 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     r"""Read a table of materials.
 
     It has the columns name, E_GPa and nu, written as tables of measurements are, and may have
-    yield_stress_MPa, a note, and E_provenance, nu_provenance and yield_provenance, which are
-    "paper", "derived" or "assumed", the default.
+    yield_stress_MPa, thermal_expansion_per_K, a note, and E_provenance, nu_provenance and
+    yield_provenance, which are "paper", "derived" or "assumed", the default.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -288,12 +312,12 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
             remedy = f"leave it out; besides {', '.join(_REQUIRED)} there may be {optional}"
         raise InputError(table.source, "columns", table.names, rule, remedy)
     columns = dict(zip(table.names, table.columns, strict=True))
-    # An empty yield stress is none; no other number may be empty.
+    # An empty yield stress or expansion is none; no other number may be empty.
     filled = [
-        ["0" if cell is None and name == "yield_stress_MPa" else cell for cell in cells]
+        ["0" if cell is None and name in _MAY_BE_EMPTY else cell for cell in cells]
         for name, cells in columns.items()
     ]
-    names = [name for name in _ORIGINS if name in columns]
+    names = [name for name in (*_ORIGINS, _EXPANSION) if name in columns]
     places = [table.names.index(name) for name in names]
     numbers = finite_numbers(replace(table, columns=filled), places)
     rows: dict[str, MaterialRow] = {}
@@ -314,15 +338,21 @@ def _row(source: str, cells: Mapping[str, object], numbers: Mapping[str, float])
     if cells["name"] is None:
         raise InputError(source, "name", None, "is required", "name the material")
     given = {name: number for name, number in numbers.items() if cells[name] is not None}
-    provenance = {name: str(cells.get(_ORIGINS[name], "assumed") or "") for name in given}
+    provenance = {
+        name: str(cells.get(_ORIGINS[name], "assumed") or "") for name in given if name in _ORIGINS
+    }
     for name, origin in provenance.items():
         rule = f"must be one of {', '.join(PROVENANCES)}"
         require(origin in PROVENANCES, source, _ORIGINS[name], origin, rule, "say which")
-    E, stress = f"{given['E_GPa']!r} GPa", given.get("yield_stress_MPa")
+    E, others = f"{given['E_GPa']!r} GPa", [given.get(name) for name in _MAY_BE_EMPTY]
     try:
-        material = Material(str(cells["name"]), E, given["nu"], stress)
+        material = Material(str(cells["name"]), E, given["nu"], *others)
     except InputError as error:
-        column = {"E": "E_GPa", "yield_stress": "yield_stress_MPa"}.get(error.key, error.key)
+        column = {
+            "E": "E_GPa",
+            "yield_stress": "yield_stress_MPa",
+            "thermal_expansion": _EXPANSION,
+        }.get(error.key, error.key)
         remedy = "mind the unit in the column's name"
         raise InputError(source, column, cells[column], error.rule, remedy) from error
     return MaterialRow(material, provenance, str(cells.get("note") or ""))

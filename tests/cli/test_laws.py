@@ -51,6 +51,42 @@ def test_laws_advises_on_a_pin_and_a_hole_of_different_materials(run):
     assert "too low against persson's" not in out
 
 
+def test_laws_takes_a_fit_and_temperatures(run):
+    materials = ("--pin", "high-strength steel", "--hole", "bronze")
+    code, out, err = run("laws", "--fit", "20H7/g6", *materials, "--temperature", "80")
+    assert (code, err) == (0, "")
+    middle = cc.CylinderPair.of_fit("20H7/g6", cc.Material.named("bronze"), share=0.5)
+    grown = float(middle.R_i * 18e-6 * 60 - middle.R_j * 12e-6 * 60)
+    assert out.startswith("20H7/g6: hole 20 +0.000 +0.021, pin 20 -0.020 -0.007 mm, ")
+    assert f"internal contact, ΔR = {float(middle.dR) + grown:g} mm" in out
+
+
+def test_laws_finds_a_clearance(run):
+    code, out, err = run("laws", "--find", "dR", "--stiffness", "2e5", "--load", "500")
+    pair = cc.CylinderPair.from_dR("internal", 0.05, cc.Material("", 207e3, 0.3), R_i=10.0)
+    dR = cc.sizing.find("dR", pair, 500.0, stiffness=2e5)
+    assert (code, err) == (0, "")
+    assert out == f"dR = {dR:.6g} mm gives 200000 N/mm² under 500 N/mm\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--fit", "20H7/k6"), "laws: --fit = '20H7/k6': is a transition fit: ΔR is -7.5 to 9.5"),
+        (("--fit", "20H7/g6", "--dR", ".1"), "laws: --dR = 0.1: is given by the fit 20H7/g6"),
+        (("--fit", "8H7/g6", "--contact", "external"), "--contact = 'external': has no fit"),
+        (("--stiffness", "1"), "laws: --stiffness = 1.0: is for --find"),
+        (("--find", "R"), "laws: --find = 'R': cannot be found; dR, E or length"),
+        (("--find", "dR"), "laws: --stiffness: is missing; give stiffness or penetration"),
+        (("--temperature", "hot"), "laws: --temperature = 'hot': must be one number or two"),
+    ],
+)
+def test_laws_refuses_what_a_designer_may_mistake(run, options, message):
+    code, _, err = run("laws", *options)
+    assert code == 2
+    assert message in err
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

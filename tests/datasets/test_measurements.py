@@ -337,7 +337,7 @@ def test_impossible_values_are_told_with_their_line(tmp_path, column, value, key
 def test_materials_of_ones_own_stand_beside_those_that_ship(tmp_path):
     path = write_table(tmp_path / "t.csv", without("E_GPa", "nu"))
     own = tmp_path / "own.csv"
-    own.write_text(f"{','.join(COLUMNS)}\ngunmetal,110,assumed,0.34,assumed,,,\n")
+    own.write_text(f"{','.join(COLUMNS[:8])}\ngunmetal,110,assumed,0.34,assumed,,,\n")
     pair = {"material_i": "Gunmetal", "material_j": "ceramics"}
     data = read_measured(path, "internal", pair, own)
     assert data.labels["material_i"] == ["gunmetal"]

@@ -17,6 +17,7 @@ from cylcontact.cli.options import (
     number,
     option,
     output,
+    plain_numbers,
     several,
     takes,
 )
@@ -176,11 +177,25 @@ def laws(
         str | None,
         option("A function of your own to list as well.", metavar="MODULE:FUNCTION"),
     ] = None,
+    fit: Annotated[
+        str | None, option("A fit, 20H7/g6, in place of the radii.", metavar="CODE")
+    ] = None,
+    temperature: Annotated[
+        str | None, option("Of pin and hole, °C, or PIN,HOLE; radii hold at 20.", metavar="T")
+    ] = None,
+    find: Annotated[
+        str | None,
+        option("dR, E or length for a --stiffness or --penetration at --load.", metavar="WHAT"),
+    ] = None,
+    stiffness: Annotated[float | None, number("For --find, N/mm²; of a length N/mm.")] = None,
+    penetration: Annotated[float | None, number("For --find, µm.")] = None,
     pair: dict[str, Any],
 ) -> None:
     """Compare the laws for a pair, and say which one to use.
 
     Without options it is a steel pin (207 GPa, 0.3) in a hole of 10 mm radius with ΔR = 0.05 mm.
+    With --fit it begins with the band of the fit. With --find it prints a clearance, a modulus or a
+    length alone; for a length --load is the total force in N.
     """
     from cylcontact.laws.user import user_law
     from cylcontact.limits import yield_warning
@@ -191,12 +206,76 @@ def laws(
 
     around = _housing_of(pair, "laws")
     cylinders = _pair_of(pair, "laws")
+    warm = _temperatures(temperature)
+    if fit is not None:
+        cylinders = _of_fit(fit, cylinders, pair, load, warm)
+    if temperature is not None:
+        cylinders = cylinders.at_temperature(**warm)
+    if find is not None:
+        _find(find, cylinders, load, stiffness, penetration)
+        return
+    for name, value in (("--stiffness", stiffness), ("--penetration", penetration)):
+        require(value is None, "laws", name, value, "is for --find", "add --find dR")
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
     listed_too = None if own is None else user_law(own, Path.cwd())
     say(f"{advice}\n\n{to_text(cylinders, load, listed_too, around)}")
     for warning in (yield_warning(load, cylinders, around), *unusual_lengths(cylinders)):
         if warning is not None:
             say(f"warning: {warning}", err=True)
+
+
+def _temperatures(text: str | None) -> dict[str, float]:
+    """Return the temperatures of pin and hole by name; none without the option."""
+    if text is None:
+        return {}
+    values = plain_numbers(text.split(","))
+    rule, remedy = "must be one number or two, PIN,HOLE", "e.g. 80 or 80,60"
+    if values is None or len(values) > 2:
+        raise InputError("laws", "--temperature", text, rule, remedy)
+    return {"pin": values[0], "hole": values[-1]}
+
+
+def _of_fit(
+    code: str, pair: CylinderPair, given: Mapping[str, Any], load: float, warm: dict[str, float]
+) -> CylinderPair:
+    """Print the bands of a fit, and return the pair in its middle."""
+    from dataclasses import replace
+
+    from cylcontact.fits import Fit
+    from cylcontact.sizing import bands
+
+    sizes = ("dR_mm", "R_i_mm", "R_j_mm", "hole_diameter", "pin_diameter")
+    for name in filter(given.__contains__, sizes):
+        rule = f"is given by the fit {code}"
+        raise InputError("laws", option_of(name), given[name], rule, "leave one of them out")
+    rule, remedy = "has no fit", "leave out --contact, or --fit"
+    require(pair.contact == "internal", "laws", "--contact", pair.contact, rule, remedy)
+    fit = Fit.read(code, "laws", "--fit")
+    fit.require_clearance("laws", "--fit")
+    over = bands(
+        fit, pair, load, pin_temperature=warm.get("pin"), hole_temperature=warm.get("hole")
+    )
+    say(f"{over}\n")
+    R_i, R_j = fit.radii(0.5)
+    return replace(pair, dR=R_i - R_j, R_i=R_i, R_j=R_j)
+
+
+def _find(
+    what: str, pair: CylinderPair, load: float, stiffness: float | None, penetration: float | None
+) -> None:
+    """Print the clearance, modulus or length that meets a stiffness or a penetration."""
+    from cylcontact.cli.pair import blaming_options
+    from cylcontact.sizing import UNKNOWNS
+    from cylcontact.sizing import find as found
+
+    with blaming_options({"stiffness": "--stiffness", "load": "--load", "": "--find"}, "laws"):
+        depth = None if penetration is None else 1e-3 * penetration
+        value = found(what, pair, load, stiffness=stiffness, penetration=depth)  # type: ignore[arg-type]
+    wanted = f"{stiffness:g} N/mm{'' if what == 'length' else '²'}"
+    if stiffness is None:
+        wanted = f"{penetration:g} µm"
+    unit = "N" if what == "length" else "N/mm"
+    say(f"{what} = {value:.6g} {UNKNOWNS[what][0]} gives {wanted} under {load:g} {unit}")  # type: ignore[index]
 
 
 def _housing_of(pair: dict[str, Any], source: str) -> Housing | None:
