@@ -98,9 +98,10 @@ figures: build/.figures ## Draw the figures from this machine's fits, in build
 report: $(VENV)/.editable ## Build the report, reports/html/index.html, from the committed fits
 	$(CYLCONTACT) report
 
-paper: $(VENV)/.paper ## Typeset the manuscript and its supplement, in reports/typeset, from the committed results
+paper: $(VENV)/.paper ## Typeset the manuscript, its supplement and the paper on the program, in reports/typeset
 	$(CYLCONTACT) paper
 	$(CYLCONTACT) paper reports/manuscript/supplement.md
+	$(CYLCONTACT) paper paper/paper.md
 
 claims: $(VENV)/.editable ## Hold every number the paper states against ours
 	$(CYLCONTACT) claims

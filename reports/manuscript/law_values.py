@@ -175,7 +175,7 @@ def pairs(bench: Bench) -> Values:
         "any": number(_any_pair(), "%", 2),
         "eight": _eight_constants(),
         "eighteen": _eighteen_constants(),
-        "newton": _of_newton(),
+        "newton": number(_of_newton(), digits=1),
     }
 
 
@@ -295,6 +295,8 @@ def housing(bench: Bench) -> Values:
         for word, ratio in (("thin", fig_housing.NAMED[0]), ("thick", fig_housing.NAMED[-1]))
     }
     plate, eye = float(yield_load(pair)), first_yield(pair, housing=named["far_60", "thin"])
+    loads = float(eye.load), float(yield_load(pair, "Hertz"))
+    assert loads[0] < loads[1], "Hertz's estimate is unsafe for eyes"
     compact = [each for each in housings if not needs_series(each, pair)]
     five = [laws.Explicit(datum=each).five_constants(pair) for each in housings]
     added = sorted(float(added_by_housing(ratio, HOUSING_PHI)) for ratio in CLAMPED)

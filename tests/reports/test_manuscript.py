@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from functools import cache
 
 import numpy as np
@@ -334,6 +335,31 @@ def test_a_class_of_a_journal_sets_it(ours, name, tmp_path):
     # A line that sticks out by more than 2 mm.
     wide = [float(width) for width in re.findall(r"Overfull \\hbox \(([\d.]+)pt too wide", log)]
     assert max(wide, default=0.0) < 6.0
+
+
+def test_the_paper_on_the_program_has_its_numbers():
+    text = " ".join((ROOT / "paper/paper.md").read_text("utf-8").split())
+    values = BENCH.module("manuscript.values")
+    housing, law = values.housing(BENCH), values.explicit_law(BENCH)
+    joint = [housing[name].replace("\\", "") for name in ("rim_thin", "far_60_thin")]
+    micrometres = [f"{float(one.split()[0]):.0f} µm" for one in joint]
+    of_load = law["internal_load"].replace("\\", "")
+    assert f"by {micrometres[0]} in a thin bush" in text
+    assert f"by {micrometres[1]} in a thin eye" in text
+    assert f"within {of_load} of the load" in text
+    assert len(laws.LAW_TYPES) == 21
+    assert "has twenty-one laws" in text
+
+
+def test_metadata_agree_with_the_project():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    meta = json.loads((ROOT / "codemeta.json").read_text("utf-8"))
+    needs = [re.match(r"[\w-]+", one)[0] for one in project["dependencies"]]
+    assert meta["softwareRequirements"] == needs
+    cff = (ROOT / "CITATION.cff").read_text("utf-8")
+    for own in (meta["version"], meta["name"], meta["license"].rsplit("/", 1)[1]):
+        assert own in (project["version"], project["name"], project["license"])
+        assert f": {own}\n" in cff
 
 
 CHANGES = {

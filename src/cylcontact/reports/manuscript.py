@@ -66,7 +66,8 @@ def typeset(bench: Bench, source: Path, folder: Path, progress: Progress = silen
     bench : Bench
         The bench whose results the manuscript names.
     source : path
-        The manuscript; its bibliography, `article.typ` and `article.tex` are beside it.
+        The manuscript; its bibliography is beside it, and so may be layouts of its own, in place
+        of `article.typ` and `article.tex` of `reports/manuscript`.
     folder : path
         Where to write.
     progress : callable, optional
@@ -99,8 +100,8 @@ def typeset(bench: Bench, source: Path, folder: Path, progress: Progress = silen
         filled = _with_pictures(filled, bench, source, sources / "figures", progress)
         progress("typesetting", 0, 1)
         tex, typ = (sources / f"{source.stem}.{ending}" for ending in ("tex", "typ"))
-        tex.write_text(_pandoc(filled, "latex", source), encoding="utf-8")
-        typ.write_text(_pandoc(filled, "typst", source), encoding="utf-8")
+        tex.write_text(_pandoc(filled, "latex", bench, source), encoding="utf-8")
+        typ.write_text(_pandoc(filled, "typst", bench, source), encoding="utf-8")
         _compile(typ, Path(name) / pdf.name, source)
         typ.unlink()
         made = [path for path in sorted(Path(name).rglob("*")) if path.is_file()]
@@ -293,10 +294,12 @@ def _with_pictures(text: str, bench: Bench, source: Path, folder: Path, progress
     return _IMAGE.sub(lambda found: f"](<figures/{made[found[1]]}>)", text)
 
 
-def _pandoc(text: str, kind: str, source: Path) -> str:
+def _pandoc(text: str, kind: str, bench: Bench, source: Path) -> str:
     """Return a manuscript as LaTeX or Typst; what pandoc warns of is an error."""
     template = source.with_name(_TEMPLATES[kind])
-    require_file(template, "copy it from reports/manuscript")
+    if not template.is_file():
+        template = bench.recipes_folder / "manuscript" / template.name
+    require_file(template, "cylcontact init lays out a bench that has it")
     options = ["--natbib", f"--template={template.resolve()}", f"--lua-filter={_FILTER}"]
     try:
         import pypandoc  # type: ignore[import-untyped]
