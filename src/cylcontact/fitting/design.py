@@ -20,6 +20,7 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.fitting.optimum import Optimum, half_width
 from cylcontact.pair import CylinderPair
+from cylcontact.plain_text import as_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,15 +61,42 @@ class Design:
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw what one reading at each candidate gains, a line for each clearance."""
-        from cylcontact.fitting import pictures
+        from cylcontact.plots.arguments import axes_for
+        from cylcontact.plots.style import ACCENT
 
-        return pictures.plot_design(self.candidates, self.readings, self.parameter, ax)
+        keys, gain = ["load_N_per_mm", "dR_mm"], "narrower_percent"
+        with axes_for(ax, "plot", "column", 60.0) as axes:
+            for dR, rows in self.candidates.groupby("dR_mm"):
+                axes.plot(rows["load_N_per_mm"], rows[gain], marker="", label=f"ΔR = {dR:g} mm")
+            at = self.candidates.merge(self.readings, on=keys)
+            axes.plot(at["load_N_per_mm"], at[gain], "o", color=ACCENT, label="to be added")
+            for _, row in at[at["number"] > 1].iterrows():
+                words = f"{row['number']:.0f} times"
+                place = row["load_N_per_mm"], row[gain]
+                axes.annotate(words, place, (0, 5), textcoords="offset points")
+            what = as_label(self.parameter) if self.parameter else "all intervals"
+            axes.set(
+                xscale="log",
+                xlabel="load (N/mm)",
+                ylabel=f"one reading narrows {what} by (%)",
+                ylim=(0, 1.2 * self.candidates[gain].max()),
+            )
+            axes.legend(loc="lower left")
+        return axes
 
     def drawing(self) -> Drawing:
-        """Return `plot` as a figure with a caption."""
-        from cylcontact.fitting import pictures
+        """Return `plot` as a figure with a caption; its table is that of the candidates."""
+        from cylcontact.plots.figure import Drawing, new_figure
 
-        return pictures.design_drawing(self.candidates, self.readings, self.parameter)
+        figure = new_figure("column", 60.0)
+        self.plot(figure.subplots())
+        caption = (
+            "By how much one further reading narrows the interval of "
+            f"{self.parameter or 'all parameters together'}, over the load, and the "
+            f"{self.readings['number'].sum()} readings that together narrow it most."
+        )
+        headline = {"largest gain, %": float(self.candidates["narrower_percent"].max())}
+        return Drawing(figure, self.candidates, headline, caption)
 
 
 def design(

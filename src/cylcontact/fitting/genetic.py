@@ -22,8 +22,7 @@ from numpy.random import RandomState
 from numpy.typing import NDArray
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
-from cylcontact.fitting.optimizers import ELITE, Search
-from cylcontact.fitting.problem import ParameterSpace
+from cylcontact.fitting.problem import ELITE, Minimum, ParameterSpace
 
 # A crossover of PyGAD: from parents and the shape of the offspring to the offspring.
 _Operator = Callable[[FloatArray, tuple[int, int], pygad.GA], FloatArray]
@@ -36,7 +35,7 @@ _WORST_FITNESS = -1e300
 
 def search(
     problem: ParameterSpace, population: int, generations: int, crossover: str, seed: int
-) -> Search:
+) -> Minimum:
     """Return the best of a genetic search with one of `CROSSOVERS`."""
     low, span = problem.low, problem.high - problem.low
 
@@ -63,7 +62,7 @@ def search(
     )
     engine.run()
     genes, best, _ = engine.best_solution(engine.last_generation_fitness)
-    return Search(points(genes), float(-best), int(engine.num_fitness_evaluations))
+    return Minimum(points(genes), float(-best), int(engine.num_fitness_evaluations))
 
 
 class WholePopulations(pygad.GA):  # type: ignore[misc]

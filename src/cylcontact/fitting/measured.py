@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -24,7 +23,7 @@ from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.errors import InputError
 from cylcontact.fitting.noise import FittedNoise, Likelihood, NoiseModel, estimate
-from cylcontact.fitting.problem import ParameterSpace
+from cylcontact.fitting.problem import Minimum, ParameterSpace
 from cylcontact.laws.law import ContactLaw
 
 OBJECTIVES = ("rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load")
@@ -95,14 +94,6 @@ class Loss:
 
 
 _LEAST_SQUARES = Loss()
-
-
-class Minimum(NamedTuple):
-    """The end of a descent: the free parameters, the objective, and the candidates evaluated."""
-
-    point: FloatArray
-    value: float
-    evaluations: int
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,18 +14,13 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
+from cylcontact.fitting.problem import ELITE, Minimum, ParameterSpace
 
-if TYPE_CHECKING:
-    from cylcontact.fitting.problem import ParameterSpace
-
-# The elite that a genetic search does not evaluate again.
-ELITE = 2
 # Differential evolution: Storn and Price (1997), best/1/bin with dithered differences.
 _DE_CONVERGED = 1e-8
 # CMA-ES: the first step, relative to the bounds, and the spread at which it restarts.
@@ -35,19 +30,10 @@ _WORST = 1e30
 
 
 @dataclass(frozen=True)
-class Search:
-    """The best free parameters of a search, shape (k,), their objective, and its evaluations."""
-
-    point: FloatArray
-    value: float
-    evaluations: int
-
-
-@dataclass(frozen=True)
 class Optimizer:
     """An optimiser to choose in a campaign."""
 
-    search: Callable[[ParameterSpace, int, int, str | None, int], Search]
+    search: Callable[[ParameterSpace, int, int, str | None, int], Minimum]
     has_crossover: bool = False
     spends_budget: bool = True
     library: str = ""
@@ -70,17 +56,17 @@ def budget_of(population: int, generations: int) -> int:
 
 def _genetic(
     problem: ParameterSpace, population: int, generations: int, crossover: str | None, seed: int
-) -> Search:
+) -> Minimum:
     from cylcontact.fitting import genetic
 
     return genetic.search(problem, population, generations, crossover or "blend", seed)
 
 
-def _random(problem: ParameterSpace, population: int, _: int, __: str | None, seed: int) -> Search:
+def _random(problem: ParameterSpace, population: int, _: int, __: str | None, seed: int) -> Minimum:
     """Return the best of a population of random points, from which the polish descends."""
     points = problem.scatter(np.random.default_rng(seed), population)
     values = problem.values(points)
-    return Search(points[values.argmin()], float(values.min()), population)
+    return Minimum(points[values.argmin()], float(values.min()), population)
 
 
 class BudgetSpentError(Exception):
@@ -132,16 +118,16 @@ class EvaluationBudget:
 
 def _within_budget(
     restart: Callable[[EvaluationBudget, int, np.random.Generator], None],
-) -> Callable[[ParameterSpace, int, int, str | None, int], Search]:
+) -> Callable[[ParameterSpace, int, int, str | None, int], Minimum]:
     """Return the search that restarts until it has spent the budget of a genetic run."""
 
     def search(
         problem: ParameterSpace, population: int, generations: int, _: str | None, seed: int
-    ) -> Search:
+    ) -> Minimum:
         budget = EvaluationBudget(problem, budget_of(population, generations))
         with suppress(BudgetSpentError):
             restart(budget, population, np.random.default_rng(seed))
-        return Search(budget.point, budget.value, budget.spent)
+        return Minimum(budget.point, budget.value, budget.spent)
 
     return search
 

@@ -183,41 +183,6 @@ def _draw_differences(optima: Mapping[str, Optimum], axes: Axes) -> None:
     axes.set_ylabel(f"less {as_label(first)} (µm)")
 
 
-def plot_design(
-    candidates: pd.DataFrame, chosen: pd.DataFrame, parameter: str, ax: Axes | None = None
-) -> Axes:
-    """Draw by how much one reading at each candidate narrows what counts, and those chosen."""
-    with axes_for(ax, "plot", "column", 60.0) as axes:
-        for dR, rows in candidates.groupby("dR_mm"):
-            (line,) = axes.plot(rows["load_N_per_mm"], rows["narrower_percent"], marker="")
-            line.set_label(f"ΔR = {dR:g} mm")
-        at = candidates.merge(chosen, on=["load_N_per_mm", "dR_mm"])
-        axes.plot(
-            at["load_N_per_mm"], at["narrower_percent"], "o", color=ACCENT, label="to be added"
-        )
-        for _, row in at[at["number"] > 1].iterrows():
-            place = row["load_N_per_mm"], row["narrower_percent"]
-            axes.annotate(f"{row['number']:.0f} times", place, (0, 5), textcoords="offset points")
-        what = as_label(parameter) if parameter else "all intervals"
-        axes.set(xscale="log", xlabel="load (N/mm)", ylabel=f"one reading narrows {what} by (%)")
-        axes.set_ylim(0, 1.2 * candidates["narrower_percent"].max())
-        axes.legend(loc="lower left")
-    return axes
-
-
-def design_drawing(candidates: pd.DataFrame, chosen: pd.DataFrame, parameter: str) -> Drawing:
-    """Draw `plot_design` as a figure; its table is that of the candidates."""
-    figure = new_figure("column", 60.0)
-    plot_design(candidates, chosen, parameter, figure.subplots())
-    what = parameter or "all parameters together"
-    caption = (
-        f"By how much one further reading narrows the interval of {what}, over the load, and the "
-        f"{chosen['number'].sum()} readings that together narrow it most."
-    )
-    headline = {"largest gain, %": float(candidates["narrower_percent"].max())}
-    return Drawing(figure, candidates, headline, caption)
-
-
 def _series(data: Measurements) -> list[str] | None:
     """Return the series of each row: the groups, or the pairs if there are several."""
     names, index = data.groups("group" if "group" in data.data.labels else "pair")

@@ -13,7 +13,7 @@ import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,17 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.laws.law import LawModel, Parameter
+
+# The elite that a genetic search does not evaluate again, a part of every budget.
+ELITE = 2
+
+
+class Minimum(NamedTuple):
+    """The best free parameters of a search, shape (k,), their objective, and the evaluations."""
+
+    point: FloatArray
+    value: float
+    evaluations: int
 
 
 @dataclass(frozen=True, eq=False)
