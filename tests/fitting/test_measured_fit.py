@@ -306,31 +306,6 @@ def test_a_function_of_ones_own_is_fitted_like_a_law(tmp_path, objective):
     assert np.isinf(law.max_penetration(pair))
 
 
-@pytest.mark.parametrize(
-    ("law", "key", "rule"),
-    [
-        ("mine:nothing", "law", "is not a function of mine"),
-        ("mine:table", "law", "is not a function of mine"),
-        ("absent_module:load", "law", "cannot be imported (ModuleNotFoundError"),
-        ("bad:load", "law", "cannot be imported (SyntaxError"),
-        (":load", "law", "cannot be imported"),
-        ("mine:starred", "law", "must take a penetration, a pair and named constants"),
-        ("builtins:max", "law", "has no signature to read"),
-        ("mine:short", "law", "has no constant to fit"),
-        ("mine:worded", "law", "has a default for kind that is not a number"),
-        ("mine:flat", "load", "returns an array of another shape"),
-        ("mine:broken", "load", "stopped with RuntimeError: no such thing"),
-    ],
-)
-def test_what_is_wrong_with_a_function_is_told(tmp_path, law, key, rule):
-    bounds = {"K": {"low": 0.5, "high": 10.0}}
-    with pytest.raises(InputError) as caught:
-        fit_table(user_campaign(tmp_path, law, parameters=bounds))
-    assert caught.value.key == key
-    assert rule in caught.value.rule
-    assert len(str(caught.value).splitlines()) == 1
-
-
 def test_a_parameter_of_ones_own_law_needs_bounds(tmp_path):
     with pytest.raises(InputError, match=r"parameters\.n: is required: a law of your own"):
         user_campaign(tmp_path, parameters={"K_star": {"low": 0.5, "high": 10.0}})
@@ -543,15 +518,6 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     assert rows["line"].tolist() == list(range(2, 38))
     expected = read["penetration_um"].to_numpy() / 1e3 - depth
     assert rows["residual_mm"].to_numpy() == pytest.approx(expected, rel=1e-5, abs=1e-9)
-
-
-@pytest.mark.slow
-def test_a_second_law_for_a_table_has_a_folder_of_its_own(tmp_path, run):
-    table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
-    options = ("--contact", "internal", "--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--runs", 1)
-    for law, folder in (("johnson", "mine"), ("explicit", "mine-explicit"), ("johnson", "mine")):
-        assert run("fit", table, "--law", law, *options, "-j", 1)[0] == 0
-        assert FitResult.read(tmp_path / "results" / folder / "result.json").law == law
 
 
 def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):

@@ -464,27 +464,6 @@ def test_information_criteria_of_two_laws_differ_as_lmfits_do(constant):
         assert fit.bic - own.bic == pytest.approx(other.bic - peer.bic, rel=1e-6)
 
 
-def test_iminuit_agrees_with_a_fit_of_constant_noise(constant):
-    iminuit = require_package("iminuit")
-    frame, own = constant
-    predicted = scaled(LAW, frame)
-    reading, sigma = 1e-3 * frame["penetration_um"].to_numpy(), own.uncertainty.residual_sigma
-
-    def chi_square(values):
-        return float((((predicted(*values) - reading) / sigma) ** 2).sum())
-
-    chi_square.errordef = iminuit.Minuit.LEAST_SQUARES
-    minuit = iminuit.Minuit(chi_square, [1.0, 1e-4], name=("stiffness_factor", "offset"))
-    minuit.tol, minuit.strategy = 1e-6, 2
-    minuit.migrad()
-    minuit.hesse()
-    for name, estimated in own.uncertainty.estimates.items():
-        assert estimated.value == pytest.approx(minuit.values[name], rel=1e-4, abs=0)
-        assert estimated.standard_error == pytest.approx(minuit.errors[name], rel=0.02, abs=0)
-    correlation = minuit.covariance.correlation()["stiffness_factor", "offset"]
-    assert own.correlation.loc["stiffness_factor", "offset"] == pytest.approx(correlation, abs=0.02)
-
-
 # --- findings ---------------------------------------------------------------------------------
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from cylcontact import InputError
-from cylcontact.fitting import FitResult, compare, fit_table, read_campaign
+from cylcontact.fitting import FitResult, fit_table, read_campaign
 from tests.support.measured_files import measured_campaign
 from tests.support.spec_files import DROP, assert_told, changed, labels, tree, write_bench
 
@@ -164,14 +164,6 @@ def test_a_foreign_table_is_refused_by_its_first_unknown_key(tmp_path):
     with pytest.raises(InputError) as caught:
         FitResult.read(path)
     assert_told(caught, path, "dependencies", {}, "is not a known key", "name, law, contact")
-
-
-def test_a_result_that_loads_can_be_reported(tmp_path, small_result):
-    """Whatever passes the checks has a report, verdicts and a place in a comparison."""
-    small_result.save(tmp_path / "r.json")
-    result = FitResult.read(tmp_path / "r.json")
-    assert result.verdicts == small_result.verdicts
-    assert "small" in compare([result, FitResult.read(EXTERNAL)])
 
 
 @pytest.mark.parametrize(

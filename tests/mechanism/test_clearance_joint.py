@@ -444,24 +444,6 @@ def test_a_pin_dropped_in_octave_bounces_as_in_the_library(tmp_path):
 
 
 @pytest.mark.parametrize("target", SOURCES)
-@pytest.mark.parametrize("units", ["SI", "mm"])
-def test_texts_are_plain_and_name_every_number(target, units):
-    joint = joint_for(
-        "johnson", 0.05, units, **{"pin.yield_stress": 250.0, "pin.point": [3.0, 4.0]}
-    )
-    texts = export_joint(joint, target)
-    text = "\n".join(texts.values())
-    assert text.isascii()
-    assert all(part.endswith("\n") and "\n\n\n\n" not in part for part in texts.values())
-    assert max(map(len, text.splitlines())) <= 130  # Fortran takes 132
-    unit = 1e-3 if units == "SI" else 1.0
-    last = joint.block["last_penetration"]
-    for number in (10.0 * unit, 3.0 * unit, 4.0 * unit, 10.0 * unit, joint.chi, float(last)):
-        assert repr(number) in text
-    assert f"moments in N {'m' if units == 'SI' else 'mm'}" in text
-
-
-@pytest.mark.parametrize("target", SOURCES)
 def test_no_name_breaks_out_of_its_comment(target):
     joint = joint_for("explicit", 0.05, name='a \n b */ \\ é ??/ \'""" $c {d}')
     origin = "fit result 'x\n*/ ??/ \\"

@@ -54,6 +54,7 @@ def test_one_process_two_and_a_cluster_agree_to_the_bit(loopback, small_campaign
     assert bits(calibrate(small_campaign, Cluster(loopback.address))) == bits(small_result)
 
 
+@pytest.mark.long
 def test_moments_sampled_on_a_cluster_agree_to_the_bit(loopback, small_campaign):
     grid = replace(small_campaign.grid, load=np.linspace(1.0, 500.0, 70_000))
     local, counts = reduce_grid(grid, 1)
@@ -63,6 +64,7 @@ def test_moments_sampled_on_a_cluster_agree_to_the_bit(loopback, small_campaign)
         assert getattr(local, name).tobytes() == getattr(remote, name).tobytes()
 
 
+@pytest.mark.long
 def test_results_come_in_the_order_of_the_calls(loopback):
     calls = [call(abs, -number) for number in range(20)]
     assert list(run_calls(calls, Cluster(loopback.address))) == list(range(20))
@@ -70,10 +72,7 @@ def test_results_come_in_the_order_of_the_calls(loopback):
     assert sorted(actual) == list(range(20))
 
 
-def test_no_calls_need_no_workers(loopback):
-    assert list(run_calls([], Cluster(loopback.address))) == []
-
-
+@pytest.mark.long
 def test_the_work_is_done_over_there_even_by_a_single_worker(tmp_path):
     with LoopbackCluster(tmp_path, workers=1) as started:
         where = set(run_calls([call(os.getpid)] * 4, Cluster(started.address)))
@@ -101,6 +100,7 @@ def test_a_worker_killed_in_the_middle_of_its_calls_has_them_redone(short_lived)
     assert len(list(results)) == 6
 
 
+@pytest.mark.long
 def test_the_command_line_fits_on_a_cluster(loopback, tmp_path, monkeypatch, run, small_result):
     write_bench(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -112,6 +112,7 @@ def test_the_command_line_fits_on_a_cluster(loopback, tmp_path, monkeypatch, run
 # --- one clear line ---------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_bad_input_found_by_a_worker_comes_back_whole(loopback):
     with pytest.raises(InputError) as caught:
         list(run_calls([call(refuse, 1)], Cluster(loopback.address)))

@@ -1,5 +1,6 @@
 """Never lose work: killed, interrupted and resumed commands, and no process left."""
 
+import itertools
 import json
 import os
 import pickle
@@ -23,6 +24,7 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL"),
 ]
+LONG = pytest.mark.long
 in_proc = pytest.mark.skipif(
     not Path("/proc/self/environ").exists(), reason="processes are found in /proc"
 )
@@ -31,7 +33,7 @@ in_proc = pytest.mark.skipif(
 FEW = {"parameters.n": {"value": 1.2, "fixed": True}}
 RUNS = FEW | {"genetic.runs": 12, "genetic.generations": 60, "genetic.populations": [16]}
 LONGER = RUNS | {"genetic.generations": 200}
-LONG = {"genetic.runs": 50, "genetic.generations": 3000, "genetic.populations": [16]}
+MINUTES = {"genetic.runs": 50, "genetic.generations": 3000, "genetic.populations": [16]}
 FIT = ("fit", "fitting/small.toml", "--jobs", "1")
 AS_USER = (sys.executable, "-m", "cylcontact.cli")
 RESULT = "fitting/results/small.json"
@@ -139,8 +141,14 @@ def uninterrupted(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("name", RESUMABLE)
-@pytest.mark.parametrize("how", [*("SIGKILL", "SIGINT"), "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [
+        # Before every change one of each; by night all.
+        pytest.param(*case, marks=() if case in (("fit", "SIGKILL"), ("cases", "SIGINT")) else LONG)
+        for case in itertools.product(RESUMABLE, ("SIGKILL", "SIGINT", "SIGTERM", "SIGHUP"))
+    ],
+)
 def test_stopped_in_the_middle_and_resumed_it_gives_the_same(uninterrupted, tmp_path, name, how):
     command = COMMANDS[name]
     folder = bench(tmp_path)
@@ -165,6 +173,7 @@ def written(folder, before):
     return {name for name in tree(folder).keys() - before.keys() if (folder / name).is_file()}
 
 
+@LONG
 def test_an_interrupted_simulation_keeps_its_revolutions(tmp_path):
     out = tmp_path / "bench/run.parquet"
     simulate = ("simulate", f"{ROOT}/datasets/slider_crank.toml", "-o", out, "--revolutions")
@@ -184,7 +193,7 @@ def test_an_interrupted_simulation_keeps_its_revolutions(tmp_path):
     assert list(tree(out.parent)) == ["run.parquet"]
 
 
-@pytest.mark.long
+@LONG
 def test_resume_after_kill_9_at_random_moments(uninterrupted, tmp_path):
     trials = 20
     seconds = float((uninterrupted / "seconds").read_text())
@@ -208,7 +217,7 @@ def longer(tmp_path_factory):
     return folder
 
 
-@pytest.mark.long
+@LONG
 @in_proc
 @pytest.mark.parametrize("how", ["SIGKILL", "SIGINT"])
 def test_stopped_with_worker_processes_under_way_it_resumes(longer, tmp_path, how):
@@ -250,7 +259,7 @@ MOMENTS = {"early": None, "first worker": 0.0, "workers start": 0.4, "under way"
 def end_one(folder, name, how, moment):
     """Start a command, end it at a moment, and return the seconds until nobody was left."""
     out, scratch, said = folder / "out", folder / "scratch", folder / "stderr"
-    write_bench(out, LONG)
+    write_bench(out, MINUTES)
     before, shared = set(tree(out)), set(SHARED.iterdir())
     scratch.mkdir()
     arguments = [part.format(out=out) for part in COMMANDS[name].long]
@@ -291,17 +300,17 @@ def shared_memory(numbers, before):
 @pytest.mark.parametrize(
     ("name", "how", "moment"),
     [
-        pytest.param("fit", "SIGKILL", "first worker", marks=pytest.mark.long),
+        pytest.param("fit", "SIGKILL", "first worker", marks=LONG),
         ("cases", "SIGKILL", "early"),
-        pytest.param("figure", "SIGTERM", "workers start", marks=pytest.mark.long),
-        ("fit", "closed terminal", "workers start"),
+        pytest.param("figure", "SIGTERM", "workers start", marks=LONG),
+        pytest.param("fit", "closed terminal", "workers start", marks=LONG),
     ],
 )
 def test_a_command_leaves_no_process(tmp_path, name, how, moment):
     end_one(tmp_path, name, how, moment)
 
 
-@pytest.mark.long
+@LONG
 @in_proc
 @pytest.mark.parametrize("how", ["SIGKILL", "SIGINT", "SIGTERM", "closed terminal"])
 @pytest.mark.parametrize("moment", ["early", "workers start", "under way"])
@@ -329,7 +338,7 @@ class Payload:
         return (Path.touch, (Path(self.target),))
 
 
-@pytest.mark.parametrize("kind", ["pickle", "python"])
+@pytest.mark.parametrize("kind", ["pickle", pytest.param("python", marks=LONG)])
 def test_no_file_of_the_users_is_unpickled_or_run(tmp_path, kind):
     folder = bench(tmp_path)
     mark = tmp_path / "was-run"
@@ -343,11 +352,10 @@ def test_no_file_of_the_users_is_unpickled_or_run(tmp_path, kind):
     )
     for name in names:
         (folder / name).write_bytes(evil)
-    for command in ("fit", "sample", "compare", "verify", "simulate"):
-        for name in ("evil.toml", "evil.json", "evil.csv", "evil.parquet", "evil.pkl"):
-            out = ("-o", "out.csv") if command == "sample" else ()
-            assert killable.run(folder, command, name, *out) == 2, killable.said(folder)
-            assert one_line(folder)
+    read = {"fit": "toml csv parquet pkl", "compare": "json pkl", "simulate": "toml"}
+    for command, name in ((c, f"evil.{kind}") for c in read for kind in read[c].split()):
+        assert killable.run(folder, command, name) == 2, killable.said(folder)
+        assert one_line(folder)
     assert killable.run(folder, *FIT, "--resume", "-o", "r.json") == 2
     assert killable.run(folder, *FIT, "-o", "r.json") == 0
     assert not mark.exists()
