@@ -108,12 +108,19 @@ def _rod_motion(c: float, s: float, up: float, rate: float, m: Crank) -> tuple[f
 
 
 @inlined
+def _of_joint(
+    side: float, y: FloatArray, n: int, rate: int, near: float, far: float
+) -> contact.Motion:
+    """Return a joint's motion from y[n] and y[rate] on, and the spins of its two bodies."""
+    spin_i, spin_j = (far, near) if side > 0 else (near, far)
+    return side * y[n], side * y[n + 1], side * y[rate], side * y[rate + 1], spin_i, spin_j
+
+
+@inlined
 def joint_motion(c: float, s: float, y: FloatArray, m: Crank) -> contact.Motion:
     """Return the motion of the joint along the slide; c and s are of the crank's angle."""
-    side = m.side
     _, _, spin = _rod_motion(c, s, y[1], y[3], m)
-    spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
-    return side * y[0], side * y[1], side * y[2], side * y[3], spin_i, spin_j
+    return _of_joint(m.side, y, 0, 2, spin, 0.0)
 
 
 @inlined
@@ -128,11 +135,8 @@ def motion_of_two(
 @inlined
 def _of_two(spin: float, y: FloatArray, joint: contact.Joint, m: Crank, pin: Any) -> contact.Motion:
     if pin.slider in (joint.i, joint.j):
-        side, n, near, far = m.side, 0, spin, 0.0
-    else:
-        side, n, near, far = pin.side, 2, m.omega, spin
-    spin_i, spin_j = (far, near) if side > 0 else (near, far)
-    return side * y[n], side * y[n + 1], side * y[n + 4], side * y[n + 5], spin_i, spin_j
+        return _of_joint(m.side, y, 0, 4, spin, 0.0)
+    return _of_joint(pin.side, y, 2, 6, m.omega, spin)
 
 
 @inlined
@@ -161,9 +165,7 @@ def derivatives(
         0.0, 0.0, 0.0, 0.0, 0.0,
     )  # fmt: skip
     if joint.touching:
-        side = m.side
-        spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
-        motion = side * y[0], side * y[1], side * y[2], side * y[3], spin_i, spin_j
+        side, motion = m.side, _of_joint(m.side, y, 0, 2, spin, 0.0)
         f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power, delta = contact.forces(
             motion, joint.impact_rate, joint, law
         )
