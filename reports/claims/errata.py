@@ -14,7 +14,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, untestable
 
 from .. import paper
-from ..finite_elements import STRESS_LOAD, penetrations, study, table
+from ..finite_elements import STRESS_LOAD, study, table
 from ..paper import FIG5_CLEARANCES, STEEL
 from ..power_fits import fig2_fit
 from ..readings import reading
@@ -22,7 +22,6 @@ from ..readings import reading
 CLOSE = 1.0  # percent, ours
 # Share of the rectangle of peak pressure and width that a pressure of that shape fills.
 ELLIPSE, PARABOLA = np.pi / 4, 2 / 3
-FIG6_LOADS = (20.0, 40.0)  # N/mm, both are given
 
 
 @claim(
@@ -259,56 +258,6 @@ def elliptic_stress(bench: Bench) -> Finding:
             )
         ],
         values={f"share at {dR:g} mm, -": share for dR, share in shares.items()},
-    )
-
-
-@claim(
-    "3.2-fig6-load",
-    "the load of Fig 6",
-    paper="20 N/mm, and one sentence later 40 N/mm",
-    rule="the load is 20 N/mm if the bound that the paper reads from the figure holds there",
-    against="Reproduced: 20 N/mm is named where the figure is introduced, so the 40 is the slip.",
-    figures=("fig06",),
-)
-def fig6_load(bench: Bench) -> Finding:
-    """Return the largest differences of the two laws at both loads, against both bounds."""
-    rows = penetrations(table(bench, "recommended"))
-    off = 100 * (rows["enhanced_mm"] / rows["johnson_mm"] - 1).abs()
-    wide = rows["dR_mm"] >= paper.FIG6_WIDE
-    all_of_it, above = (
-        [float(off[inside & (rows["load_N_per_mm"] == load)].max()) for load in FIG6_LOADS]
-        for inside in (wide | True, wide)
-    )
-
-    def text(percents: list[float]) -> str:
-        ends = zip(percents, FIG6_LOADS, strict=True)
-        return " and ".join(f"{percent:.1f} % at {load:g} N/mm" for percent, load in ends)
-
-    def fits(percents: list[float], bound: float) -> str:
-        ends = list(zip(percents, FIG6_LOADS, strict=True))
-        inside = " and ".join(f"{load:g} N/mm" for percent, load in ends if percent < bound)
-        return f"{inside or 'neither load'} ({text(percents)})"
-
-    holds = above[0] < 3 < above[1]
-    return Finding(
-        f"the 3 % between the laws above {paper.FIG6_WIDE:g} mm fit {fits(above, 3)}, the 10 % "
-        f"over all clearances fit {fits(all_of_it, 10)}",
-        holds,
-        choice="judged by the 3 % from 0.445 mm on",
-        miss="" if holds else f"{text(above)}, against 3 %",
-        alternatives=[
-            reading(
-                "judged by the 10 % over all clearances",
-                f"Johnson's and the enhanced law are {text(all_of_it)} apart",
-                all_of_it[0] < 10,
-                f"{all_of_it[0] - 10:.1f} points above 10 % at 20 N/mm",
-            )
-        ],
-        values={
-            f"{where}, {load:g} N/mm, percent": percent
-            for where, percents in (("all clearances", all_of_it), ("0.445 mm and above", above))
-            for load, percent in zip(FIG6_LOADS, percents, strict=True)
-        },
     )
 
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from cylcontact import limits
-from cylcontact.arrays import BoolArray, FloatArray, as_floats
-from cylcontact.laws import LAWS, Enhanced, Johnson, Liu, LogarithmicLaw, Persson
-from cylcontact.laws.conformal import load_at_angle
+from cylcontact.arrays import BoolArray, FloatArray
+from cylcontact.laws import Enhanced, Johnson, Persson
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Finding, claim, joined, listed, with_unit
+from cylcontact.reports.claims import Finding, claim, joined, listed
 from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
 
 from .. import paper
@@ -24,22 +22,10 @@ AGREEMENT = 10.0  # percent, the paper's own bound for models that agree (Sect. 
 TRUTH = "conformal contact by Persson's solution (see Terms)"
 OUR_MATERIALS = "our materials"
 CORRELATED = 0.95  # R² of what correlates well, ours
-# Logarithmic laws whose name in words is not their registered one.
-IN_WORDS = {
-    "radzimovsky": "Radzimovsky's law with the half-width",
-    "radzimovsky-radii": "Radzimovsky's law of multibody papers",
-    "esdu-78035": "ESDU 78035",
-    "goldsmith": "Goldsmith",
-    "dubowsky-freudenstein": "Dubowsky and Freudenstein",
-}
-# What Sect. 1 cites and does not give.
-CITED_PENETRATION, LIU = "the penetration that the cited work uses", "Liu's formula"
 # Of the joint in Sect. 4.
 BEARING = CylinderPair.from_dR(
     "internal", 0.05, STEEL, paper.BEARING_LENGTH, R_i=paper.BEARING_RADIUS
 )
-# Its penetrations in mm are δ/ΔR; R_i does not matter.
-UNIT = CylinderPair.from_dR("internal", 1.0, STEEL)
 
 
 @claim(
@@ -134,53 +120,6 @@ def _r_squared(load: FloatArray, other: FloatArray) -> float:
 
 
 @claim(
-    "1-logarithmic-laws-limited",
-    "the form of the cylindrical models limits the forces that they can be used for",
-    paper="limited",
-    rule="each logarithmic law has a largest load",
-    figures=("fig08",),
-    against="Undecided: half of these limits lie above every load that the paper considers, and a "
-    "limit that is never reached limits nobody.",
-)
-def logarithmic_laws_limited(bench: Bench) -> Finding:
-    """Return the largest load of every logarithmic law in N/mm."""
-    softest = paper.five_materials(bench)["aluminium alloy"]
-    closest = CylinderPair.from_dR(
-        "internal",
-        paper.COMPARED_CLEARANCES[0],
-        softest,
-        paper.BEARING_LENGTH,
-        R_i=paper.BEARING_RADIUS,
-    )
-    laws = {n: law() for n, law in LAWS.items() if isinstance(law(), LogarithmicLaw)}
-    loads, least = (
-        {name: float(law.max_load(pair)) for name, law in laws.items()}
-        for pair in (BEARING, closest)
-    )
-    top, above = paper.LOADS[1], [name for name in laws if least[name] > paper.LOADS[1]]
-    return Finding(
-        f"each of the {len(loads)} logarithmic laws has a largest load; Johnson's is "
-        f"{loads['johnson']:.0f} N/mm for steel of {STEEL.E / 1e3:g} GPa at 50 µm",
-        holds=all(np.isfinite(load) for load in loads.values()),
-        choice="R_i = L = 10 mm, formulas as we read the sources",
-        settled="the sentence names the formulas as the cause of the limits",
-        alternatives=[
-            reading(
-                f"below {top:g} N/mm somewhere in Sect. 3.4's ranges",
-                f"true of {len(laws) - len(above)} of {len(laws)}",
-                not above,
-                miss=f"{', '.join(IN_WORDS.get(name, name) for name in above)} carry more than "
-                f"{top:g} N/mm everywhere",
-            )
-        ],
-        values={
-            **with_unit(loads, "N/mm"),
-            **{f"{name}, aluminium alloy at 7.5 um, N/mm": load for name, load in least.items()},
-        },
-    )
-
-
-@claim(
     "1-johnson-needs-clearance",
     "Johnson's law is usable only for a large enough clearance and a small or medium load",
     paper="clearance large enough, load small or medium",
@@ -227,118 +166,6 @@ def _hertz_shortfall(number: float) -> float:
     load = number * float(BEARING.E_star * BEARING.dR)
     peak = Persson().peak_pressure(load, BEARING)
     return float(100 * (1 - limits.hertz_stress(load, BEARING) / peak))
-
-
-@claim(
-    "1-persson-needs-conformity",
-    "Persson's theory applies only to small clearances with a large enough contact angle",
-    paper="small clearance, large semi-angle",
-    rule=f"the theory is more than {AGREEMENT:g} % off at a semi-angle of 5° or less",
-    figures=("fig05", "fig_explicit"),
-    against="Reproduced: the paper reports what another work found for its own use of the theory, "
-    "and with the overlap of two circles as penetration that finding is right.",
-)
-def persson_needs_conformity() -> Finding:
-    """Return what Persson's theory gives at 5° over Hertz's pressure and Johnson's penetration."""
-    angle = np.radians(5.0)
-    load = load_at_angle(angle, BEARING)
-    depth = Persson().penetration(load, BEARING)
-    pressure = _percent(Persson().peak_pressure(load, BEARING), limits.hertz_stress(load, BEARING))
-    constant = _percent(depth, Johnson().penetration(load, BEARING))
-    overlap = _percent(_overlap(angle), depth)
-    # Persson takes the radii of pin and hole as equal; R_i in place of √(R_i·R_j).
-    radius = 100 * float(np.sqrt(1 - 0.2) - 1)
-    angles = np.radians(np.linspace(5, 84, 791))
-    off = _overlap(angles) / Persson().penetration(load_at_angle(angles, BEARING), BEARING) - 1
-    best = int(np.argmin(np.abs(off)))
-
-    return Finding(
-        "it does not fail at small angles: at a semi-angle of 5° its peak pressure is within "
-        f"{abs(pressure):.1f} % of Hertz's, its limit for small angles",
-        holds=abs(pressure) > AGREEMENT,
-        miss=f"{AGREEMENT - abs(pressure):.1f} points below {AGREEMENT:g} %",
-        choice="judged by what the theory gives in print, pressures (Persson 1964)",
-        alternatives=[
-            reading(
-                "penetration from its pressures, the constant matched to Johnson's law",
-                f"at 5° within {abs(constant):.1f} % of Johnson's penetration",
-                abs(constant) > AGREEMENT,
-                f"{AGREEMENT - abs(constant):.1f} points below {AGREEMENT:g} %",
-                CITED_PENETRATION,
-            ),
-            reading(
-                "penetration as the overlap of two circles, δ = ΔR(1/cos ε − 1)",
-                f"{-overlap:.0f} % too small at 5°, {-100 * off[best]:.0f} % at "
-                f"{np.degrees(angles[best]):.0f}°",
-                abs(overlap) > AGREEMENT,
-                missing=CITED_PENETRATION,
-            ),
-            reading(
-                "the condition on the clearance alone: Persson takes both radii as equal",
-                f"with R_i for both, pressures are {-radius:.0f} % low at ΔR = 0.2·R_i",
-                abs(radius) > AGREEMENT,
-            ),
-        ],
-        values={
-            "peak pressure at 5 deg less Hertz's, percent": pressure,
-            "penetration at 5 deg less Johnson's, percent": constant,
-            "overlap at 5 deg less penetration, percent": overlap,
-            "overlap at its best less penetration, percent": 100 * float(off[best]),
-            "its best, deg": float(np.degrees(angles[best])),
-            "one radius at dR = 0.2 R_i, percent": radius,
-        },
-    )
-
-
-def _percent(value: FloatArray, reference: FloatArray) -> float:
-    """Return the difference from the reference in percent."""
-    return float(100 * (value / reference - 1))
-
-
-def _overlap(angle: ArrayLike) -> FloatArray:
-    """Return δ in mm at which circles of the bearing's ΔR overlap up to an angle from the load."""
-    return as_floats(as_floats(BEARING.dR) * (1 / np.cos(angle) - 1))
-
-
-@claim(
-    "1-liu-limited",
-    "the model of Liu and co-workers holds only under the conditions it was made for",
-    paper="limited to specific conditions",
-    rule=f"within {AGREEMENT:g} % of conformal contact for some loads and not for others",
-    figures=("fig_explicit",),
-    against="Reproduced: a formula that is off at every load with one E*, and at small loads with "
-    "the other, is limited either way.",
-)
-def liu_limited() -> Finding:
-    """Return Liu's load over Persson's at equal penetration."""
-    numbers = np.geomspace(1e-6, 60.0, 2001)
-    load = numbers * UNIT.E_star
-    ratio = Liu().load(Persson().penetration(load, UNIT), UNIT) / load
-    least, most = (100 * float(end - 1) for end in (ratio.min(), ratio.max()))
-    fits = numbers[np.abs(2 * ratio - 1) <= AGREEMENT / 100]
-    low = float(fits.min())
-    return Finding(
-        f"nowhere within {AGREEMENT:g} % of conformal contact: its load is {-most:.0f} to "
-        f"{-least:.0f} % too low for f/(E*ΔR) from 1e-6 to {numbers[-1]:g}",
-        holds=-most <= AGREEMENT < -least,
-        choice="Liu and co-workers' formula (2007) with the E* of this paper",
-        missing=LIU,
-        miss=f"{-most - AGREEMENT:.0f} points or more above {AGREEMENT:g} % at every load",
-        alternatives=[
-            reading(
-                "with 2E*, if the source's E* is that of one body",
-                f"within {AGREEMENT:g} % from f = {low:.3f}·E*ΔR on, too soft below",
-                low > numbers[0],
-                f"within {AGREEMENT:g} % at every load",
-                LIU,
-            )
-        ],
-        values={
-            "largest ratio, -": float(ratio.max()),
-            "least ratio, -": float(ratio.min()),
-            "with twice E*, within 10 % from, -": low,
-        },
-    )
 
 
 @claim(

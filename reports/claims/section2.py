@@ -2,41 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 from scipy.special import lambertw
 
-from cylcontact import limits
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.arrays import FloatArray
 from cylcontact.impact import achieved_restitution, exact_factor, lankarani_nikravesh
-from cylcontact.laws import LAWS, Enhanced, Johnson, LankaraniNikravesh, Persson
+from cylcontact.laws import Enhanced, Johnson, LankaraniNikravesh
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Alternative, Finding, claim, joined, untestable, with_unit
+from cylcontact.reports.claims import Finding, claim, joined, with_unit
 
 from .. import paper
 from ..readings import reading
-from .section1 import IN_WORDS, TRUTH
 
-# The readings of Radzimovsky's formula.
-RADZIMOVSKY = {
-    "roark-young": "b the full contact width, as in Roark and Young",
-    "radzimovsky-radii": "b = 1.60√(fR/E*), as in multibody papers",
-    "radzimovsky": "b the half-width",
-}
-ESDU = "esdu-78035"
-OTHER_LAWS = (
-    ESDU,
-    "dubowsky-freudenstein",
-    "goldsmith",
-    "hertz-cylinder",
-    "liu",
-    "lankarani-nikravesh",
-)
 # What Sect. 2 compares with and does not give.
 LENGTH, FORMULA = "the contact length in Sect. 2", "Radzimovsky's formula"
 # R_i and axial length in mm; the first are those of the joint in Sect. 4.
@@ -50,51 +32,6 @@ SIZES = {
 MISSED = 0.1  # by how much a restitution may miss, ours
 LOW = 0.5  # a low restitution, ours
 EXACT = 1e-12  # relative error of an inverse that needs no iteration
-CONSTANT = 1e-9  # by how much a constant may vary from rounding
-
-
-@claim(
-    "2-limit-depends-on-clearance-and-material",
-    "Johnson's law ends at a largest load set by the clearance and the material",
-    paper="depends on both",
-    rule="both exponents positive",
-    figures=("fig08",),
-)
-def limit_depends_on_clearance_and_material() -> Finding:
-    """Return the exponents of ΔR and E in Johnson's largest load."""
-
-    def limit(dR: float, E: float) -> float:
-        return float(limits.johnson_limit_load(paper.clearance_pair(dR, replace(paper.STEEL, E=E))))
-
-    base = limit(0.05, 207e3)
-    by_dR, by_E = np.log2(limit(0.1, 207e3) / base), np.log2(limit(0.05, 414e3) / base)
-    return Finding(
-        f"the largest load is proportional to ΔR and to E (exponents {by_dR:.3f} and "
-        f"{by_E:.3f}); {base:.0f} N/mm for steel of {paper.STEEL.E / 1e3:g} GPa at 50 µm",
-        holds=bool(by_dR > 0 and by_E > 0),
-        values={"exponent of dR, -": by_dR, "exponent of E, -": by_E},
-    )
-
-
-@claim(
-    "2-force-falls-beyond-limit",
-    "past its largest load Johnson's law has a force that falls as the penetration rises",
-    paper="falls",
-    rule="Eq 1's penetration is largest at Eq 8's load and falls past it",
-)
-def force_falls_beyond_limit() -> Finding:
-    """Return Eq 1's penetration, taken literally, at and beyond its largest load."""
-    pair = paper.clearance_pair(0.05, paper.STEEL)
-    limit = float(limits.johnson_limit_load(pair))
-    peak = paper.eq1_peak_load(pair) / limit
-    at_limit, past_it = paper.eq1_penetration([limit, 1.5 * limit], pair)
-    beyond = float(past_it / at_limit)
-    return Finding(
-        f"Eq 1's penetration is largest at {peak:.4f} times Eq 8's load; at 1.5 times that load it "
-        f"is only {beyond:.3f} of the largest",
-        holds=bool(abs(peak - 1) < 1e-4 and beyond < 1),
-        values={"peak over limit, -": peak, "beyond over peak, -": beyond},
-    )
 
 
 @claim(
@@ -255,188 +192,6 @@ def enhanced_covers_more() -> Finding:
             "defined over clearances, percent": share,
         },
     )
-
-
-@claim(
-    "2-johnson-experiment",
-    "Johnson's law has been confirmed by experiment",
-    paper="confirmed",
-    against="Reproduced: the experiments are said to be in the law's original source, where one "
-    "may look.",
-)
-def johnson_experiment() -> Finding:
-    """Return no value: only experiments can judge the statement."""
-    return untestable("the paper gives no measured data")
-
-
-@claim(
-    "2-radzimovsky-comparable",
-    "of Johnson's and Radzimovsky's laws none is superior",
-    paper="no relative superiority",
-    rule="neither is nearer to conformal contact for every material",
-    figures=("fig_explicit",),
-    against="Reproduced: the paper says that two earlier comparisons rank neither law, and for the "
-    "formula as its source prints it that is so.",
-)
-def radzimovsky_comparable(bench: Bench) -> Finding:
-    """Return how far readings of Radzimovsky's formula and Johnson's law are from Persson's."""
-    distances = _distances(bench, ("johnson", *RADZIMOVSKY), paper.PRACTICAL)
-    johnson = distances["johnson"]
-
-    def even(law: str) -> bool:
-        less = distances[law] < johnson
-        return bool(less.any() and not less.all())
-
-    def text(law: str) -> str:
-        return f"{_span(distances[law])} off conformal contact, Johnson's {_span(johnson)}"
-
-    own, *others = RADZIMOVSKY
-    least, most = _shift(bench, own)
-    return Finding(
-        f"Radzimovsky's law is {text(own)}, by material; Radzimovsky's is the nearer for "
-        f"{np.sum(distances[own] < johnson)} of the {johnson.size}",
-        holds=even(own),
-        choice=joined(RADZIMOVSKY[own], "practical domain", TRUTH),
-        missing=FORMULA,
-        alternatives=[
-            *(
-                reading(
-                    RADZIMOVSKY[law],
-                    text(law),
-                    even(law),
-                    f"further by {np.min(distances[law] - johnson):.0f} points or more for each "
-                    "material",
-                    FORMULA,
-                )
-                for law in others
-            ),
-            reading(
-                "without the constant, which is where a penetration counts from",
-                f"the two differ by {most:.3f}·f/(πE*) everywhere",
-                most - least < CONSTANT,
-                f"the factor of f/(πE*) varies by {most - least:.3f}",
-                paper.DATUM,
-            ),
-        ],
-        values={
-            **_ends(distances),
-            "shift from Johnson's law over f/(pi E*), -": most,
-        },
-    )
-
-
-def _shift(bench: Bench, law: str) -> tuple[float, float]:
-    """Return the least and the most that a law exceeds Johnson's by, over f/(πE*)."""
-    shifts = []
-    for material in paper.five_materials(bench).values():
-        pair, load = _grid(material, paper.PRACTICAL)
-        excess = LAWS[law]().penetration(load, pair) - Johnson().penetration(load, pair)
-        shifts.append(excess * np.pi * pair.E_star / load)
-    return float(min(map(np.nanmin, shifts))), float(max(map(np.nanmax, shifts)))
-
-
-@claim(
-    "2-other-models-fall-short",
-    "all models but Johnson's and Radzimovsky's fall short of Johnson's",
-    paper="shortcomings relative to Johnson",
-    rule="each is further from conformal contact than Johnson's law, for every material",
-    figures=("fig_explicit",),
-    against="Reproduced: the paper takes Johnson's law as the reference, and with its "
-    "constant in conformal contact no other model is nearer for the joint of Sect. 4.",
-)
-def other_models_fall_short(bench: Bench) -> Finding:
-    """Return the distance of the other models from conformal contact, and Johnson's."""
-    laws = ("johnson", *OTHER_LAWS)
-    by_size = {
-        size: _distances(bench, laws, replace(paper.PRACTICAL, R_i=R_i), length)
-        for size, (R_i, length) in SIZES.items()
-    }
-    margins = {size: _margin(distances) for size, distances in by_size.items()}
-    free = _margin(_distances(bench, laws, paper.JOHNSON_ONLY))
-    _, shift = _shift(bench, ESDU)
-    shifted = _margin(_distances(bench, laws, paper.PRACTICAL, shift=shift))
-
-    (own, margin), *others = margins.items()
-    distances = by_size[own]
-    best = min(OTHER_LAWS, key=lambda law: float(distances[law].min()))
-    return Finding(
-        f"they are {_span(np.concatenate([distances[law] for law in OTHER_LAWS]))} off "
-        f"conformal contact, Johnson's law {_span(distances['johnson'])}; the nearest is "
-        f"{IN_WORDS[best]}'s, which depends on the contact length",
-        holds=margin > 0,
-        choice=joined(own, "formulas as we read the sources", "practical domain", TRUTH),
-        missing=paper.DATUM,
-        alternatives=[
-            *(_by_margin(size, value, LENGTH) for size, value in others),
-            _by_margin(
-                "the constant of conformal contact matched to ESDU's law instead of Johnson's",
-                shifted,
-                paper.DATUM,
-            ),
-            _by_margin("up to Johnson's limit, yield ignored", free, paper.TABLE_1),
-        ],
-        values={
-            **_ends(distances),
-            **{f"least margin, {size}, percent": value for size, value in margins.items()},
-            "least margin, yield ignored, percent": free,
-            "least margin, constant of ESDU, percent": shifted,
-        },
-    )
-
-
-def _by_margin(choice: str, margin: float, missing: str) -> Alternative:
-    """Return a reading by how many points the other laws are further away than Johnson's."""
-    away = "at least {:.1f} points further away" if margin > 0 else "up to {:.1f} points nearer"
-    ours = f"the best of them is {away.format(abs(margin))} than Johnson's"
-    return reading(choice, ours, margin > 0, f"by {-margin:.1f} points", missing)
-
-
-def _margin(distances: dict[str, FloatArray]) -> float:
-    """Return by how many points the nearest other law is further away than Johnson's, at least."""
-    nearest = np.min([distances[law] for law in OTHER_LAWS], axis=0)
-    return float(np.min(nearest - distances["johnson"]))
-
-
-def _span(percents: FloatArray) -> str:
-    """Return "a to b %", with decimals below 100."""
-    most = float(percents.max())
-    return f"{percents.min():.1f} to {most:.{int(most < 100)}f} %"
-
-
-def _ends(distances: dict[str, FloatArray]) -> dict[str, float]:
-    """Return each law's least and largest distance."""
-    return {
-        f"{law}, {end}, percent": float(pick(percents))
-        for law, percents in distances.items()
-        for end, pick in (("least", np.min), ("most", np.max))
-    }
-
-
-def _distances(
-    bench: Bench,
-    laws: Iterable[str],
-    domain: paper.Domain,
-    length: float = paper.BEARING_LENGTH,
-    shift: float = 0.0,
-) -> dict[str, FloatArray]:
-    """Return each law's rms of ln(δ/δ_Persson) over a domain in percent, one per material.
-
-    A shift of the constant of Persson's penetration is in units of f/(πE*).
-    """
-    grids = [_grid(m, domain, length) for m in paper.five_materials(bench).values()]
-    depths = [
-        Persson().penetration(load, pair) + shift * load / (np.pi * pair.E_star)
-        for pair, load in grids
-    ]
-    return {
-        law: as_floats(
-            [
-                100 * np.sqrt(np.nanmean(np.log(LAWS[law]().penetration(load, pair) / depth) ** 2))
-                for (pair, load), depth in zip(grids, depths, strict=True)
-            ]
-        )
-        for law in laws
-    }
 
 
 def _grid(

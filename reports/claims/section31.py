@@ -9,7 +9,7 @@ from cylcontact.fitting.power_fit import PowerFit
 from cylcontact.laws import Enhanced
 from cylcontact.pair import Contact
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Alternative, Finding, agrees_as_printed, claim, joined
+from cylcontact.reports.claims import Alternative, Finding, agrees_as_printed, claim
 
 from .. import paper
 from ..load_lists import WIDER_FOUND, WIDER_SEARCH, expected_matches, external_matches
@@ -41,10 +41,6 @@ OTHER_LOADS: dict[Contact, dict[str, FloatArray]] = {
         "1, 10, 20, …, 1000 N/mm, as in the internal case": FIG2_LOADS["internal"],
     },
 }
-IN_LOGARITHMS: dict[Contact, str] = {
-    "internal": "the line in logarithms, not a fit of f, gives K and n to the last digit",
-    "external": "",
-}
 ALL_DIGITS = "these loads give every printed digit of K and n at once"
 AGAINST_DIGITS: dict[Contact, str] = {
     "internal": "Undecided: the digits that are to be reproduced were themselves used to pick the "
@@ -57,7 +53,6 @@ AGAINST_CORRELATION: dict[Contact, str] = {
     "not reach the bar.",
     "external": "None that we see: every list of loads and both kinds of R² reach the bar.",
 }
-N_CLOSE, K_CLOSE, FORCE_CLOSE = 1.0, 5.0, 10.0  # percent
 AGAINST_LAW: dict[Contact, str] = {
     "internal": (
         "Not reproduced: K misses by more than our bound, and a high R² hides differences of "
@@ -169,90 +164,6 @@ def above(value: float, bar: float = paper.GOOD_CORRELATION) -> str:
     return "" if value > bar else f"{bar - value:.4f} below {bar}"
 
 
-@claim(
-    "3.1-fig2-{contact}-r-squared",
-    "that fit correlates with Johnson's law ({contact} contact)",
-    paper=f"R² > {paper.GOOD_CORRELATION}",
-    rule=f"R² above {paper.GOOD_CORRELATION}",
-    figures=("fig02",),
-    against="{against_correlation}",
-    paper_values={"R squared, -": paper.GOOD_CORRELATION},
-    cases=FIG2_CASES,
-)
-def fig2_correlation(contact: Contact) -> Finding:
-    """Return R² of Fig 2's fit, of ln f and of f."""
-    fit = fig2_fit(contact)
-    load, delta = johnson_points(
-        FIG2_LOADS[contact], reference_pair(contact, paper.FIG2_DR[contact])
-    )
-    in_force = r_squared(load, fit.K * delta**fit.n)
-    return Finding(
-        f"R² = {fit.r_squared:.5f}",
-        holds=fit.r_squared > paper.GOOD_CORRELATION,
-        choice=f"R² of ln f; {LOADS[contact]}",
-        missing=WINDOW,
-        miss=above(fit.r_squared),
-        alternatives=[
-            judged("R² of f about the same curve", f"{in_force:.5f}", above(in_force)),
-            *(
-                judged(name, f"{other.r_squared:.5f}", above(other.r_squared), WINDOW)
-                for name, other in fig2_readings(contact).items()
-            ),
-        ],
-        settled=IN_LOGARITHMS[contact],
-        values={"R squared of ln f, -": fit.r_squared, "R squared of f, -": in_force},
-    )
-
-
-@claim(
-    "3.1-eq6-at-fig2-{contact}",
-    "at Fig 2's clearance Eqs 5 and 6 give the constants of Fig 2's own fit ({contact} contact)",
-    paper="n = {n}, K = {K} " + K_UNIT,
-    rule=f"n within {N_CLOSE:g} % and K within {K_CLOSE:g} % (ours)",
-    figures=("fig02",),
-    against="{against_law}",
-    cases=FIG2_CASES,
-)
-def eq6_at_fig2(contact: Contact, K: str, n: str) -> Finding:
-    """Return K, n and R² of the published law in the case of Fig 2."""
-    dR, law = paper.FIG2_DR[contact], Enhanced()
-    pair = reference_pair(contact, dR)
-    load, delta = johnson_points(paper.TRAINING_LOADS, pair)
-    off = float(100 * np.max(np.abs(law.load(delta, pair) / load - 1)))
-    K_of_law, n_of_law = float(law.factor(pair)), float(law.exponent(pair))
-    of_K, of_n = 100 * (K_of_law / float(K) - 1), 100 * (n_of_law / float(n) - 1)
-    r2 = r_squared_of_law(FIG2_LOADS[contact], contact, dR)
-    close = abs(of_n) <= N_CLOSE and abs(of_K) <= K_CLOSE
-    return Finding(
-        f"n = {n_of_law:.4f}, {of_n:+.2f} %, and K {of_K:+.1f} %",
-        holds=close,
-        choice="judged by the two constants",
-        miss="" if close else f"n is {of_n:+.2f} % and K {of_K:+.1f} % off",
-        alternatives=[
-            judged(
-                f"R² > {paper.GOOD_CORRELATION} with Johnson's law, as for the fit; "
-                f"{LOADS[contact]}",
-                f"R² = {r2:.5f}",
-                above(r2),
-                WINDOW,
-            ),
-            judged(
-                f"force within {FORCE_CLOSE:g} % of Johnson's over the loads of the search, 10 to "
-                "1000 N/mm",
-                f"up to {off:.1f} % off",
-                "" if off <= FORCE_CLOSE else f"{off - FORCE_CLOSE:.1f} points above",
-            ),
-        ],
-        values={
-            "K, N/mm per mm^n": K_of_law,
-            "n, -": n_of_law,
-            "R squared of ln f, -": r2,
-            "largest difference of the force, percent": off,
-        },
-        paper_values={"K, N/mm per mm^n": float(K), "n, -": float(n)},
-    )
-
-
 def r_squared_of_law(load: FloatArray, contact: Contact, dR: float) -> float:
     """Return R² of ln f of the published law against Johnson's at ΔR in mm and 207 GPa."""
     pair = reference_pair(contact, dR)
@@ -329,22 +240,6 @@ def sensitivity(contact: Contact, bounds: Interval) -> Finding:
 def fig3_internal_sensitivity() -> Finding:
     """Return the spreads of n over ΔR and over E for internal contact."""
     return sensitivity("internal", (2, np.inf))
-
-
-@claim(
-    "3.1-fig3-external-sensitivity",
-    "for external contact n depends about equally on ΔR and on E (Fig 3b)",
-    paper="equally dependent on both",
-    rule="neither spread of n exceeds twice the other (twice is ours)",
-    figures=("fig03",),
-    against=(
-        "Not reproduced: the least of the ratios is nearly half the dependence, and twice is the "
-        "bar by which the internal case counts as much lower."
-    ),
-)
-def fig3_external_sensitivity() -> Finding:
-    """Return the spreads of n over ΔR and over E for external contact."""
-    return sensitivity("external", (0.5, 2))
 
 
 MOST = 50.0  # percent of the ranges
@@ -467,71 +362,4 @@ def external_single_n(bench: Bench) -> Finding:
         ],
         values={"served, percent": share}
         | {f"n searched, {name}, -": n for name, n in found.items()},
-    )
-
-
-EXTERNAL_ENDS = {
-    "smallest ΔR, lowest E": (5.0, 20.7e3),
-    "smallest ΔR, highest E": (5.0, 10000e3),
-    "largest ΔR, lowest E": (500.0, 20.7e3),
-    "largest ΔR, highest E": (500.0, 10000e3),
-}
-N_OFF = 0.02
-
-
-@claim(
-    "3.1-external-exceptions",
-    "for external contact the exceptions to n = 1.094 are at the smallest ΔR and at the lowest and "
-    "highest E",
-    paper="smallest ΔR; lowest and highest E",
-    rule="n = 1.094 is not acceptable somewhere at the smallest ΔR, the lowest E and the highest E",
-    figures=("fig03",),
-    against="Not reproduced: n depends on E*·ΔR only, so a low E is no exception at a large ΔR, "
-    "nor a high E at a small one.",
-)
-def external_exceptions() -> Finding:
-    """Return R² of n = 1.094 and the fitted n in the corners of the external training box."""
-    r_squared = {
-        name: float(r_squared_at(N_EXTERNAL, *product_points("external", dR * E)))
-        for name, (dR, E) in EXTERNAL_ENDS.items()
-    }
-    n = {
-        name: fit_at("external", *corner, paper.TRAINING_LOADS).n
-        for name, corner in EXTERNAL_ENDS.items()
-    }
-
-    def miss(fails: dict[str, bool]) -> str:
-        needed = ("smallest ΔR", "lowest E", "highest E")
-        fine = [end for end in needed if not any(fails[name] for name in fails if end in name)]
-        least = min((r_squared[name] for name in fails for end in fine if end in name), default=1.0)
-        return f"R² is {least:.4f} or more at the {' and the '.join(fine)}" if fine else ""
-
-    by_bar = {bar: miss({k: value <= bar for k, value in r_squared.items()}) for bar in BARS}
-    by_n = miss({name: abs(value - N_EXTERNAL) > N_OFF for name, value in n.items()})
-    by_r_squared = sorted(r_squared.items(), key=lambda item: item[1])
-    corners = [f"{name} ({value:.4f})" for name, value in by_r_squared]
-
-    def ours(bar: float) -> str:
-        count = sum(value <= bar for value in r_squared.values())
-        exceptions = " and ".join(f"the corner of {corner}" for corner in corners[:count])
-        are = "are exceptions" if count > 1 else "is an exception"
-        where = "elsewhere R²" if count else "R²"
-        lowest = (f"{where} is lowest at {at}" for at in corners[count : count + 1])
-        return joined(f"only {exceptions} {are}" if count else f"no corner {are}", *lowest)
-
-    return Finding(
-        f"by R² > {BARS[0]} {ours(BARS[0])}",
-        holds=not by_bar[BARS[0]],
-        choice=f"acceptable means R² > {BARS[0]} of ln f with the best K; {FIG3_LOADS}",
-        miss=by_bar[BARS[0]],
-        alternatives=[
-            *(judged(f"acceptable means R² > {bar}", ours(bar), by_bar[bar]) for bar in BARS[1:]),
-            judged(
-                f"acceptable means that n fitted there is within {N_OFF} (ours) of {N_EXTERNAL}",
-                f"n = {n['smallest ΔR, lowest E']:.3f} and {n['largest ΔR, highest E']:.3f} there",
-                by_n,
-            ),
-        ],
-        values={f"n at {name}, -": value for name, value in n.items()}
-        | {f"R squared at {name}, -": value for name, value in r_squared.items()},
     )

@@ -6,15 +6,14 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 
-from cylcontact import limits
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Finding, claim, untestable, with_unit
+from cylcontact.reports.claims import Finding, claim, with_unit
 
 from .. import paper
-from ..finite_elements import penetrations, study, table
-from ..paper import DATUM, FIG5_CLEARANCES, FIG6_WIDE, STEEL, WINDOW, difference
-from ..readings import below, bound, found, reading, within
+from ..finite_elements import penetrations, table
+from ..paper import DATUM, FIG6_WIDE, STEEL, difference
+from ..readings import below, found, within
 
 LOADS = (20.0, 40.0, 100.0)  # N/mm
 FIG6_LOADS = {
@@ -47,22 +46,7 @@ SETUPS = {
     "paper": "the paper's set-up: plane stress, load on the centre node, outer radius ours",
 }
 FREE = "datum chosen for best agreement with the laws"
-ELEMENTS = (1.31e-3, 6.63e-3)  # mm
-ENOUGH = 8  # elements over the contact's half-width
 MESH_PERCENT = 1.0
-HERTZ_CASES = [
-    {
-        "dR": FIG5_CLEARANCES[0],
-        "best": "Undecided: the paper names neither a load nor a measure, and its plane-stress "
-        "elements meet Eq 7's plane-strain Hertz to several percent only.",
-    },
-    {
-        "dR": FIG5_CLEARANCES[1],
-        "best": "Undecided: a symmetric, rounded pressure is no test of Hertz's theory, since "
-        "conformal contact has one too, with a peak that parts from Hertz's as the load grows.",
-    },
-]
-HERTZ_PERCENT = (10.0, 3.0)  # the paper's two bounds for models that agree
 
 
 def largest(percents: FloatArray) -> float:
@@ -182,74 +166,6 @@ def elements_below_percent(bench: Bench, percent: float, lowest: float) -> Findi
 
 
 @claim(
-    "3.2-bounds-at-other-loads",
-    f"other loads show the same: the models agree better above {FIG6_WIDE:g} mm",
-    paper="same trend",
-    rule=f"the laws differ less above {FIG6_WIDE:g} mm than below it, at every load",
-    figures=("fig06",),
-    against="Not reproduced: what is called the same are two numbers, 10 % and 3 %, and at 40 and "
-    "100 N/mm the two laws alone are further apart than 3 %.",
-)
-def bounds_at_other_loads() -> Finding:
-    """Return how the bounds of Fig 6 fare at each load, in percent."""
-    everywhere, wide = law_differences(FIG6_CLEARANCES[0]), law_differences(FIG6_WIDE)
-    gain = min(abs(everywhere[load]) - abs(wide[load]) for load in LOADS)
-    return found(
-        [
-            reading(
-                "a trend is a smaller difference at larger clearances",
-                f"smaller by {gain:.1f} points or more",
-                gain > 0,
-                f"{-gain:.1f} points larger",
-            ),
-            below(
-                "the 3 % itself at 40 and 100 N/mm", max((wide[f] for f in LOADS[1:]), key=abs), 3.0
-            ),
-        ],
-        "the largest difference between the two laws falls "
-        + ", ".join(
-            f"from {abs(everywhere[load]):.1f} to {abs(wide[load]):.1f} % ({load:g} N/mm)"
-            for load in LOADS
-        ),
-        values={f"above, {load:g} N/mm, percent": value for load, value in wide.items()},
-    )
-
-
-@claim(
-    "3.2-same-trend",
-    "penetration depends on clearance in the same way at every load",
-    paper="same trend at 20, 40 and 100 N/mm",
-    rule="rank correlation with ΔR above 0.9 (ours) for every model and load",
-    figures=("fig06",),
-    against=(
-        "Undecided: a rank correlation of 0.9 can hardly fail for a curve that rises like ln ΔR, "
-        "and the 3 % step was set above the largest one found."
-    ),
-)
-def same_trend(bench: Bench) -> Finding:
-    """Return how steadily penetration rises with the clearance, over models and loads."""
-    readings, values = [], dict[str, float]()
-    for name, setup in SETUPS.items():
-        rows = compared(bench, name, 0.0, LOADS)
-        curves = [g[[f"{m}_mm" for m in MODELS]] for _, g in rows.groupby("load_N_per_mm")]
-        orders = [curve.rank().corrwith(rows["dR_mm"].rank()) for curve in curves]
-        order = min(float(each.min()) for each in orders)
-        step = min(float(100 * curve.pct_change().min().min()) for curve in curves)
-        readings += [
-            reading(setup, f"at least {order:.3f}", order > 0.9, f"{0.9 - order:.3f} short"),
-            below(f"{setup.partition(':')[0]}, no local drop of 3 %", min(step, 0.0), 3.0),
-        ]
-        values |= {f"rank correlation, {name}, -": order, f"lowest step, {name}, percent": step}
-    return found(
-        readings,
-        "penetration rises with clearance in all models at all loads: rank correlation "
-        f"{values['rank correlation, recommended, -']:.3f} or more, no local drop larger than "
-        f"{bound(values['lowest step, recommended, percent'])}",
-        values=values,
-    )
-
-
-@claim(
     "3.2-mesh-refinement",
     "further mesh refinement does not alter the results",
     paper="no change",
@@ -282,38 +198,6 @@ def mesh_refinement(bench: Bench) -> Finding:
         f"{pressure:+.2f} %; the penetration under the paper's load on the centre node by "
         f"{penetration:+.1f} %",
         values=with_unit(changes, "percent"),
-    )
-
-
-@claim(
-    "3.2-element-size",
-    "elements of 1.31 to 6.63 µm resolve the contact at every clearance",
-    paper="1.31 to 6.63 µm, from a sensitivity analysis",
-    rule=f"at least {ENOUGH} elements over Hertz's half-width at 20 N/mm (ours)",
-    figures=("fig04",),
-    against="Reproduced: a graded mesh has its finest elements at the contact; 6.63 µm at 1.5 mm "
-    "pairs the coarsest element with the narrowest contact.",
-)
-def element_size(bench: Bench) -> Finding:
-    """Return how many elements lie over the contact's half-width."""
-    setup = study(bench, "recommended").setups["base"]
-    counts = {}
-    for dR, size in ((1.5, ELEMENTS[0]), (1.5, ELEMENTS[1]), (0.1, ELEMENTS[1])):
-        width = float(limits.hertz_half_width(LOADS[0], setup.pair(dR)))
-        counts[f"elements of {1e3 * size:g} µm at {dR:g} mm"] = width / size
-    readings = [
-        reading(name, f"{count:.1f}", count >= ENOUGH, f"{ENOUGH - count:.1f} elements short")
-        for name, count in counts.items()
-    ]
-    fine, coarse, _ = counts.values()
-    rows = table(bench, "convergence")
-    off = {n: change_percent(rows, "penetration_mm", f"cells {n}") for n in (4, ENOUGH)}
-    return found(
-        readings,
-        f"at 1.5 mm and {LOADS[0]:g} N/mm the half-width spans {fine:.1f} elements of "
-        f"{1e3 * ELEMENTS[0]:g} µm, but only {coarse:.1f} of {1e3 * ELEMENTS[1]:g} µm; our "
-        f"penetration is {off[ENOUGH]:+.1f} % off with {ENOUGH} elements, {off[4]:+.1f} % with 4",
-        values=with_unit(counts, "-") | {f"off with {n}, percent": v for n, v in off.items()},
     )
 
 
@@ -361,62 +245,3 @@ def plane_stress_elements(bench: Bench) -> Finding:
             "percent",
         ),
     )
-
-
-@claim(
-    "3.2-hertz-{dR:g}-mm",
-    "Hertz's theory still applies at a clearance of {dR:g} mm",
-    paper="the shape of the contact stress confirms it",
-    rule=f"peak pressure and half-width within {HERTZ_PERCENT[0]:g} % of Hertz's, the section's "
-    "bound for good agreement",
-    figures=("fig05",),
-    against="{best}",
-    cases=HERTZ_CASES,
-)
-def hertz_applies(bench: Bench, dR: float) -> Finding:
-    """Return peak pressure and half-width less Hertz's at one clearance, in percent."""
-    pair = study(bench, "recommended").setups["base"].pair(dR)
-    off = {}
-    for name in SETUPS:
-        rows = table(bench, name)
-        rows = rows[rows["dR_mm"] == dR].set_index("load_N_per_mm")
-        for load in LOADS:
-            peak = rows["peak_pressure_MPa"][load] / limits.hertz_stress(load, pair)
-            width = rows["half_width_mm"][load] / limits.hertz_half_width(load, pair)
-            off[name, load] = 100 * (np.array([peak, width]) - 1)
-    coarse, fine = HERTZ_PERCENT
-    ours = {load: off["recommended", load] for load in LOADS}
-    readings = [
-        *(
-            below(f"{verdict}{load:g} N/mm", largest(ours[load]), coarse, WINDOW)
-            for load, verdict in zip(LOADS, ("verdict at ", "", ""), strict=True)
-        ),
-        *(
-            below(f"{load:g} N/mm, to {fine:g} %", largest(ours[load]), fine)
-            for load in LOADS[::2]
-            if dR > FIG6_WIDE
-        ),
-        below("20 N/mm, plane-stress elements", largest(off["paper", LOADS[0]]), coarse),
-    ]
-    first, *others = (f"{bound(largest(both))}{{}} at {f:g} N/mm" for f, both in ours.items())
-    return found(
-        readings,
-        "peak pressure and half-width are within "
-        + ", ".join([first.format(" of Hertz's"), *(each.format("") for each in others)]),
-        values={
-            f"{what} less Hertz's, {load:g} N/mm, percent": value
-            for load, both in ours.items()
-            for what, value in zip(("peak pressure", "half-width"), both, strict=True)
-        },
-    )
-
-
-@claim(
-    "3.2-experiment",
-    "measurements confirm finite elements and both laws",
-    paper="accurate",
-    against="The campaign is reported in another paper, whose data could be compared.",
-)
-def experiment() -> Finding:
-    """Return no value: only the measurements can judge the statement."""
-    return untestable("the paper prints none of the measurements")

@@ -37,10 +37,8 @@ LOW_CLEARANCE, HIGH_CLEARANCE = np.geomspace(*paper.COMPARED_CLEARANCES, 5)[[1, 
 LOW_LOAD, HIGH_LOAD = paper.MODERATE_LOADS
 LARGEST = paper.COMPARED_CLEARANCES[1]
 SMALL_HOLE = min(paper.RADII)
-MODERATE_LABEL = f"moderate loads, {LOW_LOAD:.1f}–{HIGH_LOAD:.0f} N/mm"
 # Ours: the middle third of the logarithmic loads.
 MIDDLE_LOADS: paper.Interval = (10 ** (5 / 3), 10 ** (7 / 3))
-MIDDLE = replace(paper.MODERATE, loads=MIDDLE_LOADS)
 MIDDLE_LABEL = f"{MIDDLE_LOADS[0]:.0f}–{MIDDLE_LOADS[1]:.0f} N/mm"
 # From the clearances on that the paper calls typical of a bearing, and of mechanical systems.
 FROM_20_UM = replace(paper.MODERATE, clearances=(min(paper.JOINT_CLEARANCES), LARGEST))
@@ -448,83 +446,6 @@ def ordered(choice: str, sizes: Mapping[str, FloatArray], unit: str = "%") -> Al
     return Alternative(choice, f"{firsts} {unit}", holds, miss=miss)
 
 
-def at_shared_load(materials: Materials, dR: float, share: float = 1.0) -> dict[str, FloatArray]:
-    """Return the magnitudes under a share of the highest load that all the materials carry."""
-    load = share * min(float(highest_load(m, as_floats(dR))) for m in materials.values())
-    return {name: np.abs(paper.difference(dR, load, m)) for name, m in materials.items()}
-
-
-@claim(
-    "3.4-growth-with-falling-stiffness",
-    "at the smallest clearances the difference is the larger the softer the material",
-    paper="larger",
-    rule="no softer material has a smaller difference; ceramics are the paper's exception",
-    figures=MAPS,
-    against="Undecided: each at its own highest load, the titanium and the aluminium alloy have "
-    "the same difference, since both stand at Johnson's limit.",
-)
-def growth_with_falling_stiffness(bench: Bench) -> Finding:
-    """Return the differences at the smallest clearances under one load, from stiff to soft."""
-    metals = from_stiff_to_soft(bench, ceramics=False)
-    at_ends = {
-        name: np.abs(paper.difference(SMALLEST, highest_load(m, as_floats(SMALLEST)), m))
-        for name, m in metals.items()
-    }
-    own = at_shared_load(metals, SMALLEST)
-    return found(
-        [
-            ordered("7.5 µm, under the highest load that all carry", own),
-            ordered("10 µm", at_shared_load(metals, 0.010)),
-            ordered("7.5 µm, three quarters of that load", at_shared_load(metals, SMALLEST, 0.75)),
-            ordered("7.5 µm, each at its own highest load", at_ends),
-        ],
-        values=with_unit({name: float(size) for name, size in own.items()}, "percent"),
-    )
-
-
-@claim(
-    "3.4-ceramics-exception",
-    "ceramics are the exception to the growth at the smallest clearances",
-    paper="exception",
-    rule="for ceramics the magnitude does not grow from half the highest load to all of it",
-    figures=("fig10",),
-    against="Reproduced: under high loads only the difference of ceramics falls; that they are in "
-    "line with the other materials at one load says little.",
-)
-def ceramics_exception(bench: Bench) -> Finding:
-    """Return the growth for ceramics at the smallest clearances, and their place in the order."""
-    materials = from_stiff_to_soft(bench)
-    ceramics = materials["ceramics"]
-    half, end = paper.difference(SMALLEST, [paper.LOADS[1] / 2, paper.LOADS[1]], ceramics)
-
-    def falls(choice: str, dR: FloatArray) -> Alternative:
-        most = float(growth(ceramics, dR, 0.5, magnitude).max())
-        text = f"the largest change is {most:+.1f} points"
-        return Alternative(choice, text, most <= 0, miss=unless(most <= 0, f"{most:+.1f} points"))
-
-    def out_of_order(dR: float) -> Alternative:
-        first, second = (float(size) for size in list(at_shared_load(materials, dR).values())[:2])
-        return Alternative(
-            f"exception from the order by stiffness, {1e3 * dR:g} µm",
-            f"{first:.1f} % for ceramics, {second:.1f} % for the next softer material",
-            first > second,
-            miss=unless(first > second, f"in order by {second - first:.1f} points"),
-        )
-
-    own = falls("7.5 and 10 µm", SMALL)
-    least = -float(growth(ceramics, SMALL, 0.5, magnitude).max())
-    told = f"for ceramics the difference shrinks by {least:.1f} percentage points or more"
-    return found(
-        [
-            replace(own, ours=told),
-            falls("7.5 to 20 µm", TO_20_UM),
-            out_of_order(0.010),
-            out_of_order(SMALLEST),
-        ],
-        values={"half load, percent": float(half), "highest load, percent": float(end)},
-    )
-
-
 @claim(
     "3.4-growth-below-0.25-mm",
     "below 0.25 mm the difference grows under very high loads",
@@ -587,32 +508,4 @@ def growth_below_quarter_mm_against_modulus(bench: Bench) -> Finding:
             reading("magnitude", materials, 0.5, magnitude),
         ],
         values=with_unit(at_tenth, "percentage points"),
-    )
-
-
-@claim(
-    "5-below-10-percent",
-    "in practical applications under moderate loads the analytical models differ by under 10 %",
-    paper="< 10 %",
-    rule="enhanced against Johnson's law below 10 % everywhere, for every material",
-    figures=MAPS,
-    paper_values={"bound, percent": 10.0},
-    against="Not reproduced: the ranges are those of Sect. 3.4, from 7.5 µm on, where every "
-    "material passes 10 % under moderate loads, if by a fraction of a point.",
-)
-def below_10_percent(bench: Bench) -> Finding:
-    """Return the largest difference at moderate loads."""
-    materials = paper.five_materials(bench)
-    reading = partial(bounded, materials, 10.0)
-    largest = largest_by_material(materials, paper.MODERATE)
-    own = below(10, MODERATE_LABEL, largest, paper.WINDOW)
-    return found(
-        [
-            with_share(own, materials, 10, paper.MODERATE),
-            reading("up to half of Eq 8's limit", paper.MODERATE, without=past_half_of_limit),
-            reading(MIDDLE_LABEL, MIDDLE, paper.WINDOW),
-            reading(TYPICAL_BEARING, FROM_20_UM),
-            reading(TYPICAL_SYSTEM, FROM_50_UM),
-        ],
-        values=as_values(largest),
     )

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import copy
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import lru_cache
 
-import numpy as np
 import pandas as pd
 
 from cylcontact.laws import LAWS
@@ -18,64 +16,15 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Alternative, Finding, claim, with_unit
 
 from ..long_runs import SETS, SHORT, SPEC_SET, LongRun
-from ..paper import INTEGRATOR, JOINT_CLEARANCES, JOINT_LAWS, LOADS, TABLE_2, WINDOW
-from ..slider_crank import POINTS, SPEC, crossings, force_ratio, mechanism, total_force
+from ..paper import JOINT_CLEARANCES, JOINT_LAWS, LOADS, TABLE_2, WINDOW
+from ..slider_crank import SPEC, force_ratio, mechanism
 from ..trends import FLOOR, Judgement
 
-REVOLUTIONS = 3
 SPHERE, JOHNSON, ENHANCED = JOINT_LAWS
 CYLINDERS = JOHNSON, ENHANCED
-# Ours: the largest violation that counts as kept under control, as a share of the clearance.
-CONTROLLED = 1e-3
-# Ours: forces within this factor are comparable.
-COMPARABLE = 1.5
-PROBE = 1e-3  # mm, a penetration that all laws allow
 
 
 # Baumgarte's stabilisation.
-
-
-def violation(bench: Bench, tolerance: float, parameter: float) -> float:
-    """Return the largest violation of a position constraint in m with α = β = `parameter`."""
-    data = copy.deepcopy(mechanism(bench).data)
-    data["integration"] |= {"alpha": parameter, "beta": parameter}
-    model = mechanism_from(data, SPEC)
-    run = simulate(model, "multiplier", revolutions=REVOLUTIONS, tolerance=tolerance)
-    return float(run.drift[:, 0].max())
-
-
-@claim(
-    "4.2-baumgarte",
-    "Baumgarte's method with α = β = 0.5 keeps the violation of constraints under control",
-    paper="α = β = 0.5",
-    rule=f"it stays below {CONTROLLED:g} of the clearance (ours)",
-    against="Reproduced: with α = β = 0.5 the violation is far below anything that matters; the "
-    "paper does not say that it would be larger without.",
-)
-def baumgarte(bench: Bench) -> Finding:
-    """Return the violation of the constraints in m with the paper's parameters and without."""
-    model = mechanism(bench)
-    bound = CONTROLLED * 1e-3 * model.clearance.contact.radial
-    own = model.integration.tolerance
-    kept = violation(bench, own, 0.5)
-
-    without = violation(bench, own, 0.0)
-    less = kept <= without / 2
-    alternative = Alternative(
-        "at most half of the violation without it, α and β in 1/s",
-        f"{kept:.2g} m with it, {without:.2g} m without",
-        less,
-        miss="" if less else f"{kept / without:.2f} of it",
-    )
-    return Finding(
-        f"largest violation in {REVOLUTIONS} revolutions {kept:.1g} m",
-        holds=kept < bound,
-        choice=f"our masses and lengths; tolerance {own:g}, α and β in 1/s",
-        missing=f"{TABLE_2} and {INTEGRATOR}",
-        miss="" if kept < bound else f"{kept / bound:.2g} times the bound",
-        alternatives=[alternative],
-        values={"with it, m": kept},
-    )
 
 
 # The laws' stiffness at equal penetration, Fig 17.
@@ -194,117 +143,6 @@ def sphere_softest(bench: Bench) -> Finding:
     return over_ranges(bench, judge)
 
 
-@claim(
-    "4.3-comparable-stiffness",
-    "the enhanced law and Johnson's are comparably stiff in the range of use",
-    paper="comparable",
-    rule="their forces at equal penetration are within a factor of 1.5 (ours)",
-    figures=("fig17",),
-    against=(
-        "Undecided: towards the end of Johnson's law at 0.02 mm, which hard impacts reach, its "
-        "force grows beyond our bound."
-    ),
-)
-def comparable_stiffness(bench: Bench) -> Finding:
-    """Return the least and the largest ratio of Johnson's force to the enhanced law's."""
-
-    def judge(table: Callable[[str, str, float], pd.DataFrame]) -> Judgement:
-        ratios = {c: table(JOHNSON, ENHANCED, c)["ratio"] for c in JOINT_CLEARANCES}
-        extent = {
-            f"{clearance:g} mm, {name}": float(value)
-            for clearance, ratio in ratios.items()
-            for name, value in (("least", ratio.min()), ("largest", ratio.max()))
-        }
-        factor = max(max(value, 1 / value) for value in extent.values())
-        return Judgement(
-            f"Johnson's force is {min(extent.values()):.2f} to {max(extent.values()):.2f} of the "
-            "enhanced one's",
-            factor <= COMPARABLE,
-            "" if factor <= COMPARABLE else f"a factor of {factor:.2f}",
-            with_unit(extent, "-"),
-        )
-
-    return over_ranges(bench, judge)
-
-
-@claim(
-    "4.3-{one}-stiffer-{clearance:g}mm",
-    "at {clearance:g} mm {stiff} is slightly stiffer than {soft}",
-    paper="slightly stiffer",
-    rule="stiffer over more than half of the penetrations, on a linear scale as in Fig 17",
-    figures=("fig17",),
-    against="{against}",
-    cases=[
-        {
-            "clearance": JOINT_CLEARANCES[0],
-            "one": JOHNSON,
-            "other": ENHANCED,
-            "stiff": "Johnson's law",
-            "soft": "the enhanced law",
-            "against": "Undecided: the two cross within the range of Fig 17, whose end is not "
-            "known: to the eye either is stiffer.",
-        },
-        {
-            "clearance": JOINT_CLEARANCES[1],
-            "one": ENHANCED,
-            "other": JOHNSON,
-            "stiff": "the enhanced law",
-            "soft": "Johnson's law",
-            "against": "Reproduced: over most of the penetrations it is; only near its end, which "
-            "impacts of a longer rod reach, Johnson's law is much the stiffer and takes more work.",
-        },
-    ],
-)
-def slightly_stiffer(bench: Bench, clearance: float, one: str, other: str) -> Finding:
-    """Return over which share of the penetrations one law is stiffer than the other."""
-
-    def judge(table: Callable[[str, str, float], pd.DataFrame]) -> Judgement:
-        rows = table(one, other, clearance)
-        depth, ratio = 1e3 * rows["penetration_mm"].to_numpy(), rows["ratio"].to_numpy()
-        share = float(np.diff(depth)[ratio[1:] > 1].sum() / depth[-1])
-        even = [1e3 * penetration for penetration in crossings(rows)]
-        up_to = f"the penetrations up to {depth[-1]:.3g} µm"
-        return Judgement(
-            f"stiffer {stiffer_where(even, depth[-1], bool(ratio[0] > 1))}, "
-            f"{100 * share:.0f} % of {up_to}",
-            share > 0.5,
-            "" if share > 0.5 else f"{100 * (0.5 - share):.0f} points short of half",
-            {
-                "share, -": share,
-                **{f"even at ({number}), um": at for number, at in enumerate(even, start=1)},
-            },
-        )
-
-    found = over_ranges(bench, judge)
-    return replace(found, alternatives=[*found.alternatives, by_work(bench, one, other, clearance)])
-
-
-def stiffer_where(even: Sequence[float], end: float, at_first: bool) -> str:
-    """Return where a law is stiffer, from the penetrations in µm at which two laws are even."""
-    first, rest = ([*even, end][:at_first], [*even, end][at_first:])
-    texts = [f"up to {each:.3g} µm" for each in first]
-    pairs = zip(rest[::2], rest[1::2], strict=False)
-    texts += [f"from {one:.3g} to {other:.3g} µm" for one, other in pairs]
-    return " and ".join(texts) or "nowhere"
-
-
-def by_work(bench: Bench, one: str, other: str, clearance: float) -> Alternative:
-    """Return whether a law takes more work than another up to our own deepest penetration."""
-    pair = joint_pair(bench, clearance)
-    end = ranges(bench)[0].end(one, other, clearance)
-    depth = np.linspace(0.0, end, POINTS)
-    work, others = (
-        float(np.trapezoid(total_force(law, depth, pair), depth)) for law in (one, other)
-    )
-    ratio = work / others
-    return Alternative(
-        "by the work up to the deepest penetration",
-        f"{ratio:.3f} times the work up to {1e3 * end:.3g} µm",
-        ratio > 1,
-        miss="" if ratio > 1 else f"{100 * (1 - ratio):.1f} % less work",
-    )
-
-
 # Section 5.
 
 
@@ -334,32 +172,4 @@ def largest_forces(bench: Bench, design: str) -> Judgement:
         holds,
         "" if holds else f"up to {100 * max(over.values()):+.1f} %",
         values,
-    )
-
-
-@claim(
-    "5-sphere-knows-no-length",
-    "spherical laws do not account for the axial length of the cylinders",
-    paper="not accounted for",
-    rule="its force stays as it is when the length doubles, and a cylindrical law's doubles",
-    against="Not reproduced: a length can be worked into its factor, though users of Eq 2 do not.",
-)
-def sphere_knows_no_length(bench: Bench) -> Finding:
-    """Return the ratio of forces at equal penetration for twice the length."""
-    ratios = {}
-    for law, name in JOINT_LAWS.items():
-        for clearance in JOINT_CLEARANCES:
-            pair = joint_pair(bench, clearance)
-            longer = replace(pair, length=2 * pair.contact_length("a force"))
-            one, two = (total_force(law, np.array([PROBE]), each)[0] for each in (pair, longer))
-            ratios[f"{name} at {clearance:g} mm"] = float(two / one)
-    sphere = [ratio for name, ratio in ratios.items() if name.startswith(JOINT_LAWS[SPHERE])]
-    others = [ratio for name, ratio in ratios.items() if not name.startswith(JOINT_LAWS[SPHERE])]
-    holds = bool(np.allclose(sphere, 1.0) and np.allclose(others, 2.0))
-    factors = f"factors of {max(sphere):.3g} and {max(others):.3g}"
-    told = "leaves its force unchanged and doubles a cylindrical law's"
-    return Finding(
-        f"twice the length {told} ({factors})" if holds else f"for twice the length {factors}",
-        holds=holds,
-        values=with_unit(ratios, "-"),
     )

@@ -12,7 +12,7 @@ from cylcontact.progress import Progress
 from cylcontact.reports.bench import Bench, MissingInputError
 from cylcontact.reports.claims import Alternative, Finding, claim, joined
 
-from ..long_runs import FEW, FIRST, LIGHT_SET, LONG_SET, MANY, SETS, SHORT, long_runs
+from ..long_runs import FEW, FIRST, MANY, SETS, SHORT, long_runs
 from ..paper import INTEGRATOR, JOINT_CLEARANCES, JOINT_LAWS, TABLE_2, WINDOW
 from ..slider_crank import law_limit, mechanism
 from ..trends import (
@@ -149,23 +149,6 @@ def longer_flights(bench: Bench) -> Finding:
 
 
 @claim(
-    "4.3-shorter-contacts",
-    "without losses all laws predict shorter contacts at the larger clearance",
-    paper="shorter",
-    rule=SCATTER,
-    figures=("fig18", "fig19", *FIGURES),
-    against="Not reproduced: 'short periods of time in which the journal seats in the bearing' "
-    "means single contacts, and these are longer at 0.5 mm in most sets and windows.",
-)
-def shorter_contacts(bench: Bench) -> Finding:
-    """Return the mean duration of a contact in µs at both clearances."""
-    judge = change_of("contact_us", LARGER, -1, LOSSLESS, "shorter at 0.5 mm")
-    share = change_of("contact_fraction", LARGER, -1, LOSSLESS, "less at 0.5 mm")
-    more = [Reading("the share of the time in contact", share)]
-    return judged(bench, judge, more, "the mean duration of a contact", HORIZON)
-
-
-@claim(
     "4.3-dissipation-keeps-contact",
     "with c_e = 0.9 and without friction most trajectories show continuous contact",
     paper="most",
@@ -202,191 +185,6 @@ def friction_keeps_contact(bench: Bench) -> Finding:
     return judged(bench, judge, more, "friction added to c_e = 0.9")
 
 
-@claim(
-    "4.3-sphere-most-in-contact",
-    "with friction contact is more evident with Lankarani and Nikravesh's law",
-    paper="more evident",
-    rule=f"less time in flight than with either cylindrical law, {ALL}",
-    figures=("fig18", *FIGURES),
-    against="Reproduced: with c_e = 0.9 all laws settle on the wall, and none can be ahead; the "
-    "sentence must mean the start, or elastic runs, and both show it.",
-)
-def sphere_most_in_contact(bench: Bench) -> Finding:
-    """Return the shares of time in flight with friction at 0.5 mm."""
-
-    def judge(chosen: Conditions) -> Judge:
-        rough = {**WIDE, **ROUGH, **chosen}
-        return cylinders("flight_fraction", 1, rough, "more flight with a cylindrical law")
-
-    more = [Reading("friction added to c_e = 1", judge(ELASTIC)), start(judge(LOSSY))]
-    found = judged(bench, judge(LOSSY), more, "friction added to c_e = 0.9")
-    return replace(found, missing=f"{TABLE_2} and {WINDOW}")
-
-
-@claim(
-    "4.3-friction-leaves-flights",
-    "with friction some free flights remain with cylindrical laws",
-    paper="some free-flight modes",
-    rule="at 0.5 mm some onset of contact with each of them",
-    figures=("fig18", *FIGURES),
-    against="Reproduced: the figures may show the first revolutions, in which the journal still "
-    "bounces.",
-)
-def friction_leaves_flights(bench: Bench) -> Finding:
-    """Return the onsets of contact per revolution with friction at 0.5 mm."""
-
-    def judge(chosen: Conditions) -> Judge:
-        def of(table: pd.DataFrame) -> Judgement:
-            rows = among(table, {**WIDE, **ROUGH, **chosen, "law": CYLINDERS})
-            onsets = {JOINT_LAWS[row["law"]]: row["impacts"] for row in rows.to_dict("records")}
-            label = "onsets of contact per revolution"
-            texts = ", ".join(f"{name} {value:.2g}" for name, value in onsets.items())
-            remain = any(onsets.values())
-            return Judgement(
-                f"{label}: {texts}" if remain else f"no flights remain: 0 {label} by either law",
-                min(onsets.values()) > 0,
-                "" if min(onsets.values()) > 0 else f"{min(onsets.values()):g} onsets",
-                {f"{name}, onsets per revolution": value for name, value in onsets.items()},
-            )
-
-        return of
-
-    more = [start(judge(LOSSY)), Reading("friction added to c_e = 1", judge(ELASTIC))]
-    found = judged(bench, judge(LOSSY), more, "friction added to c_e = 0.9")
-    return replace(found, missing=f"{TABLE_2} and {WINDOW}")
-
-
-@claim(
-    "4.3-friction-fewer-flights",
-    "with cylindrical laws free flights are rarer with friction than without",
-    paper="reduced frequency",
-    rule=f"fewer onsets of contact per revolution, {ALL}",
-    figures=("fig18", *FIGURES),
-    against="Undecided: with a longer rod flights end without friction too, though only after "
-    "hundreds of revolutions, and the interval then says little.",
-)
-def friction_fewer_flights(bench: Bench) -> Finding:
-    """Return impacts per revolution without and with friction, for the cylindrical laws."""
-
-    def judge(chosen: Conditions) -> Judge:
-        cases = {**WIDE, "law": CYLINDERS, **chosen}
-        return change_of("impacts", ROUGHER, -1, cases, "rarer with friction")
-
-    elastic = judge(ELASTIC)
-    more = [
-        start(judge(LOSSY)),
-        Reading("friction added to c_e = 1", elastic),
-        *(replace(each, choice=f"c_e = 1, {each.choice}") for each in windows(elastic)),
-    ]
-    return judged(bench, judge(LOSSY), more, "friction added to c_e = 0.9")
-
-
-@claim(
-    "4.3-small-clearance-smoother",
-    "a smaller clearance makes for fewer impacts",
-    paper="fewer impacts",
-    rule=f"fewer onsets of contact per revolution, {ALL}",
-    figures=("fig18", "fig19", *FIGURES),
-    against="Reproduced: Fig 19 is of runs with dissipation by its caption, and these have no "
-    "impacts at 0.02 mm; without dissipation there are more than at 0.5 mm.",
-)
-def small_clearance_smoother(bench: Bench) -> Finding:
-    """Return impacts per revolution at both clearances."""
-
-    def judge(chosen: Conditions) -> Judge:
-        return change_of("impacts", SMALLER, -1, chosen, "fewer at 0.02 mm")
-
-    more = [Reading(ALL_LOSSES, judge({}))]
-    return judged(bench, judge(LOSSY), more, "runs with c_e = 0.9")
-
-
-@claim(
-    "4.3-small-clearance-long-contact",
-    "a smaller clearance makes for long contacts, in which the journal follows the wall",
-    paper="long periods of contact",
-    rule=f"in contact for a larger share of the time, {SCATTER}",
-    figures=("fig18", "fig19", *FIGURES),
-    against="Reproduced: Fig 19 is of runs with dissipation by its caption, and these stay on the "
-    "wall at 0.02 mm in every set; only without losses are single contacts shorter there.",
-)
-def small_clearance_long_contact(bench: Bench) -> Finding:
-    """Return the share of the time in contact, and how long it lasts, at both clearances."""
-
-    def judge(chosen: Conditions, column: str = "contact_fraction") -> Judge:
-        return change_of(column, SMALLER, 1, chosen, "longer at 0.02 mm")
-
-    more = [
-        Reading("runs with c_e = 0.9", judge(LOSSY)),
-        Reading("the mean duration of a contact, c_e = 1", judge(ELASTIC, "contact_us")),
-    ]
-    return judged(bench, judge({}), more, ALL_LOSSES, MIXED)
-
-
-@claim(
-    "5-flight-prevails-without-losses",
-    "without losses free flight prevails over contact",
-    paper="prevalence of free flight",
-    rule="in contact for less than half of the time, with every law at both clearances",
-    figures=("fig18", "fig19", *FIGURES),
-    against="Depends on a missing input: at 0.02 mm contact and flight share the time nearly "
-    "evenly with all three laws; inertias and window decide.",
-)
-def flight_prevails_without_losses(bench: Bench) -> Finding:
-    """Return the share of time in contact without losses."""
-
-    def judge(chosen: Conditions) -> Judge:
-        def of(table: pd.DataFrame) -> Judgement:
-            rows = among(table, {**LOSSLESS, **chosen})
-            shares = rows["contact_fraction"]
-            at_most = {
-                f"{clearance:g} mm": group.max()
-                for clearance, group in shares.groupby(rows["clearance"], sort=False)
-            }
-            first, *others = at_most
-            texts = [f"{100 * at_most[first]:.0f} % of the time at {first}"]
-            texts += [f"{100 * at_most[name]:.0f} % at {name}" for name in others]
-            more = [
-                above(*pair, MOSTLY)
-                for pair in zip(shares, rows["contact_fraction_half_width"], strict=True)
-            ]
-            holds = False if True in more else None if None in more else True
-            return Judgement(
-                f"contact takes at most {', '.join(texts)}",
-                holds,
-                f"{100 * shares.max():.1f} %" if holds is False else "",
-                {f"{name}, largest share of time": value for name, value in at_most.items()},
-            )
-
-        return of
-
-    longer = windows(judge({}))[-1]
-    more = [
-        Reading("0.5 mm alone, as in Fig 18", judge(WIDE)),
-        *(
-            replace(longer, choice=f"{SHORT[design]}, {longer.choice}", design=design,
-                    missing=f"{TABLE_2} and {WINDOW}")
-            for design in (LIGHT_SET, LONG_SET)
-        ),
-    ]  # fmt: skip
-    return judged(bench, judge({}), more, basis=HORIZON)
-
-
-@claim(
-    "5-friction-keeps-elastic-contact",
-    "friction brings the mechanism mostly into contact (Sect. 5)",
-    paper="mostly in contact",
-    rule="in contact for half of the time or more with every law",
-    figures=("fig18", "fig19", *FIGURES),
-    against="Reproduced: the sentence may speak of runs that dissipate in the normal force too, "
-    "which are in contact all the time.",
-)
-def friction_keeps_elastic_contact(bench: Bench) -> Finding:
-    """Return the share of the time in contact with friction."""
-    judge = cases_above({**ELASTIC, **ROUGH}, MOSTLY, every)
-    more = [Reading("c_e = 0.9", cases_above({**LOSSY, **ROUGH}, MOSTLY, every))]
-    return judged(bench, judge, more, "c_e = 1 at both clearances")
-
-
 # Forces and penetrations, and Johnson's law against the enhanced one.
 
 
@@ -418,32 +216,6 @@ def friction_lowers_forces(bench: Bench) -> Finding:
     ]
     choice = "mean force in contact, friction added to c_e = 0.9 at 0.5 mm"
     return judged(bench, judge("mean_force_N", LOSSY), more, choice)
-
-
-@claim(
-    "4.3-cylinders-higher-forces",
-    "with friction, too, cylindrical laws give higher forces than the spherical one",
-    paper="higher",
-    rule=ALL,
-    figures=("fig18", *FIGURES),
-    against="Reproduced: where impacts occur, at the start and with c_e = 1, cylindrical laws are "
-    "higher in every set.",
-)
-def cylinders_higher_forces(bench: Bench) -> Finding:
-    """Return forces in N by the sphere and by the cylindrical laws, with friction."""
-
-    def judge(column: str, chosen: Conditions) -> Judge:
-        return cylinders(column, 1, {**WIDE, **ROUGH, **chosen}, "higher with a cylindrical law")
-
-    first = start(judge("max_force_N", LOSSY))
-    more = [
-        Reading("99th percentile of the force", judge("force_p99_N", LOSSY)),
-        Reading("friction added to c_e = 1", judge("mean_force_N", ELASTIC)),
-        replace(first, choice=f"largest force of a revolution, {first.choice}"),
-    ]
-    choice = "mean force in contact, friction added to c_e = 0.9 at 0.5 mm"
-    found = judged(bench, judge("mean_force_N", LOSSY), more, choice)
-    return replace(found, missing=f"{TABLE_2} and {WINDOW}")
 
 
 @claim(
@@ -579,26 +351,6 @@ def _passed(rows: pd.DataFrame) -> str:
 
 
 @claim(
-    "5-elastic-forces-are-large",
-    "without dissipation the contact forces become large",
-    paper="large",
-    rule=f"larger than with c_e = 0.9, {SCATTER}",
-    figures=FIGURES,
-    against="Undecided: 'large' has no measure; they are larger than with dissipation.",
-)
-def elastic_forces_are_large(bench: Bench) -> Finding:
-    """Return forces in N with and without dissipation."""
-
-    def judge(column: str) -> Judge:
-        change = ("restitution", 0.9, 1.0)
-        return change_of(column, change, 1, DRY, "larger without dissipation")
-
-    more = [Reading("99th percentile of the force", judge("force_p99_N"))]
-    choice = "mean force in contact, without friction"
-    return judged(bench, judge("mean_force_N"), more, choice, MIXED)
-
-
-@claim(
     "5-sphere-underestimates-forces",
     "a spherical law underestimates the contact forces of cylinders",
     paper="forces underestimated",
@@ -670,25 +422,6 @@ def impacts_need_small_steps(bench: Bench) -> Finding:
     step = change_of("step_us", change, -1, DRY, "smaller without losses")
     more = [Reading("the mean step", step)]
     return steps(bench, own, more, "evaluations per revolution", MIXED)
-
-
-@claim(
-    "4.3-cylinders-smaller-steps",
-    "without losses cylindrical laws need smaller steps than the spherical one",
-    paper="smaller, in particular for cylindrical laws",
-    rule=SCATTER,
-    figures=("fig_mechanism_steps", *FIGURES),
-    against="Reproduced: the steps that 'short periods' of contact take are those in contact, and "
-    "these are smaller in every comparison.",
-)
-def cylinders_smaller_steps(bench: Bench) -> Finding:
-    """Return the mean step in µs by the sphere and by the cylindrical laws, without losses."""
-
-    def judge(column: str) -> Judge:
-        return cylinders(column, -1, LOSSLESS, "smaller with a cylindrical law")
-
-    more = [Reading("the mean step in contact", judge("mean_step_contact_us"))]
-    return steps(bench, judge("step_us"), more, basis=HORIZON)
 
 
 def to_both_losses(table: pd.DataFrame) -> Judgement:
