@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.reports.claims import Alternative, Finding
+from cylcontact.reports.claims import Finding, Reading
 
 
 def reading(
     choice: str, ours: str, holds: bool | np.bool_, miss: str = "", missing: str = ""
-) -> Alternative:
+) -> Reading:
     """Return a reading; `miss` is told only where it does not hold."""
-    return Alternative(choice, ours, bool(holds), missing, "" if holds else miss)
+    return Reading(choice, ours, bool(holds), missing, "" if holds else miss)
 
 
-def below(choice: str, percent: float, bound: float, missing: str = "") -> Alternative:
+def below(choice: str, percent: float, bound: float, missing: str = "") -> Reading:
     """Return the reading by which a difference in percent must be smaller than a bound."""
     excess = abs(percent) - bound
     text = f"{percent:+.3g} %"
@@ -37,12 +37,12 @@ def bound(percent: float) -> str:
     return f"{math.ceil(100 * abs(percent)) / 100:g} %"
 
 
-def within(choice: str, percent: float, limit: float, missing: str = "") -> Alternative:
+def within(choice: str, percent: float, limit: float, missing: str = "") -> Reading:
     """Return the reading of `below`, its number told as a bound."""
     return replace(below(choice, percent, limit, missing), ours=f"within {bound(percent)}")
 
 
-def found(readings: Sequence[Alternative], ours: str = "", **more: Any) -> Finding:
+def found(readings: Sequence[Reading], ours: str = "", **more: Any) -> Finding:
     """Return the finding whose own reading is the first, told as `ours` if that is given."""
     own, *others = readings
     fields = asdict(own) | {"ours": ours or own.ours}

@@ -13,7 +13,8 @@ from scipy.special import stdtrit
 
 from cylcontact.mechanism.batch_means import BATCHES
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Alternative, Finding
+from cylcontact.reports.claims import Finding
+from cylcontact.reports.claims import Reading as Found
 
 from .long_runs import (
     FIRST,
@@ -215,7 +216,7 @@ def case_name(conditions: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What one reading of a claim gives; the fields are those of `Alternative` and `Finding`."""
+    """What one reading of a claim gives; the fields are those of `Reading` and `Finding`."""
 
     ours: str
     holds: bool | None
@@ -483,8 +484,7 @@ def finding(bench: Bench, readings: Sequence[Reading], rule: str = "") -> Findin
         missing=own.missing,
         miss=ours.miss,
         alternatives=[
-            Alternative(each.choice, got.ours, got.holds, each.missing, got.miss)
-            for each, got in others
+            Found(each.choice, got.ours, got.holds, each.missing, got.miss) for each, got in others
         ],
         values=ours.values,
         rule=rule,

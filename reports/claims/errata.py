@@ -29,7 +29,6 @@ ELLIPSE, PARABOLA = np.pi / 4, 2 / 3
     "{where} is printed with R_i·R_i; R_i·R_j is meant",
     paper="R_i·R_i",
     rule=f"within {CLOSE:g} % of {{judge}}, our bound",
-    against="As printed: R_i² is a length squared too, and the paper prints it twice.",
     misprint=True,
     figures=("fig01",),
     cases=[
@@ -76,7 +75,7 @@ def radii(bench: Bench, id: str, what: str) -> Finding:
         f"hole) or {pin:+.1f} % (i the pin) off",
         holds=abs(percent) < CLOSE,
         choice=f"read as {own}; radii of {R_i:g} and {R_j:g} mm",
-        settled="with it alone the formula stays the same if the bodies are exchanged",
+        ground="with it alone the formula stays the same if the bodies are exchanged",
         alternatives=[
             reading(
                 f"as printed, {name}",
@@ -100,7 +99,6 @@ def _case(rows: pd.DataFrame, dR: float, load: float) -> pd.Series[bool]:
     "after Eq 6 ΔR = R_i + R_j is given for internal contact; external contact is meant",
     paper="ΔR = R_i + R_j for internal contact",
     rule=f"R_i·R_j/ΔR is within {CLOSE:g} % of Hertz's radius, our bound",
-    against="None that we see: the same sentence gives internal contact another ΔR.",
     misprint=True,
     figures=("fig01",),
 )
@@ -118,7 +116,7 @@ def sum_of_radii() -> Finding:
         f"{paper.JOINT_CLEARANCES[0]:g} mm",
         holds=bool(abs(rollers - 1) < CLOSE / 100),
         choice="read as external the second time",
-        settled="the sentence has given ΔR = R_i − R_j for internal contact already",
+        ground="the sentence has given ΔR = R_i − R_j for internal contact already",
         alternatives=[
             reading(
                 "as printed, internal",
@@ -138,8 +136,6 @@ def sum_of_radii() -> Finding:
     "outer one's is meant",
     paper="R_j = 2.245 mm, the outer cylinder",
     rule="the logarithm in Eq 1 has a positive argument",
-    against="As printed: ΔR may be meant as a magnitude, and then it does not matter which body is "
-    "i.",
     misprint=True,
     figures=("fig01",),
 )
@@ -159,7 +155,7 @@ def sign_of_clearance(bench: Bench) -> Finding:
         f"{printed:.0f}",
         holds=right > 0,
         choice="R_i read as the hole's radius",
-        settled="ΔR = R_i − R_j after Eqs 1 and 6, and body i has the bearing in Sect. 4",
+        ground="ΔR = R_i − R_j after Eqs 1 and 6, and body i has the bearing in Sect. 4",
         alternatives=[
             reading(
                 "as printed, i the inner cylinder",
@@ -179,7 +175,6 @@ def sign_of_clearance(bench: Bench) -> Finding:
     "is meant",
     paper="50 µm for both",
     rule=f"K and n within {CLOSE:g} % of the printed ones for external contact",
-    against="As printed: the sentence names one clearance and gives both fits after it.",
     misprint=True,
     figures=("fig02",),
 )
@@ -199,7 +194,7 @@ def fig2_clearance() -> Finding:
         f"ones; at 50 µm they are {text[0]:+.0f} % and {text[1]:+.0f} % off",
         holds=max(map(abs, caption)) < CLOSE,
         choice="external contact at 140 mm; loads 1, 100, 200, …, 10000 N/mm",
-        settled="the caption gives 140 mm for the external case",
+        ground="the caption gives 140 mm for the external case",
         alternatives=[
             reading(
                 "as printed in the text, 50 µm for both",
@@ -223,7 +218,6 @@ def fig2_clearance() -> Finding:
     paper="parabolic",
     rule="the load fills the rectangle of peak pressure and contact width as that shape does, "
     f"within {CLOSE:g} %",
-    against="As printed: the word may mean no more than a symmetric dome, which both shapes are.",
     misprint=True,
     figures=("fig05",),
 )
@@ -248,7 +242,7 @@ def elliptic_stress(bench: Bench) -> Finding:
         f"width; an ellipse fills {ELLIPSE:.3f} of it, a parabola {PARABOLA:.3f}",
         holds=off(ELLIPSE) < CLOSE,
         choice=f"read as elliptic; {STRESS_LOAD:g} N/mm",
-        settled="the sentence calls on Hertz's theory, whose pressure is an ellipse",
+        ground="the sentence calls on Hertz's theory, whose pressure is an ellipse",
         alternatives=[
             reading(
                 "as printed, a parabola",
@@ -267,8 +261,6 @@ def elliptic_stress(bench: Bench) -> Finding:
     "a scalar with the sign of the sliding velocity along t is meant",
     paper="f_t·t with v_t/|v_t| in f_t",
     rule="friction takes up power at every sliding velocity, f_i·v_i + f_j·v_j ≤ 0",
-    against="As printed: a force against the sliding is plainly meant, and no reader computes "
-    "anything else.",
     misprint=True,
 )
 def friction_direction() -> Finding:
@@ -301,7 +293,7 @@ def friction_direction() -> Finding:
         f"{1e-3 * opposite:.3f} W per newton of load",
         holds=power <= 0,
         choice=f"read as a scalar, {own}",
-        settled="friction dissipates; Eq 14 is Amontons and Coulomb's law",
+        ground="friction dissipates; Eq 14 is Amontons and Coulomb's law",
         alternatives=[
             reading(
                 name,
@@ -319,7 +311,6 @@ def friction_direction() -> Finding:
     "4.3-esdu-number",
     "ESDU item 78055 is named for cylinders in contact; 78035 is meant",
     paper="ESDU-78055",
-    against="As printed: nothing in the text tells which item is meant.",
     misprint=True,
 )
 def esdu_number() -> Finding:

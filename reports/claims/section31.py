@@ -9,7 +9,7 @@ from cylcontact.fitting.power_fit import PowerFit
 from cylcontact.laws import Enhanced
 from cylcontact.pair import Contact
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Alternative, Finding, agrees_as_printed, claim
+from cylcontact.reports.claims import Finding, Reading, agrees_as_printed, claim
 
 from .. import paper
 from ..load_lists import WIDER_FOUND, WIDER_SEARCH, expected_matches, external_matches
@@ -69,17 +69,14 @@ FIG2_CASES = [
         "K": K,
         "n": n,
         "dR": f"{paper.FIG2_DR[contact]:g}",
-        "against": AGAINST_DIGITS[contact],
-        "against_correlation": AGAINST_CORRELATION[contact],
-        "against_law": AGAINST_LAW[contact],
     }
     for contact, (K, n) in paper.FIG2_FITS.items()
 ]
 
 
-def judged(choice: str, ours: str, miss: str, missing: str = "") -> Alternative:
+def judged(choice: str, ours: str, miss: str, missing: str = "") -> Reading:
     """Return a reading that meets its rule if there is nothing that it misses."""
-    return Alternative(choice, ours, not miss, missing, miss)
+    return Reading(choice, ours, not miss, missing, miss)
 
 
 def fig2_readings(contact: Contact) -> dict[str, PowerFit]:
@@ -124,7 +121,7 @@ def fig2_finding(contact: Contact, name: str, printed: str, unit: str = "") -> F
             for loads, fit in fits.items()
             for value in [getattr(fit, name)]
         ],
-        settled=settled,
+        ground=settled,
         values={f"{name}, {unit.replace('ⁿ', '^n') or '-'}": own, **chance},
         paper_values={f"{name}, {unit.replace('ⁿ', '^n') or '-'}": float(printed)},
     )
@@ -137,7 +134,6 @@ def fig2_finding(contact: Contact, name: str, printed: str, unit: str = "") -> F
     paper="{K} " + K_UNIT,
     rule="equal to the printed digit",
     figures=("fig02",),
-    against="{against}",
     cases=FIG2_CASES,
 )
 def fig2_factor(contact: Contact, K: str) -> Finding:
@@ -151,7 +147,6 @@ def fig2_factor(contact: Contact, K: str) -> Finding:
     paper="{n}",
     rule="equal to the printed digit",
     figures=("fig02",),
-    against="{against}",
     cases=FIG2_CASES,
 )
 def fig2_exponent(contact: Contact, n: str) -> Finding:
@@ -234,8 +229,6 @@ def sensitivity(contact: Contact, bounds: Interval) -> Finding:
     paper="much lower sensitivity to the material",
     rule="the spread of n over ΔR is at least twice that over E (twice is ours)",
     figures=("fig03",),
-    against="Not reproduced: Johnson's law has E and ΔR only as the product E*·ΔR, so n cannot "
-    "depend on one more than on the other; which spread is larger tells which range is wider.",
 )
 def fig3_internal_sensitivity() -> Finding:
     """Return the spreads of n over ΔR and over E for internal contact."""
@@ -303,7 +296,6 @@ def served(contact: Contact, n: float | None = None) -> dict[str, tuple[float, f
     paper="not possible",
     rule="none correlates everywhere in the ranges of the fit",
     figures=("fig03",),
-    against="Reproduced: no single exponent correlates everywhere, by any bar of R² tried.",
 )
 def internal_no_single_n() -> Finding:
     """Return how much of the internal training box the best single exponent serves."""
@@ -339,8 +331,6 @@ def internal_no_single_n() -> Finding:
     paper="most",
     rule="it correlates over more than half of the ranges of the fit",
     figures=("fig03",),
-    against="Not reproduced: the best K at every clearance and modulus is granted here, and a "
-    "search for a, b and n at once ends at another n on most samples.",
 )
 def external_single_n(bench: Bench) -> Finding:
     """Return how much of the external training box n = 1.094 serves, and where a search ends."""

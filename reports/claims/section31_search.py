@@ -15,7 +15,7 @@ from cylcontact.fitting.polish import minimise, polish
 from cylcontact.laws import PUBLISHED
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Alternative, Finding, claim
+from cylcontact.reports.claims import Finding, Reading, claim
 
 from ..paper import WINDOW
 from ..recovery import BORROWED, IF_MISPRINT, all_free, other_samples, problem_from, searched
@@ -60,20 +60,12 @@ def excess(problem: Problem, contact: Contact) -> float:
     paper="the best of several genetic runs",
     rule=f"deviation (rms of ln δ) at most {BEST:g} times the least found (5 % is ours)",
     figures=("fig_readings", "fig_forms"),
-    against="{against}",
     cases=[
         {
             "contact": "internal",
-            "against": (
-                "Reproduced: the printed digits (b = a/10; 1.51, 0.151, 0.0151, 1.151) suggest "
-                "that only two numbers were searched, and among such laws the published one is "
-                "nearly the best on several samples."
-            ),
         },
         {
             "contact": "external",
-            "against": "Not reproduced: one of the samples with n held meets the rule, and it is "
-            "the one picked because it gives b back.",
         },
     ],
 )
@@ -188,12 +180,10 @@ N_BEFORE = "Sect. 3.1 takes n = 1.094 from Fig 3 before its search, and Eq 6c ha
     paper="{printed}",
     rule="within {tolerance:g} % of the printed value (ours)",
     figures=("fig_readings",),
-    against="{against}",
     cases=[
         {
             **case,
             "printed": f"{getattr(PUBLISHED[case['contact']], case['name']):g}",
-            "against": AGAINST_RECOVERED[case["id"]],
         }
         for case in RECOVERED
     ],
@@ -215,7 +205,7 @@ def recovered(bench: Bench, contact: Contact, name: str, tolerance: float, print
     def miss(value: float) -> str:
         return "" if abs(off(value)) <= tolerance else f"{off(value):+.1f} %, over {tolerance:g} %"
 
-    def reading(key: str, value: float, missing: str) -> Alternative:
+    def reading(key: str, value: float, missing: str) -> Reading:
         return judged(key, f"{value:.4g} ({off(value):+.1f} %)", miss(value), missing)
 
     return Finding(
@@ -224,7 +214,7 @@ def recovered(bench: Bench, contact: Contact, name: str, tolerance: float, print
         holds=not miss(own),
         choice=f"{SEARCHED[contact]}; {SAMPLES[contact]}",
         missing=WINDOW,
-        settled=N_BEFORE if (contact, name) == ("external", "a") else "",
+        ground=N_BEFORE if (contact, name) == ("external", "a") else "",
         miss=miss(own),
         alternatives=[
             *(
@@ -253,8 +243,6 @@ ONE_BRANCH = "all coefficients of the one-branch law searched"
     rule="no law with one branch of Y is as near to Johnson's as the published one with two "
     "(rms of ln δ)",
     figures=("fig_forms",),
-    against="Reproduced: with a, b and the exponent of ΔR as published, two branches of Y fitted "
-    "anew do come a quarter nearer than one.",
 )
 def no_single_Y(bench: Bench) -> Finding:
     """Return the objective of laws with one branch of Y, and of the published law."""

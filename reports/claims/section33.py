@@ -11,7 +11,7 @@ from cylcontact import limits
 from cylcontact.arrays import FloatArray
 from cylcontact.materials import Material
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Alternative, Finding, claim
+from cylcontact.reports.claims import Finding, Reading, claim
 from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
 from cylcontact.yield_search import Criterion
 
@@ -37,8 +37,6 @@ def yield_load(dR: float | FloatArray, material: Material, R_i: float) -> FloatA
     paper="the range of application lies below the curve",
     rule="first yield at no lower load, for every clearance, radius and material of Fig 7",
     figures=("fig07",),
-    against="Reproduced: the paper defines its range of application by Hertz's peak pressure, and "
-    "wherever Hertz's theory holds that is on the safe side of von Mises and Tresca.",
 )
 def yield_by_hertz_pressure(bench: Bench) -> Finding:
     """Return the load at first yield over that of Fig 7, and the loads where it is lower."""
@@ -70,7 +68,7 @@ def yield_by_hertz_pressure(bench: Bench) -> Finding:
     )
 
 
-def at_least_1(choice: str, ours: str, ratio: float) -> Alternative:
+def at_least_1(choice: str, ours: str, ratio: float) -> Reading:
     """Return the reading by which a ratio must not be below 1."""
     return reading(choice, ours, ratio >= 1, f"{1 / ratio:.4g} times too low")
 
@@ -81,8 +79,6 @@ def at_least_1(choice: str, ours: str, ratio: float) -> Alternative:
     paper="ln ≥ 2 ensures mathematical and physical meaning",
     rule="Eq 1 behaves as the contact does up to that load",
     figures=("fig08",),
-    against="Not reproduced: the introduction itself restricts Johnson's law to large clearances "
-    "and small or medium loads, so its physical range must end well before its algebra does.",
 )
 def logarithm_physical(bench: Bench) -> Finding:
     """Return by how much Eq 1 falls short of conformal contact at Eq 8's load."""
@@ -102,7 +98,7 @@ def logarithm_physical(bench: Bench) -> Finding:
         f"the penetration grows with the load up to ln = 2, but is {shortfall:.0f} % short of "
         f"conformal contact there and {AGREEMENT:g} % short at ln = {departs:.2f} already "
         "(Persson 1964; Ciavarella and Decuzzi 2001)",
-        settled="Sect. 3.4 calls it physically inconsistent that the penetration falls as the load "
+        ground="Sect. 3.4 calls it physically inconsistent that the penetration falls as the load "
         "grows",
         values={"shortfall at ln = 2, percent": shortfall, "logarithm at 10 percent, -": departs},
     )

@@ -10,7 +10,8 @@ import pandas as pd
 from cylcontact.mechanism import Case
 from cylcontact.progress import Progress
 from cylcontact.reports.bench import Bench, MissingInputError
-from cylcontact.reports.claims import Alternative, Finding, claim, joined
+from cylcontact.reports.claims import Finding, claim, joined
+from cylcontact.reports.claims import Reading as Found
 
 from ..long_runs import FEW, FIRST, MANY, SETS, SHORT, long_runs
 from ..paper import INTEGRATOR, JOINT_CLEARANCES, JOINT_LAWS, TABLE_2, WINDOW
@@ -139,8 +140,6 @@ def cases_above(chosen: Conditions, bound: float, rule: Callable[..., bool | Non
     paper="longer",
     rule=SCATTER,
     figures=("fig18", "fig19", *FIGURES),
-    against="Undecided: without losses the energy of the journal spreads, and a mean is one of its "
-    "window.",
 )
 def longer_flights(bench: Bench) -> Finding:
     """Return the mean duration of a flight in µs at both clearances."""
@@ -154,10 +153,6 @@ def longer_flights(bench: Bench) -> Finding:
     paper="most",
     rule="more than half of the six trajectories",
     figures=("fig18", "fig19", *FIGURES),
-    against=(
-        "Reproduced: 'most of the trajectories' may be the greater part of each, which all six "
-        "meet; and with a longer rod those at 0.5 mm, too, settle on the wall at last."
-    ),
 )
 def dissipation_keeps_contact(bench: Bench) -> Finding:
     """Return how many cases with dissipation are in contact nearly all the time."""
@@ -174,8 +169,6 @@ def dissipation_keeps_contact(bench: Bench) -> Finding:
     paper="mostly in contact",
     rule="at 0.5 mm half of the time or more with every law",
     figures=("fig18", *FIGURES),
-    against="Reproduced: Fig 18's caption names dissipation and friction together, so friction is "
-    "added to c_e = 0.9, where every law and set is in contact all the time.",
 )
 def friction_keeps_contact(bench: Bench) -> Finding:
     """Return the share of the time in contact with friction at 0.5 mm."""
@@ -194,11 +187,6 @@ def friction_keeps_contact(bench: Bench) -> Finding:
     paper="reduction",
     rule=ALL,
     figures=("fig18", *FIGURES),
-    against=(
-        "Undecided: with a longer rod the journal settles on the wall without friction too, and "
-        "by Lankarani and Nikravesh's law friction then lowers the force by hardly more than "
-        "counts as equal."
-    ),
 )
 def friction_lowers_forces(bench: Bench) -> Finding:
     """Return forces in N without and with friction at 0.5 mm."""
@@ -224,8 +212,6 @@ def friction_lowers_forces(bench: Bench) -> Finding:
     paper="higher penetrations",
     rule=ALL,
     figures=("fig19", *FIGURES),
-    against="Reproduced: every run with c_e = 0.9 shows it, and by the largest penetration, which "
-    "the figures show, no comparison goes the other way.",
 )
 def sphere_deeper(bench: Bench) -> Finding:
     """Return mean penetrations in µm by the sphere and by the cylindrical laws at 0.02 mm."""
@@ -281,8 +267,6 @@ def alike(chosen: Conditions) -> Judge:
     paper="no difference",
     rule=f"{', '.join(COMPARED.values())} differ by at most {100 * ALIKE:g} % (ours)",
     figures=("fig18", *FIGURES),
-    against="Reproduced: with our masses the two agree at both clearances; with a longer rod they "
-    "settle at different times, of which a mean says little.",
 )
 def johnson_and_enhanced_alike(bench: Bench) -> Finding:
     """Return how far runs with Johnson's and with the enhanced law differ."""
@@ -300,8 +284,6 @@ def johnson_and_enhanced_alike(bench: Bench) -> Finding:
     paper="used in all of them",
     rule="no penetration at 0.02 mm passes Eq 8's limit",
     figures=("fig17", "fig19"),
-    against="Reproduced: Figs 17 to 19 are of runs with dissipation by their captions, and with "
-    "c_e = 0.9 and our masses no contact passes the limit.",
 )
 def johnson_within_its_domain(bench: Bench) -> Finding:
     """Return the deepest penetration in µm by Johnson's law at 0.02 mm."""
@@ -356,8 +338,6 @@ def _passed(rows: pd.DataFrame) -> str:
     paper="forces underestimated",
     rule=f"lower than a cylindrical law's; {EQUAL}",
     figures=("fig17", *FIGURES),
-    against="Reproduced: at equal penetration and in the same impact its force is lower in every "
-    "set; means over a run on the wall tell of the mechanism's inertia, whatever the law.",
 )
 def sphere_underestimates_forces(bench: Bench) -> Finding:
     """Return the largest forces in N of one and the same impact, and those of long runs."""
@@ -380,10 +360,10 @@ def sphere_underestimates_forces(bench: Bench) -> Finding:
         miss=own[1].miss,
         alternatives=[
             *(
-                Alternative(SHORT[design], got.ours, got.holds, TABLE_2, got.miss)
+                Found(SHORT[design], got.ours, got.holds, TABLE_2, got.miss)
                 for design, got in others
             ),
-            Alternative("at equal penetration", softest.ours, softest.holds, "", softest.miss),
+            Found("at equal penetration", softest.ours, softest.holds, "", softest.miss),
             *(each.readings[0] for each in runs),
         ],
         values=own[1].values,
@@ -412,8 +392,6 @@ def steps(
     paper="higher computational costs",
     rule=f"more evaluations than with c_e = 0.9, {SCATTER}",
     figures=("fig_mechanism_steps",),
-    against="Reproduced: at 0.02 mm the cost is several times as high with every law and set; only "
-    "at 0.5 mm is a difference within the scatter.",
 )
 def impacts_need_small_steps(bench: Bench) -> Finding:
     """Return evaluations per revolution without friction, with dissipation and without."""
@@ -442,7 +420,6 @@ def most(change: tuple[str, float, float]) -> Judge:
     paper="larger",
     rule="{rule}",
     figures=("fig_mechanism_steps", *FIGURES),
-    against="{against}",
     cases=[
         {
             "id": "4.3-friction-larger-steps",
@@ -456,8 +433,6 @@ def most(change: tuple[str, float, float]) -> Judge:
                 )
             },
             "basis": BASIS,
-            "against": "Reproduced: with the longer rod, and with the paper's control of the step "
-            "at a tolerance of 1e-6, the steps grow with every law.",
         },
         {
             "id": "4.3-dissipation-larger-steps",
@@ -471,10 +446,6 @@ def most(change: tuple[str, float, float]) -> Judge:
                 "more than half of the comparisons": most(LOSSIER),
             },
             "basis": MIXED,
-            "against": (
-                "Reproduced: most comparisons show it, and all of them with the longer rod and "
-                "with the paper's control of the step at a tolerance of 1e-6."
-            ),
         },
         {
             "id": "4.3-small-clearance-larger-steps",
@@ -484,8 +455,6 @@ def most(change: tuple[str, float, float]) -> Judge:
             "own": (f"{ALL_LOSSES}, as 'among all cases' says", {}),
             "other": {"more than half of the comparisons": most(SMALLER)},
             "basis": MIXED,
-            "against": "Undecided: with c_e = 0.9 and our masses the steps grow with every law; "
-            "with the longer rod not with Lankarani and Nikravesh's.",
         },
         {
             "id": "5-friction-larger-elastic-steps",
@@ -497,8 +466,6 @@ def most(change: tuple[str, float, float]) -> Judge:
                 "0.5 mm alone": change_of("step_us", ROUGHER, 1, {**WIDE, **ELASTIC}, "larger")
             },
             "basis": MIXED,
-            "against": "Reproduced: the mean step is larger in every comparison over our window, "
-            "and only the scatter of the runs without losses stands against it.",
         },
     ],
 )

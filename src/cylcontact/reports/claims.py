@@ -15,14 +15,16 @@ way to read the sentence, and returns a `Finding`:
         largest = ...
         return Finding(f"{largest:.1f} %", holds=largest < 10)
 
-The verdict follows from the readings, see `Claim.verdict`. The files are read in alphabetical
-order, and the claims of one section stay in the order in which they are written. A file may have a
-function `prepare(bench, progress)` for long computations; it is called before any claim.
+The verdict follows from the readings, see `Claim.verdict`; another reading than the first counts
+only with a ground of its own in the text. The files are read in alphabetical order, and the claims
+of one section stay in the order in which they are written. A file may have a function
+`prepare(bench, progress)` for long computations; it is called before any claim.
 """
 
 from __future__ import annotations
 
 import inspect
+import operator
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -37,11 +39,12 @@ from cylcontact.reports.bench import Bench, MissingInputError
 
 __all__ = [
     "VERDICTS",
-    "Alternative",
     "Claim",
     "Finding",
+    "Reading",
     "Verdict",
     "agrees_as_printed",
+    "check",
     "claim",
     "joined",
     "ledger",
@@ -62,12 +65,11 @@ Verdict = Literal[
 # Each with its meaning.
 VERDICTS: Mapping[Verdict, str] = {
     "reproduced": "the rule is met, and nothing that the paper leaves open affects that",
-    "reproduced with a stated choice": (
-        "every reading meets the rule, or something in the paper points to the one that does"
-    ),
-    "not reproduced": "no reading meets the rule; each says by how much it misses",
+    "reproduced with a stated choice": "the rule is met, with a choice of ours that is named",
+    "not reproduced": "the rule is not met; each reading says by how much",
     "undecided": (
-        "reasonable readings disagree, or the uncertainty of the number includes the limit"
+        "readings that the text supports disagree, or the uncertainty of a number includes the "
+        "limit"
     ),
     "depends on a missing input": (
         "one plausible value of something that the paper's text lacks meets the rule, and another "
@@ -75,14 +77,22 @@ VERDICTS: Mapping[Verdict, str] = {
     ),
     "not testable": "there is nothing to compute",
 }
+Rule = Literal["<", "<=", ">", ">=", "within"]
+RULES: Mapping[Rule, Callable[[float, float], bool]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "within": operator.lt,
+}
 # A hyphen that is the sign of a number, as in "-1.5 %" and not in "1e-6" or "Ti-6Al".
 MINUS = re.compile(r"(?<![\w.)])-(?=\d)")
 Case = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Alternative:
-    """Another reasonable way to compute a claim, and what it gives.
+class Reading:
+    """A way to understand and compute a claim, and what it gives.
 
     Attributes
     ----------
@@ -97,6 +107,9 @@ class Alternative:
         "Table 2", or two with "and" between them; empty where the choice is one of reading.
     miss : str
         By how much the rule is missed, where it is not met.
+    ground : str
+        What in the text speaks for this reading. One that is not the first, and stands in for no
+        missing input, counts only with it.
     """
 
     choice: str
@@ -104,6 +117,51 @@ class Alternative:
     holds: bool | None
     missing: str = ""
     miss: str = ""
+    ground: str = ""
+
+    @property
+    def counts(self) -> bool:
+        """Whether the verdict hears this reading beside the first."""
+        return bool(self.ground or self.missing)
+
+
+def check(
+    value: float,
+    rule: Rule,
+    bound: float,
+    unit: str = "",
+    choice: str = "",
+    *,
+    ours: str = "",
+    missing: str = "",
+    ground: str = "",
+) -> Reading:
+    """Return the reading by which a number must keep a bound.
+
+    Parameters
+    ----------
+    value, bound : float
+        In one unit.
+    rule : {"<", "<=", ">", ">=", "within"}
+        How they must compare; "within" is for the magnitude of the value.
+    unit : str, optional
+        Stands after the numbers; differences of percentages are told in points.
+    choice, ours, missing, ground : str, optional
+        As of `Reading`; `ours` is the value with its unit if it is not given.
+
+    Examples
+    --------
+    >>> check(-12.34, "within", 10, "%")
+    Reading(choice='', ours='-12.3 %', holds=False, missing='', miss='2.34 points off', ground='')
+    >>> check(0.9991, ">", 0.998).holds
+    True
+    """
+    size = abs(value) if rule == "within" else value
+    holds = bool(RULES[rule](size, bound))
+    off = f"{abs(size - bound):.3g} {'points' if unit == '%' else unit}".strip()
+    sign = "+" if rule == "within" else ""
+    text = ours or f"{value:{sign}.3g} {unit}".strip()
+    return Reading(choice, text, holds, missing, "" if holds else f"{off} off", ground)
 
 
 @dataclass(frozen=True)
@@ -122,11 +180,10 @@ class Finding:
         The missing input that the choice stands in for, if any.
     miss : str
         By how much the rule is missed, where it is not met.
-    alternatives : sequence of Alternative
+    alternatives : sequence of Reading
         The other reasonable ways to compute it.
-    settled : str
-        What in the paper singles out `choice` among the alternatives, such as "it alone gives
-        every printed digit". The alternatives then show how much hangs on it, and no more.
+    ground : str
+        What in the text speaks for `choice`.
     reason : str
         Why nothing can be computed; see `untestable`.
     values : mapping
@@ -142,19 +199,19 @@ class Finding:
     choice: str = ""
     missing: str = ""
     miss: str = ""
-    alternatives: Sequence[Alternative] = ()
-    settled: str = ""
+    alternatives: Sequence[Reading] = ()
+    ground: str = ""
     reason: str = ""
     values: Mapping[str, float] = field(default_factory=dict)
     paper_values: Mapping[str, float] = field(default_factory=dict)
     rule: str = ""
 
     @property
-    def readings(self) -> tuple[Alternative, ...]:
+    def readings(self) -> tuple[Reading, ...]:
         """The reading of `choice` and the alternatives; none where nothing can be computed."""
         if self.reason:
             return ()
-        own = Alternative(self.choice, self.ours, self.holds, self.missing, self.miss)
+        own = Reading(self.choice, self.ours, self.holds, self.missing, self.miss, self.ground)
         return (own, *self.alternatives)
 
 
@@ -187,8 +244,6 @@ class Claim:
         What we computed.
     figures : tuple of str
         Recipes of the figures that show it.
-    against : str
-        The best argument for another verdict.
     code : str
         File and line of its function, below the bench.
     misprint : bool
@@ -201,7 +256,6 @@ class Claim:
     rule: str
     finding: Finding
     figures: tuple[str, ...] = ()
-    against: str = ""
     code: str = ""
     misprint: bool = False
 
@@ -211,29 +265,35 @@ class Claim:
         return self.id.partition("-")[0]
 
     @property
+    def heard(self) -> tuple[Reading, ...]:
+        """The readings that count: the first, and those with a ground or for a missing input."""
+        own, *others = self.finding.readings or (None,)
+        return (own, *(each for each in others if each.counts)) if own else ()
+
+    @property
     def verdict(self) -> Verdict:
-        """The verdict that follows from the readings; `VERDICTS` has the meanings."""
-        found, readings = self.finding, self.finding.readings
-        holds = {reading.holds for reading in readings}
-        if not readings:
+        """The verdict that follows from the readings heard; `VERDICTS` has the meanings."""
+        found, heard = self.finding, self.heard
+        holds = {reading.holds for reading in heard}
+        if not heard:
             return "not testable"
-        if holds == {True} or (found.settled and found.holds):
+        if holds == {True}:
             free = not (found.choice or found.missing)
             return "reproduced" if free else "reproduced with a stated choice"
         if holds == {False}:
             return "not reproduced"
-        return "depends on a missing input" if _deciding(readings) else "undecided"
+        return "depends on a missing input" if _deciding(heard) else "undecided"
 
     @property
     def missing(self) -> tuple[str, ...]:
         """The missing inputs that the verdict depends on."""
         hangs = self.verdict == "depends on a missing input"
-        return _deciding(self.finding.readings) if hangs else ()
+        return _deciding(self.heard) if hangs else ()
 
     @property
     def balance(self) -> str:
-        """How many readings meet the rule, where there are several."""
-        holds = [reading.holds for reading in self.finding.readings]
+        """How many of the readings heard meet the rule, where there are several."""
+        holds = [reading.holds for reading in self.heard]
         if len(holds) < 2:
             return ""
         parts = [f"met by {holds.count(True)} of {len(holds)} readings"]
@@ -248,11 +308,11 @@ class Claim:
         decides = f"{' and '.join(self.missing)} would decide" if self.missing else ""
         rule = f"rule: {self.rule}" if self.rule else ""
         choice = f"choice: {found.choice}" if found.choice else ""
-        settled = f"singled out: {found.settled}" if found.settled else ""
-        return joined(rule, choice, settled, self.balance, decides)
+        ground = f"ground: {found.ground}" if found.ground else ""
+        return joined(rule, choice, ground, self.balance, decides)
 
 
-def _deciding(readings: Sequence[Alternative]) -> tuple[str, ...]:
+def _deciding(readings: Sequence[Reading]) -> tuple[str, ...]:
     """Return the missing inputs that decide: one value in their place holds, another does not.
 
     None does if our reading and those that differ from it in words only disagree already.
@@ -272,7 +332,7 @@ class ClaimFunction:
     """A decorated function: called with a bench, it returns one claim per case."""
 
     function: Callable[..., Finding]
-    texts: tuple[str, str, str, str, str]
+    texts: tuple[str, str, str, str]
     figures: tuple[str, ...]
     paper_values: Mapping[str, float]
     cases: Sequence[Case]
@@ -288,11 +348,10 @@ class ClaimFunction:
             finding = self.function(**{k: v for k, v in available.items() if k in parameters})
         except MissingInputError as error:
             finding = untestable(str(error))
-        *texts, against, rule = self.texts
+        *texts, rule = self.texts
         # Without a case, braces in the texts are left alone.
-        id, statement, paper, against, rule = (
-            text.format(**case) if case else text
-            for text in (*texts, against, finding.rule or rule)
+        id, statement, paper, rule = (
+            text.format(**case) if case else text for text in (*texts, finding.rule or rule)
         )
         finding = replace(
             finding,
@@ -304,12 +363,10 @@ class ClaimFunction:
             paper_values={**self.paper_values, **finding.paper_values},
         )
         code = _place_of(self.function, bench)
-        return Claim(
-            id, statement, paper, rule, finding, self.figures, against, code, self.misprint
-        )
+        return Claim(id, statement, paper, rule, finding, self.figures, code, self.misprint)
 
 
-def _typeset(texts: Finding | Alternative, *names: str) -> dict[str, Any]:
+def _typeset(texts: Finding | Reading, *names: str) -> dict[str, Any]:
     """Return texts with a proper minus before their numbers."""
     return {name: MINUS.sub("\N{MINUS SIGN}", getattr(texts, name)) for name in names}
 
@@ -329,7 +386,6 @@ def claim(
     paper: str,
     rule: str = "",
     figures: Sequence[str] = (),
-    against: str = "",
     paper_values: Mapping[str, float] | None = None,
     cases: Sequence[Case] = ({},),
     misprint: bool = False,
@@ -348,8 +404,6 @@ def claim(
         What must be true for the statement to hold; left out where the function words it.
     figures : sequence of str, optional
         Recipes of the figures that show it, such as "fig10".
-    against : str, optional
-        The best argument for another verdict than the one that the readings lead to.
     paper_values : mapping of str to float, optional
         The numbers in `paper`, by a name that ends in the unit.
     cases : sequence of mapping, optional
@@ -370,7 +424,7 @@ def claim(
     2-four-is-even, four is even: remainder 0, reproduced
     2-seven-is-even, seven is even: remainder 1, not reproduced
     """
-    texts = (id, statement, paper, against, rule)
+    texts = (id, statement, paper, rule)
     return lambda function: ClaimFunction(
         function, texts, tuple(figures), paper_values or {}, cases, misprint
     )

@@ -11,7 +11,7 @@ from typing import Any
 import pandas as pd
 
 from cylcontact.reading import marked
-from cylcontact.reports.claims import VERDICTS, Alternative, Claim, Verdict
+from cylcontact.reports.claims import VERDICTS, Claim, Reading, Verdict
 
 __all__ = [
     "MEANINGS",
@@ -142,12 +142,12 @@ def says(one: Claim) -> str:
     return f"{one.paper}: {one.statement}" if one.misprint else f"{one.statement}: {one.paper}"
 
 
-def described(reading: Alternative) -> str:
+def described(reading: Reading) -> str:
     """Return a reading in one line: what is chosen, what it gives, whether the rule is met.
 
     Examples
     --------
-    >>> described(Alternative("R_i = 5 mm", "12 %", holds=False, miss="2 points too much"))
+    >>> described(Reading("R_i = 5 mm", "12 %", holds=False, miss="2 points too much"))
     'R_i = 5 mm: 12 % (not met, 2 points too much)'
     """
     met = {True: "met", False: "not met", None: "cannot tell"}[reading.holds]
@@ -178,7 +178,6 @@ def to_records(claims: Iterable[Claim]) -> list[dict[str, Any]]:
             "rule": each.rule,
             "readings": [asdict(reading) for reading in each.finding.readings],
             "missing": list(each.missing),
-            "against": each.against,
             "figures": list(each.figures),
             "code": each.code,
             "paper_values": {k: float(v) for k, v in each.finding.paper_values.items()},
