@@ -13,10 +13,15 @@ from cylcontact.reports.claims import Finding, Reading
 
 
 def reading(
-    choice: str, ours: str, holds: bool | np.bool_, miss: str = "", missing: str = ""
+    choice: str,
+    ours: str,
+    holds: bool | np.bool_,
+    miss: str = "",
+    missing: str = "",
+    ground: str = "",
 ) -> Reading:
     """Return a reading; `miss` is told only where it does not hold."""
-    return Reading(choice, ours, bool(holds), missing, "" if holds else miss)
+    return Reading(choice, ours, bool(holds), missing, "" if holds else miss, ground)
 
 
 def below(choice: str, percent: float, bound: float, missing: str = "") -> Reading:
@@ -45,5 +50,5 @@ def within(choice: str, percent: float, limit: float, missing: str = "") -> Read
 def found(readings: Sequence[Reading], ours: str = "", **more: Any) -> Finding:
     """Return the finding whose own reading is the first, told as `ours` if that is given."""
     own, *others = readings
-    fields = asdict(own) | {"ours": ours or own.ours}
-    return Finding(**fields, alternatives=others, **more)
+    fields = asdict(own) | {"ours": ours or own.ours} | more
+    return Finding(**fields, alternatives=others)

@@ -425,6 +425,8 @@ class Reading:
         As in `long_runs.statistics_table`.
     missing : str
         The paper's input that is missing.
+    ground : str
+        What in the text speaks for it.
     """
 
     choice: str
@@ -432,6 +434,7 @@ class Reading:
     design: str = SPEC_SET
     window: str = ""
     missing: str = ""
+    ground: str = ""
 
 
 def sets(judge: Judge) -> list[Reading]:
@@ -482,9 +485,11 @@ def finding(bench: Bench, readings: Sequence[Reading], rule: str = "") -> Findin
         ours.holds,
         choice=own.choice,
         missing=own.missing,
+        ground=own.ground,
         miss=ours.miss,
         alternatives=[
-            Found(each.choice, got.ours, got.holds, each.missing, got.miss) for each, got in others
+            Found(each.choice, got.ours, got.holds, each.missing, got.miss, each.ground)
+            for each, got in others
         ],
         values=ours.values,
         rule=rule,

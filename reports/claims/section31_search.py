@@ -155,22 +155,6 @@ RECOVERED: list[dict[str, Any]] = [
         for name, tolerance in (("a", 5.0), ("b", 5.0))
     ),
 ]
-AGAINST_RECOVERED = {
-    "internal-a": (
-        "Reproduced: it comes back closely on plausible samples, from 10 to 100 points an axis; "
-        "but the tie to b is read from the digits."
-    ),
-    "internal-Y": "Reproduced: it comes back within 1 % on nearly every sample; only evenly spaced "
-    "clearances, few of them small, lead elsewhere.",
-    "external-a": (
-        "Undecided: the paper also says that K* needs to be identified together with n; with n "
-        "searched too, a is lost."
-    ),
-    "external-b": (
-        "Not reproduced: a single sample gives it, so b is not identified, and agreement there "
-        "is a coincidence of 20 points."
-    ),
-}
 N_BEFORE = "Sect. 3.1 takes n = 1.094 from Fig 3 before its search, and Eq 6c has the same number"
 
 
