@@ -397,10 +397,18 @@ def steps(
 def impacts_need_small_steps(bench: Bench) -> Finding:
     """Return evaluations per revolution without friction, with dissipation and without."""
     change = ("restitution", 0.9, 1.0)
-    own = change_of("evaluations", change, 1, DRY, "more without losses")
+    judge = change_of("evaluations", change, 1, DRY, "more without losses")
     step = change_of("step_us", change, -1, DRY, "smaller without losses")
-    more = [Reading("the mean step", step)]
-    return steps(bench, own, more, "evaluations per revolution", MIXED)
+    own, other = integrators(judge)
+    ours = [Reading(f"{STEPS}; {BASIS}", judge), *sets(judge), Reading("the mean step", step)]
+    return finding(
+        bench,
+        [
+            replace(own, ground="the paper's own way to choose the step"),
+            other,
+            *(replace(each, missing="") for each in ours),
+        ],
+    )
 
 
 @claim(

@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 from _cylcontact_bench.claims import section31, section31_law, section31_search
-from _cylcontact_bench.claims.withdrawn import WITHDRAWN
 from _cylcontact_bench.load_lists import WIDER_FOUND, external_matches, searched_loads
 from scipy.optimize import bisect, least_squares, minimize
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from _cylcontact_bench.claims import errata, section1, section2
-from _cylcontact_bench.claims.withdrawn import WITHDRAWN
 from _cylcontact_bench.paper import MATERIALS
 from scipy.optimize import brentq
 
