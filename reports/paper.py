@@ -180,7 +180,8 @@ DEFINITIONS: Mapping[str, str] = {
     ),
     "reading": (
         "a reasonable way to understand a statement and to fill in what the paper does not say. "
-        "Every claim is computed once for each reading, and its verdict follows from them."
+        "The first one counts, another only with a ground of its own in the text or in place of a "
+        "missing input; the verdict follows from those."
     ),
     "missing inputs": (
         "what the paper's text lacks and some claims hang on, "

@@ -13,9 +13,10 @@ from cylcontact import InputError
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import (
     VERDICTS,
-    Alternative,
     Claim,
     Finding,
+    Reading,
+    check,
     ledger,
     untestable,
     withdrawn,
@@ -33,7 +34,7 @@ from cylcontact.reports.claims_text import (
 
 ROOT = Path(__file__).parents[2]
 YES, CHOICE, NO, OPEN, HANGS, NONE = VERDICTS
-IMPORT = "from cylcontact.reports.claims import Alternative, Finding, claim, untestable\n"
+IMPORT = "from cylcontact.reports.claims import Finding, Reading, claim, untestable\n"
 TRIAL = '''
 @claim(
     "{id}",
@@ -123,7 +124,7 @@ def test_progress_counts_the_functions(bench):
 CASES = """
 @claim(
     "4-{name}", "{name} is {parity}", paper="{number:g} is {parity}", rule="{{}} of 2",
-    figures=["fig01"], against="{name} is a number", paper_values={"number, -": 1.0}, cases=[
+    figures=["fig01"], paper_values={"number, -": 1.0}, cases=[
         {"name": "four", "number": 4, "parity": "even"},
         {"name": "seven", "number": 7, "parity": "even"},
     ],
@@ -144,7 +145,7 @@ def test_cases_fill_the_texts_and_the_parameters_that_the_function_has(bench):
     assert (four.verdict, seven.verdict) == (YES, NO)
     assert four.finding.ours == bench.root.name
     assert seven.finding.paper_values == {"number, -": 1.0, "half, -": 3.5}
-    assert (four.against, four.figures) == ("four is a number", ("fig01",))
+    assert four.figures == ("fig01",)
 
 
 def test_without_cases_braces_are_left_alone(bench):
@@ -217,8 +218,8 @@ def judged(holds, **others):
     return Claim("1-x", "s", "p", "r", Finding("1 mm", holds, **others))
 
 
-def reading(holds, missing="", miss=""):
-    return Alternative("another way", "2 mm", holds, missing, miss)
+def reading(holds, missing="", miss="", ground="the caption"):
+    return Reading("another way", "2 mm", holds, missing, miss, ground)
 
 
 @pytest.mark.parametrize(
@@ -252,16 +253,30 @@ def test_a_verdict_follows_from_the_readings(holds, alternatives, choice, missin
     assert claim.section == "1"
 
 
-def test_a_reading_that_the_paper_singles_out_stands_against_others_if_it_holds():
-    others = {
-        "choice": "loads of Fig 2",
-        "settled": "every digit",
-        "alternatives": [reading(False)],
-    }
-    assert judged(True, **others).verdict == CHOICE
-    assert judged(None, **others).verdict == OPEN
-    assert judged(False, **others).verdict == NO
-    assert judged(False, **others | {"alternatives": [reading(True)]}).verdict == OPEN
+@pytest.mark.parametrize("holds", [True, False, None])
+def test_a_reading_without_a_ground_in_the_text_is_shown_and_not_heard(holds):
+    claim = judged(True, choice="ours", alternatives=[reading(holds, ground="")])
+    assert (claim.verdict, claim.balance) == (CHOICE, "")
+    assert len(claim.finding.readings) == 2
+    heard = judged(True, choice="ours", alternatives=[reading(holds, "Table 1", ground="")])
+    assert heard.verdict == {True: CHOICE, False: OPEN, None: OPEN}[holds]
+
+
+@pytest.mark.parametrize(
+    ("value", "rule", "holds", "miss"),
+    [
+        (9.0, "<", True, ""),
+        (10.0, "<", False, "0 points off"),
+        (10.0, "<=", True, ""),
+        (-12.5, "within", False, "2.5 points off"),
+        (-12.5, "<", True, ""),
+        (9.0, ">", False, "1 points off"),
+        (10.0, ">=", True, ""),
+    ],
+)
+def test_a_number_is_checked_against_a_bound(value, rule, holds, miss):
+    found = check(value, rule, 10.0, "%", "ours", ground="Fig 2")
+    assert (found.holds, found.miss, found.choice, found.ground) == (holds, miss, "ours", "Fig 2")
 
 
 def test_what_cannot_be_computed_is_not_testable():
@@ -274,14 +289,13 @@ def test_the_basis_tells_rule_choice_and_how_the_readings_stand():
         True,
         choice="ours",
         missing="Table 1",
-        settled="every digit",
+        ground="every digit",
         alternatives=[reading(False, "Table 1", "1 mm off"), reading(None)],
     )
     assert claim.basis == (
-        "rule: r; choice: ours; singled out: every digit; met by 1 of 3 readings; 1 cannot tell"
+        "rule: r; choice: ours; ground: every digit; met by 1 of 3 readings; "
+        "1 cannot tell; Table 1 would decide"
     )
-    hangs = dataclasses.replace(claim, finding=dataclasses.replace(claim.finding, settled=""))
-    assert hangs.basis.endswith("1 cannot tell; Table 1 would decide")
     assert [described(each) for each in claim.finding.alternatives] == [
         "another way: 2 mm (not met, 1 mm off, in place of Table 1)",
         "another way: 2 mm (cannot tell)",

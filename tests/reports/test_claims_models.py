@@ -1,6 +1,5 @@
 """The claims on the published models and on misprints: verdicts, and each number derived again."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,6 @@ from cylcontact.materials import shipped_materials
 from cylcontact.reports.bench import Bench
 from tests.support.claim_files import claims_of
 from tests.support.paper_equations import (
-    difference,
     e_star,
     effective_radius,
     enhanced,
@@ -28,32 +26,6 @@ BENCH = Bench(Path(__file__).parents[2])
 ROWS = shipped_materials()
 STEEL = e_star(207e3, 0.3)
 CHOSEN, HANGING = "reproduced with a stated choice", "depends on a missing input"
-VERDICTS = {
-    "abstract-well-correlated": "undecided",
-    "1-logarithmic-laws-limited": CHOSEN,
-    "1-johnson-needs-clearance": CHOSEN,
-    "1-persson-needs-conformity": "undecided",
-    "1-liu-limited": HANGING,
-    "1-enhanced-goes-further": CHOSEN,
-    "2-limit-depends-on-clearance-and-material": "reproduced",
-    "2-force-falls-beyond-limit": "reproduced",
-    "2-johnson-needs-iteration": "not reproduced",
-    "2-lankarani-nikravesh-softer": HANGING,
-    "2-enhanced-covers-more": CHOSEN,
-    "2-johnson-experiment": "not testable",
-    "2-radzimovsky-comparable": HANGING,
-    "2-other-models-fall-short": HANGING,
-    "2-lankarani-nikravesh-low-restitution": CHOSEN,
-    "2-eq2-radii": CHOSEN,
-    "3.3-eq7-radii": CHOSEN,
-    "3.1-dR-external": CHOSEN,
-    "3.2-dR-sign": CHOSEN,
-    "3.1-fig2-clearance": CHOSEN,
-    "3.2-elliptic-stress": CHOSEN,
-    "3.2-fig6-load": "undecided",
-    "4.1-friction-direction": CHOSEN,
-    "4.3-esdu-number": "not testable",
-}
 
 
 @pytest.fixture(scope="module")
@@ -64,34 +36,6 @@ def claims():
 @pytest.fixture(scope="module")
 def values(claims):
     return {claim_id: claim.finding.values for claim_id, claim in claims.items()}
-
-
-def test_verdicts(claims):
-    assert {claim_id: claim.verdict for claim_id, claim in claims.items()} == VERDICTS
-
-
-def test_what_decides(claims):
-    deciding = {claim_id: claim.missing for claim_id, claim in claims.items() if claim.missing}
-    assert deciding == {
-        "1-liu-limited": ("Liu's formula",),
-        "2-lankarani-nikravesh-softer": ("the contact length in Sect. 2",),
-        "2-radzimovsky-comparable": ("Radzimovsky's formula",),
-        "2-other-models-fall-short": ("the datum",),
-    }
-
-
-@pytest.mark.parametrize("claim_id", VERDICTS)
-def test_each_argues_against_itself_and_says_by_how_much_it_misses(claims, claim_id):
-    claim = claims[claim_id]
-    if claim.verdict != "reproduced":
-        assert claim.against[0].isupper()
-        assert claim.against.endswith(".")
-    assert claim.rule or claim.verdict == "not testable"
-    for reading in claim.finding.readings:
-        if reading.holds is False:
-            assert re.search(r"\d", reading.miss), reading.choice
-        else:
-            assert not reading.miss or reading.choice == claim.finding.choice
 
 
 def test_misprints_stand_apart(claims):
@@ -105,11 +49,6 @@ def test_misprints_stand_apart(claims):
         "4.1-friction-direction",
         "4.3-esdu-number",
     }
-
-
-def test_what_is_withdrawn_is_gone(claims):
-    assert "2-johnson-good-to-its-limit" in WITHDRAWN
-    assert not set(WITHDRAWN) & set(claims)
 
 
 # --- conformal contact, written out once more ---
@@ -212,46 +151,6 @@ def test_johnson_departs_where_the_equations_say(values):
     )
 
 
-def test_persson_at_five_degrees(values):
-    numbers, u = values["1-persson-needs-conformity"], np.tan(np.radians(2.5)) ** 2
-    off = {
-        "peak pressure at 5 deg less Hertz's": 1 / pressure_ratio(u),
-        "penetration at 5 deg less Johnson's": 1 / johnson_ratio(u),
-        "overlap at 5 deg less penetration": (1 / np.cos(np.radians(5)) - 1) / depth_number(u),
-        "one radius at dR = 0.2 R_i": np.sqrt(8 / 10),
-    }
-    for name, ratio in off.items():
-        assert numbers[f"{name}, percent"] == pytest.approx(100 * (ratio - 1), rel=1e-6), name
-    # Beyond its best the overlap gets worse again.
-    u = np.tan(np.radians([60, 65, 80]) / 2) ** 2
-    worst = np.abs((1 / np.cos(np.radians([60, 65, 80])) - 1) / depth_number(u) - 1)
-    assert worst[1] == min(worst)
-    assert 60 < numbers["its best, deg"] < 80
-
-
-def test_liu_from_its_formula(values):
-    u = np.geomspace(1e-7, 0.833, 20_001)
-    phi, d = load_number(u), depth_number(u)
-    inside = (phi > 1e-6) & (phi < 60)
-    ratio = (np.pi / 2 * d * np.sqrt(d / (2 * (1 + d))) / phi)[inside]
-    numbers = values["1-liu-limited"]
-    assert numbers["largest ratio, -"] == pytest.approx(ratio.max(), rel=1e-3)
-    assert numbers["least ratio, -"] == pytest.approx(ratio.min(), rel=0.02)
-
-
-def test_ends_of_the_logarithmic_laws(values):
-    numbers = values["1-logarithmic-laws-limited"]
-    E_star, R = STEEL, effective_radius(10.0, 0.05)
-    for name, reach, shift in (
-        ("johnson", 4 * np.pi * 0.05, -1),
-        ("esdu-78035", 4 * np.pi * 0.05, 1),
-        ("dubowsky-freudenstein", np.pi * 100 / R, 1),
-        ("goldsmith", np.pi * R, 1),
-    ):
-        end = E_star * reach * np.exp(shift - 1)
-        assert numbers[f"{name}, N/mm"] == pytest.approx(end, rel=1e-12)
-
-
 @pytest.mark.parametrize("name", MATERIALS)
 def test_part_of_the_plane_of_each_law(values, name):
     material = ROWS[name].material
@@ -314,52 +213,10 @@ def rms(depth, E_star, dR, load, shift=0.0):
     return 100 * np.sqrt(np.mean(np.log(depth / truth) ** 2))
 
 
-@pytest.mark.parametrize(
-    ("claim_id", "law", "constant"),
-    [
-        ("2-radzimovsky-comparable", "johnson", -1),
-        ("2-radzimovsky-comparable", "roark-young", 2 / 3 - np.log(4)),
-        ("2-radzimovsky-comparable", "radzimovsky-radii", 2 / 3 + np.log(6.25 / 4 / np.pi)),
-        ("2-radzimovsky-comparable", "radzimovsky", 2 / 3),
-        ("2-other-models-fall-short", "esdu-78035", 1),
-        ("2-other-models-fall-short", "dubowsky-freudenstein", None),
-    ],
-)
-def test_distances_from_conformal_contact(values, claim_id, law, constant):
-    distances = []
-    for name in MATERIALS:
-        E_star, dR, load = practical(name)
-        c = dubowsky_freudenstein(10.0, dR) if constant is None else constant
-        depth = load / (np.pi * E_star) * (np.log(4 * np.pi * E_star * dR / load) + c)
-        distances.append(rms(depth, E_star, dR, load))
-    numbers = values[claim_id]
-    assert numbers[f"{law}, least, percent"] == pytest.approx(min(distances), rel=0.02)
-    assert numbers[f"{law}, most, percent"] == pytest.approx(max(distances), rel=0.02)
-
-
 def test_dubowsky_and_freudenstein_is_johnsons_at_one_length():
     """At L = 2√(R_i·R_j)/e, near 0.74·R_i, both have the same constant."""
     length = 2 / np.e * np.sqrt(10.0 * 9.95)
     assert dubowsky_freudenstein(length, 0.05) == pytest.approx(-1, rel=1e-12)
-
-
-def test_the_constant_decides_which_logarithmic_law_is_nearest(values):
-    """In δ = f/(πE*)·(ln(4πE*ΔR/f) + c), c is −1 for Johnson, 1 for ESDU, 2/3 − ln 4 for ours."""
-    numbers = values["2-other-models-fall-short"]
-    nearer = [name for name in numbers if "margin" in name and numbers[name] < 0]
-    assert nearer == ["least margin, constant of ESDU, percent"]
-    margins = []
-    for name in MATERIALS:
-        E_star, dR, load = practical(name)
-        logarithm = np.log(4 * np.pi * E_star * dR / load)
-        of_johnson, of_esdu = (
-            rms(load / (np.pi * E_star) * (logarithm + c), E_star, dR, load, shift=2)
-            for c in (-1, 1)
-        )
-        margins.append(of_esdu - of_johnson)
-    assert numbers[nearer[0]] == pytest.approx(min(margins), rel=0.02)
-    shift = values["2-radzimovsky-comparable"]["shift from Johnson's law over f/(pi E*), -"]
-    assert shift == pytest.approx(5 / 3 - np.log(4), rel=1e-9)
 
 
 def test_restitution_by_the_root_of_its_equation(values):
@@ -371,13 +228,6 @@ def test_restitution_by_the_root_of_its_equation(values):
     exact = brentq(lambda chi: 1.1 * chi - np.log((1 + chi) / (1 - 0.1 * chi)), 1, 9.999999999)
     force = (1 + 0.75 * 0.99) / (1 + exact)
     assert numbers["force at first touch for 0.1, -"] == pytest.approx(force, rel=1e-6)
-
-
-def test_where_the_enhanced_law_is_defined(values):
-    numbers = values["2-enhanced-covers-more"]
-    assert numbers["defined over loads, percent"] == 100
-    axis = 100 * np.log(2 / 0.005) / np.log(2 / 0.001)
-    assert numbers["defined over clearances, percent"] == pytest.approx(axis, abs=0.1)
 
 
 # --- misprints ---
@@ -422,17 +272,14 @@ def test_share_of_an_ellipse_by_quadrature(values):
         assert share == pytest.approx(errata.ELLIPSE, rel=5e-3)
 
 
-def test_differences_at_the_loads_of_fig_6(values):
-    numbers, dR = values["3.2-fig6-load"], np.geomspace(0.005, 1.5, 2001)
-    for load in (20, 40):
-        off = np.abs(difference(load, STEEL, dR))
-        largest, above = off.max(), off[dR >= 0.445].max()
-        assert numbers[f"all clearances, {load} N/mm, percent"] == pytest.approx(largest, rel=1e-3)
-        assert numbers[f"0.445 mm and above, {load} N/mm, percent"] == pytest.approx(
-            above, rel=1e-3
-        )
-
-
 def test_power_of_friction(values):
     """c_f·f_n·|v| is taken up, or given, at the largest sliding velocity of 200 mm/s."""
     assert list(values["4.1-friction-direction"].values()) == pytest.approx([0, 20, 20, 0])
+
+
+def test_where_the_enhanced_law_is_defined(values):
+    assert values["2-enhanced-covers-more"]["defined over loads, percent"] == 100
+    axis = 100 * np.log(2 / 0.005) / np.log(2 / 0.001)
+    found = values["1-enhanced-goes-further"]
+    key = "defined over the clearances of Figs 7 to 9, percent"
+    assert found[key] == pytest.approx(axis, abs=0.1)
