@@ -44,7 +44,7 @@ def test_the_law_of_the_data_is_the_best_and_its_equal_cannot_be_told_apart(choi
 @pytest.mark.slow
 def test_aicc_is_that_of_the_fits(frame, choice):
     N = len(frame)
-    for law in FEW:
+    for law in ("johnson", "power"):  # of two and of three constants
         fit = cc.fit(frame, law, PAIR, free=["offset", "compliance"])
         k = fit.uncertainty.estimated
         aicc = fit.aic + 2 * k * (k + 1) / (N - k - 1)
@@ -59,7 +59,7 @@ def test_the_cross_validated_error_is_that_of_refits(frame, choice):
     squares = []
     for part in np.array_split(order, 10):
         rest = frame.drop(index=frame.index[part])
-        law = cc.fit(rest, "johnson", PAIR, free=["compliance"])
+        law = cc.fit(rest, "johnson", PAIR, free=["compliance"], starts=2)
         predicted = law.predict(frame["load_N_per_mm"].to_numpy()[part])["penetration_mm"]
         measured = 1e-3 * frame["penetration_um"].to_numpy()[part]
         squares += list(np.log(predicted.to_numpy() / measured) ** 2)
@@ -118,12 +118,7 @@ def from_datum(datum, seed):
     ("datum", "seed"),
     [
         ("more", 0),
-        *(
-            pytest.param(datum, seed, marks=pytest.mark.slow)
-            for datum in DATUMS
-            for seed in (0, 1)
-            if (datum, seed) != ("more", 0)
-        ),
+        *(pytest.param(datum, 0, marks=pytest.mark.slow) for datum in DATUMS if datum != "more"),
     ],
 )
 def test_another_datum_does_not_make_a_wrong_law_the_best(datum, seed):

@@ -53,6 +53,7 @@ def test_a_short_study_agrees(kind):
     assert (named["coverage_percent"] * FEW / 100 >= binom.ppf(1e-4, FEW, 0.95)).all()
 
 
+@pytest.mark.long
 def test_the_same_seed_gives_the_same_study():
     one, other = (coverage_of("constant scatter", 3, seed=2, jobs=jobs) for jobs in (1, 2))
     pd.testing.assert_frame_equal(one, other)

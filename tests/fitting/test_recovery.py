@@ -122,6 +122,8 @@ def test_readings_are_right(figures, contact, label, sampling):
             assert far == pytest.approx(actual, rel=1e-4)
 
 
+# By night: test_readings_are_right holds rows of the same table by searches of scipy.
+@pytest.mark.long
 def test_the_table_of_the_readings_is_what_the_searches_give():
     bench = Bench(ROOT)
     pd.testing.assert_frame_equal(readings(bench), searched_readings(bench), rtol=1e-6, atol=1e-6)

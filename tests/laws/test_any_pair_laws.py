@@ -39,7 +39,7 @@ def random_pairs(count, seed):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_the_error_over_pairs_drawn_at_random_is_below_what_is_said(name):
-    pair = random_pairs(150, seed=20261122)
+    pair = random_pairs(80, seed=20261122)
     d = laws.Conformal().penetration(PHI, pair)
     of_load = 100 * (LAWS[name].load(d, pair) / PHI - 1)
     of_penetration = 100 * (LAWS[name].penetration(PHI, pair) / d - 1)
