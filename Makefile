@@ -95,7 +95,7 @@ $(COMPARISONS): fitting/results/optimizers-%.csv: fitting/%.toml FORCE | $(VENV)
 
 figures: build/.figures ## Draw the figures from this machine's fits, in build
 
-report: $(VENV)/.editable ## Build the report, reports/html/index.html, from the committed fits
+report: $(VENV)/.extras ## Build the documentation and the results as one site, to read from disk
 	$(CYLCONTACT) report
 
 paper: $(VENV)/.paper ## Typeset the manuscript, its supplement and the paper on the program, in reports/typeset
@@ -137,9 +137,7 @@ pair: $(VENV)/.extras ## Bring each notebook in line with its script, without ou
 	$(BIN)/jupytext --quiet --to ipynb --update notebooks/*.py
 	$(BIN)/jupyter nbconvert --log-level=ERROR --clear-output --inplace notebooks/*.ipynb
 
-docs: $(VENV)/.extras ## Build the documentation as a site, to be read from disk
-	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
-	@echo "The documentation is in build/site/index.html."
+docs: report ## The same as make report
 
 ##@ Checks
 
@@ -226,7 +224,7 @@ lock: ## Pin the dependencies anew in the locks; make lock UPGRADE=--upgrade for
 	@mv $(LOCKS:%=build/%) .
 
 clean: ## Remove what the commands above made: fits, figures, tables, caches
-	rm -rf build dist datasets/generated reports/figures reports/html reports/typeset
+	rm -rf build dist datasets/generated reports/figures reports/typeset
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests reports -name __pycache__ -type d -prune -exec rm -rf {} +
 

@@ -14,7 +14,6 @@ from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
 from tests.support import programs
 from tests.support.browser import chromium
 from tests.support.drawn_figures import BENCH, DrawnFigures
-from tests.support.html_bench import build_small_site
 from tests.support.spec_files import write_bench
 
 # Makes the bench's own modules importable: from _cylcontact_bench.paper import MATERIALS.
@@ -125,12 +124,6 @@ def figures(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> DrawnFi
     """The bench's figures by name, each with its files and its drawing."""
     base = tmp_path_factory.getbasetemp()
     return DrawnFigures((base if worker_id == "master" else base.parent) / "figures")
-
-
-@pytest.fixture(scope="session")
-def site(tmp_path_factory: pytest.TempPathFactory):
-    """The report of a small bench, built once."""
-    return build_small_site(tmp_path_factory.mktemp("bench"))
 
 
 @pytest.fixture(scope="module")

@@ -290,10 +290,10 @@ class TestAdditions:
             *(".png", ".pdf", ".csv"),
         }
         code, out, errors = run("report", "--jobs", 1)
-        assert (code, out, errors) == (0, "open reports/html/index.html\n", "")
-        page = Path("reports/html/figure-fig_mine.html").read_text(encoding="utf-8")
+        assert (code, out, errors) == (0, "open build/site/index.html\n", "")
+        page = Path("build/site/figures.html").read_text(encoding="utf-8")
         assert "Loads of mine, N/mm." in page
-        assert 'href="figures/fig_mine.csv" download' in page
+        assert 'href="figures/fig_mine.csv"' in page
 
     @pytest.mark.slow
     def test_a_material_is_one_row_and_moves_no_other_figure(

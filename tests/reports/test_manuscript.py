@@ -19,9 +19,9 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.manuscript import fill, number, plain, table_text, typeset, words
 from tests.reports.test_bench import RECIPE
 from tests.support.drawn_figures import BENCH
-from tests.support.html_bench import CACHES
 from tests.support.manuscript_files import FOLDER, HEAD, SHARED, write_manuscript
 from tests.support.programs import require_package, require_program
+from tests.support.small_bench import CACHES
 from tests.support.spec_files import tree
 
 ROOT = BENCH.root

@@ -2,7 +2,7 @@
 
 import shutil
 
-from tests.support.html_bench import ROOT
+from tests.support.small_bench import ROOT
 
 FOLDER = ROOT / "reports/manuscript"
 SHARED = ("article.tex", "article.typ", "references.bib")

@@ -88,18 +88,18 @@ def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str
 
 def report(
     out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The folder; reports/html by default.")
+        Path | None, typer.Option("-o", "--out", help="The folder; build/site by default.")
     ] = None,
     results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
-    """Build the report to read in a browser, with every figure."""
+    """Build the results as pages to read in a browser: laws, figures, fits, statements."""
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.html import build_site
+    from cylcontact.reports.pages import build_site
 
     bench = Bench(Path(), results, jobs or cores())
     with progress_bars() as progress:
-        site = build_site(bench, out or bench.recipes_folder / "html", progress)
+        site = build_site(bench, out or Path("build", "site"), progress)
     for reason in site.missing:
         say(f"missing, {reason}", err=True)
     say(f"open {site.index}")
