@@ -25,7 +25,7 @@ MAIN_FIGURES := $(foreach number,15 01 02 03 04 05 06 07 08 09 10 11 12 13 14 16
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all committed env extras fits finite-element mechanism bifurcation readings optimizers figures report paper claims verify \
+.PHONY: all committed env extras fits finite-element mechanism bifurcation readings tilt optimizers figures report paper claims verify \
 	bench scaling explore notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
 
 ##@ The main job
@@ -87,6 +87,9 @@ bifurcation: $(VENV)/.editable ## Redo datasets/mechanism/bifurcation.csv alone 
 
 readings: $(VENV)/.editable ## Redo datasets/readings.csv, the searches under other readings of the paper
 	$(BIN)/python -m reports.searched_readings
+
+tilt: $(VENV)/.editable ## Redo datasets/tilted_pin.csv, a pin that tilts in three dimensions (a minute)
+	$(BIN)/python -m reports.tilted_pin
 
 optimizers: $(COMPARISONS) ## Compare the optimisers on both main campaigns, into fitting/results
 

@@ -28,8 +28,8 @@ from cylcontact.spec import Spec, broken, parse_spec, read_toml
 _Vector = Annotated[tuple[float, float, float], Strict(False)]
 _Interval = Annotated[tuple[float, float], Strict(False)]
 
-# Assumed: c and b of the rim's stiffness, from finite elements in three dimensions that are not in
-# this package, for sharp rims and like materials; a pin as long as its hole, and one that goes on.
+# c and b of the rim's stiffness, for sharp rims and like materials; a pin as long as its hole, and
+# one that goes on. Within 25 % of finite elements in three dimensions: datasets/tilted_pin.csv.
 EDGES = {"flush": (0.105, 0.45), "overhang": (0.17, 1.0), "none": (0.0, 1.0)}
 
 _NUMBERS = 13
