@@ -41,7 +41,7 @@ COLUMNS = (
 def draw(bench: Bench) -> Drawing:
     table = bench.table(FILE, COLUMNS, "make tilt writes it")
     coarse = table[table["first_element"] == FIRST]
-    headline = {}
+    headline: dict[str, float] = {}
     for ends in ENDS:
         for name in MATERIALS:
             chosen = coarse[(coarse["ends"] == ends) & (coarse["materials"] == name)]
@@ -57,6 +57,7 @@ def draw(bench: Bench) -> Drawing:
     headline["mesh: largest change, %"] = change
     shown = coarse[(coarse["materials"] == "alike") & np.isfinite(coarse["share"])]
     shown = pd.concat([_with_edge(shown[shown["ends"] == ends], ends) for ends in ENDS])
+    shown = shown.drop(columns="first_element")
     shown["tilt"] = shown["depth"] / (shown["share"] * shown["length"])
     caption, method = CAPTION.format(drawn=DRAWN), METHOD.format(first=FIRST, change=change)
     return Drawing(_draw(shown[shown["depth"] == DRAWN]), shown, headline, caption, method)

@@ -29,11 +29,10 @@ import skfem
 from scipy.interpolate import CubicSpline
 from scipy.linalg import solve
 from scipy.optimize import least_squares
-from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import splu
 from skfem.helpers import dot
 
-from cylcontact.arrays import BoolArray, FloatArray, IndexArray
+from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
 
 FILE = "datasets/tilted_pin.csv"
 NU, OUTER, BEYOND = 0.3, 4.0, 0.5
@@ -59,17 +58,17 @@ def graded(length: float, first: float, most: float = MOST) -> FloatArray:
     return np.cumsum([0.0, *steps]) * length / sum(steps)
 
 
-def stiffness(basis: skfem.Basis, m: int) -> csr_matrix:
+def stiffness(basis: skfem.Basis, m: int) -> Any:
     """Return the stiffness for u_r·cos mφ, u_z·cos mφ and u_φ·sin mφ with E = 1."""
     mu, lame = 1 / (2 * (1 + NU)), NU / ((1 + NU) * (1 - 2 * NU))
 
-    def strain(u, r):
+    def strain(u: Any, r: FloatArray) -> tuple[Any, Any]:
         (r_r, r_z), (z_r, z_z), (t_r, t_z) = u.grad
         normal = (r_r, z_z, (u[0] + m * u[2]) / r)
         return normal, (r_z + z_r, t_r - (u[2] + m * u[0]) / r, t_z - m * u[1] / r)
 
-    @skfem.BilinearForm
-    def form(u, v, w):
+    @skfem.BilinearForm  # type: ignore[untyped-decorator]
+    def form(u: Any, v: Any, w: Any) -> Any:
         (normal, shear), (normal_v, shear_v) = strain(u, w.x[0]), strain(v, w.x[0])
         both = sum(2 * a * b for a, b in zip(normal, normal_v, strict=True))
         both += sum(a * b for a, b in zip(shear, shear_v, strict=True))
@@ -78,8 +77,8 @@ def stiffness(basis: skfem.Basis, m: int) -> csr_matrix:
     return form.assemble(basis)
 
 
-@skfem.BilinearForm
-def mass(u, v, w):
+@skfem.BilinearForm  # type: ignore[untyped-decorator]
+def mass(u: Any, v: Any, w: Any) -> Any:
     """A foundation in proportion to the volume."""
     return w.x[0] * dot(u, v)
 
@@ -176,7 +175,8 @@ class Contact:
 
         def between(row: IndexArray | BoolArray, column: BoolArray) -> FloatArray:
             (i_r, i_c), (b_r, b_c) = (np.ix_(k[row], k[column]) for k in (i, b))
-            return self.kernel[abs(i_r - i_c), b_r, b_c] + self.kernel[i_r + i_c + 1, b_r, b_c]
+            kernel = self.kernel
+            return as_floats(kernel[abs(i_r - i_c), b_r, b_c] + kernel[i_r + i_c + 1, b_r, b_c])
 
         over = overlap.ravel()
         near = over > -0.1 * step * self.size[b]
@@ -287,7 +287,7 @@ def constants(table: pd.DataFrame) -> tuple[float, float]:
     tilted = table[np.isfinite(table["share"])]
 
     def errors(constants: FloatArray) -> FloatArray:
-        return with_rim(tilted, *constants)[0] / tilted["force"].to_numpy() - 1
+        return as_floats(with_rim(tilted, *constants)[0] / tilted["force"] - 1)
 
     c, b = least_squares(errors, [0.1, 0.5]).x
     return float(c), float(b)
@@ -297,7 +297,7 @@ def with_rim(table: pd.DataFrame, c: float, b: float) -> FloatArray:
     """Return forces and moments of the slices with the rim's stiffness, (2, rows)."""
     places = (Place(*row) for row in table[["length", "depth", "share"]].to_numpy())
     added = np.array([rim_term(place, c, b) for place in places])
-    return added.T + table[["lamina_force", "lamina_moment"]].to_numpy().T
+    return as_floats(added.T + table[["lamina_force", "lamina_moment"]].to_numpy().T)
 
 
 def tilted_pin() -> pd.DataFrame:

@@ -65,6 +65,9 @@ WORDS |= {"changed", "reading", "search", "coefficient", "campaign", "crossover"
 UNITLESS |= {"value", "objective_published", "run", "population", "evaluations"}
 UNITLESS |= {"searched", "polished"}
 UNITLESS |= {"e_y_over_clearance", "period"}
+UNITLESS |= {"length", "depth", "share", "tilt", "force", "moment"}
+UNITLESS |= {"lamina_force", "lamina_moment", "rim_force"}
+WORDS |= {"ends", "materials"}
 UNITS = ("_mm", "_um", "_us", "_N", "_J")
 UNITS += ("_m_per_s", "_N_per_mm", "_MPa", "_GPa", "_percent", "_N_per_mm_n", "_ratio", "_deg")
 
