@@ -144,7 +144,7 @@ def fit(
     What a table does not say of its pair takes the options of cylcontact laws: --contact; --pin,
     --hole, --material, --E, --nu; --dR, --Ri, --Rj, --length; --R-o, --clamp and others.
     """
-    from cylcontact.fitting import Campaign, calibrate, fit_table, read_campaign
+    from cylcontact.fitting import Campaign, DataFit, calibrate, fit_table, read_campaign
     from cylcontact.fitting.results import require_same_inputs
 
     where, given = workers(jobs, scheduler), pair | settings | ({} if law is None else {"law": law})
@@ -176,7 +176,12 @@ def fit(
                 result = calibrate(planned, where, progress, journal, resume)
             else:
                 result = fit_table(planned, where, progress, journal, resume)
-        _save(result, target, folder)
+        if folder is not None and isinstance(result, DataFit):
+            from cylcontact.reports.fit_folder import write_fit
+
+            write_fit(result, folder)
+        else:
+            result.save(target)
     names = f": {', '.join(FIT_FILES)}" if folder else ""
     say(f"{result}\n\nwritten to {folder or target}{names}")
 
@@ -210,18 +215,6 @@ def _law_in(result: Path) -> str:
         return FitResult.read(result).law if result.exists() else ""
     except InputError:
         return ""
-
-
-def _save(result: FitResult, target: Path, folder: Path | None) -> None:
-    """Write a result, with its residuals and picture if it has a folder."""
-    from cylcontact.fitting import DataFit
-
-    if folder is None or not isinstance(result, DataFit):
-        result.save(target)
-        return
-    from cylcontact.reports.fit_folder import write_fit
-
-    write_fit(result, folder)
 
 
 def optimizers(
@@ -334,7 +327,7 @@ def choose(
     settings: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
-    """Fit all laws that apply to a table, and rank them if the data can tell.
+    """Fit all laws to a table and rank them; say whether the data can tell.
 
     What the table does not say of its pair takes the options of cylcontact laws: --contact; --pin,
     --hole, --material, --E, --nu; --dR, --Ri, --Rj, --length; --R-o, --clamp and others.

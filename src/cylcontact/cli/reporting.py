@@ -351,8 +351,7 @@ def export(
         remedy = f"leave it out, or choose --to {listed(CODES)}"
         require(value is None, "export", name, value, "is for a code's own contact", remedy)
     if joint is not None:
-        others = {"RESULT|LAW": what} | {option_of(name): pair[name] for name in pair}
-        _export_joint(joint, target, out, others.pop("--materials", None), others)
+        _export_joint(joint, target, out, what, pair)
         return
     if what is None:
         remedy = "name one, e.g. explicit, or a joint with --joint"
@@ -376,17 +375,20 @@ def export(
 
 def _write_law(what: str, source: str | bytes, out: Path | None) -> None:
     """Write an exported law to the file `out`, or as text to standard output."""
-    if isinstance(source, str):
-        if out is None:
-            typer.echo(source, nl=False)
-            return
-        source = source.encode("ascii")
-    elif out is None:
-        remedy = "name the file, e.g. -o law.fmu"
-        raise InputError("export", "--out", None, "is missing for an FMU", remedy)
-    with replacing(out) as temporary:
-        temporary.write_bytes(source)
-    say(f"{what} written to {out}")
+    if out is not None:
+        _write(what, {out: source})
+        return
+    remedy = "name the file, e.g. -o law.fmu"
+    require(isinstance(source, str), "export", "--out", None, "is missing for an FMU", remedy)
+    typer.echo(source, nl=False)
+
+
+def _write(name: str, texts: Mapping[Path, str | bytes]) -> None:
+    """Write what is exported, all of its files or none."""
+    with replacing_all(texts) as files:
+        for file, text in zip(files, texts.values(), strict=True):
+            file.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
+    say(f"{name} written to {', '.join(map(str, texts))}")
 
 
 def _print_parameters(
@@ -406,33 +408,25 @@ def _print_parameters(
     if path is None:
         remedy = "name its file, e.g. --joint datasets/joint.toml"
         raise InputError("export", "--joint", None, f"is missing for {code}", remedy)
-    low, _, high = (force_range or "").partition(":")
-    try:
-        ends = float(low), float(high)
-    except ValueError:
+    ends = plain_numbers((force_range or "").split(":"))
+    if ends is None or len(ends) != 2:
         rule, remedy = "must be the smallest and the largest total force in N", "e.g. 100:5000"
-        raise InputError("export", "--range", force_range, rule, remedy) from None
+        raise InputError("export", "--range", force_range, rule, remedy)
     joint = read_joint(path, materials)
-    parameters = contact_parameters(joint, code, *ends, 1.0 if mass is None else mass, speed)
+    low, high = ends
+    parameters = contact_parameters(joint, code, low, high, 1.0 if mass is None else mass, speed)
     if out is None:
         typer.echo(parameters)
     else:
-        require_writable(out)
-        with replacing(out) as temporary:
-            temporary.write_text(f"{parameters}\n", encoding="ascii")
-        say(f"{joint.name} written to {out}")
-    if ends[1] > joint.first_yield:
+        _write(joint.name, {out: f"{parameters}\n"})
+    if high > joint.first_yield:
         say(f"warning: {path}: first yield is at {joint.first_yield:.4g} N", err=True)
     for warning in unusual_lengths(joint.pair):
         say(f"warning: {path}: {warning}", err=True)
 
 
 def _export_joint(
-    path: Path,
-    target: str,
-    out: Path | None,
-    materials: str | None,
-    others: dict[str, str | None],
+    path: Path, target: str, out: Path | None, what: str | None, pair: Mapping[str, Any]
 ) -> None:
     """Write a joint as a force element, next to the file `out`."""
     from cylcontact.export import export_joint
@@ -440,28 +434,25 @@ def _export_joint(
     from cylcontact.pair import unusual_lengths
     from cylcontact.spec import read_toml
 
+    others = {"RESULT|LAW": what} if what else {}
+    others |= {option_of(name): value for name, value in pair.items() if name != "materials"}
     for key, value in others.items():
-        if value is not None:
-            rule = "is in the file of the joint already"
-            raise InputError("export", key, value, rule, "leave it out, or --joint")
+        rule = "is in the file of the joint already"
+        raise InputError("export", key, value, rule, "leave it out, or --joint")
     if out is not None:
         require_writable(out)
     joint: SpatialJoint | ClearanceJoint
     if read_toml(path).get("kind") == "spatial":
-        joint = SpatialJoint.read(path, materials)
+        joint = SpatialJoint.read(path, pair.get("materials"))
         planar = joint.planar
     else:
-        joint = planar = read_joint(path, materials)
+        joint = planar = read_joint(path, pair.get("materials"))
     texts = export_joint(joint, target, out.stem if out else "")
     suffix = JOINT_TARGETS[target]
     if out is None:
         remedy = f"name the file, e.g. -o {planar.identifier}{suffix}"
         raise InputError("export", "--out", None, "is missing for a joint", remedy)
     require_suffix(out, suffix)
-    with replacing_all(out.with_name(name) for name in texts) as files:
-        for file, name in zip(files, texts, strict=True):
-            text = texts[name]
-            file.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
-    say(f"{planar.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")
+    _write(planar.name, {out.with_name(name): text for name, text in texts.items()})
     for warning in unusual_lengths(planar.pair):
         say(f"warning: {path}: {warning}", err=True)
