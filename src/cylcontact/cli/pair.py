@@ -50,8 +50,8 @@ PAIR: Options = {
     "clamp": _text("What is clamped: rim (all of it, by default), near:60 or far:60.", "--clamp"),
     "layer": (
         list[str] | None,
-        option("A ring around the hole's own, bronze:12 for its material and inner radius in mm; "
-               "may be repeated.", "--layer", metavar="NAME:MM", **_PANEL),
+        option("A bonded ring, its material and inner radius; may be repeated.", "--layer",
+               metavar="bronze:12", **_PANEL),
     ),
 }  # fmt: skip
 # What stands for a constant under another name, and the factor from one to the other.
