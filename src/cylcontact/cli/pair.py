@@ -51,7 +51,7 @@ PAIR: Options = {
     "layer": (
         list[str] | None,
         option("A bonded ring, its material and inner radius; may be repeated.", "--layer",
-               metavar="bronze:12", **_PANEL),
+               metavar="NAME:MM", **_PANEL),
     ),
 }  # fmt: skip
 # What stands for a constant under another name, and the factor from one to the other.

@@ -185,7 +185,7 @@ def laws(
     ] = None,
     find: Annotated[
         str | None,
-        option("dR, E or length for a stiffness or penetration at --load.", metavar="WHAT"),
+        option("dR, E or length, for a stiffness or penetration.", metavar="WHAT"),
     ] = None,
     stiffness: Annotated[float | None, number("For --find, N/mm²; of a length N/mm.")] = None,
     penetration: Annotated[float | None, number("For --find, µm.")] = None,
