@@ -297,8 +297,8 @@ def test_the_basis_tells_rule_choice_and_how_the_readings_stand():
         "1 cannot tell; Table 1 would decide"
     )
     assert [described(each) for each in claim.finding.alternatives] == [
-        "another way: 2 mm (not met, 1 mm off, in place of Table 1)",
-        "another way: 2 mm (cannot tell)",
+        "another way: 2 mm (not met, 1 mm off, in place of Table 1, the caption)",
+        "another way: 2 mm (cannot tell, the caption)",
     ]
 
 
@@ -346,7 +346,8 @@ def test_text_has_what_stands_then_the_claims_by_group_and_the_terms(claims):
     flat = " ".join(
         to_text(claims, {"share": "a part of the domain"}, {"9-gone": "no statement"}).split()
     )
-    assert flat.startswith(f"{what_stands(claims)} Reproduced (1): the rule is met, ")
+    assert flat.startswith(f"{what_stands(claims)} You can rely on: - ")
+    assert flat.index("You can rely on") < flat.index("You cannot rely on")
     assert flat.index("Reproduced (1): ") < flat.index("with a stated choice (1): ")
     for claim in claims:
         for text in (claim.id, claim.statement, claim.paper, claim.finding.ours, claim.basis):

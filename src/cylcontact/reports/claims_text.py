@@ -48,6 +48,15 @@ def grouped(claims: Iterable[Claim]) -> dict[str, list[Claim]]:
     return {name: members for name, members in groups.items() if members}
 
 
+def relied_on(claims: Sequence[Claim]) -> dict[str, list[Claim]]:
+    """Return which statements one can rely on, and which not; the open ones are in neither."""
+    counted = [each for each in claims if not each.misprint]
+    return {
+        "You can rely on": [c for c in counted if c.verdict.startswith("reproduced")],
+        "You cannot rely on": [c for c in counted if c.verdict == "not reproduced"],
+    }
+
+
 def what_stands(claims: Sequence[Claim]) -> str:
     """Return one sentence on how many of the statements stand.
 
@@ -92,7 +101,7 @@ def to_text(
     gone: Mapping[str, str] | None = None,
     width: int = 100,
 ) -> str:
-    """Return the ledger for reading: what stands, the claims by verdict, the terms.
+    """Return the ledger for reading: what to rely on, the claims by verdict, the terms.
 
     Parameters
     ----------
@@ -110,6 +119,12 @@ def to_text(
     str
     """
     lines = [*wrap(what_stands(claims), width), ""]
+    for title, members in relied_on(claims).items():
+        if members:
+            lines += [f"{title}:", ""]
+            for each in members:
+                lines += _entry("  -", f"{each.statement} ({each.section})", width, 4, 4)
+            lines.append("")
     for group, members in grouped(claims).items():
         title = f"{group.capitalize()} ({len(members)}): {MEANINGS[group]}"
         lines += [*wrap(title, width), "─" * width, ""]
@@ -148,18 +163,21 @@ def described(reading: Reading) -> str:
     Examples
     --------
     >>> described(Reading("R_i = 5 mm", "12 %", holds=False, miss="2 points too much"))
-    'R_i = 5 mm: 12 % (not met, 2 points too much)'
+    'R_i = 5 mm: 12 % (not met, 2 points too much, not heard: the text gives no ground)'
     """
     met = {True: "met", False: "not met", None: "cannot tell"}[reading.holds]
     missing = f"in place of {reading.missing}" if reading.missing else ""
-    told = ", ".join(filter(None, (met, reading.miss, missing)))
+    heard = "" if reading.counts else "not heard: the text gives no ground"
+    told = ", ".join(filter(None, (met, reading.miss, missing, reading.ground, heard)))
     return f"{reading.choice}: {reading.ours} ({told})"
 
 
-def _entry(label: str, text: str, width: int, indent: int) -> list[str]:
+def _entry(
+    label: str, text: str, width: int, indent: int, rest_indent: int = LABEL_WIDTH
+) -> list[str]:
     """Return the lines of a text that is wrapped to the right of its label."""
     start = f"{label:<{indent}}"
-    rest = " " * LABEL_WIDTH
+    rest = " " * rest_indent
     return wrap(text, width, initial_indent=start, subsequent_indent=rest, break_on_hyphens=False)
 
 
