@@ -97,7 +97,10 @@ def logarithm_physical(bench: Bench) -> Finding:
     return found(
         [
             reading(growing, steps, falls == 0, steps),
-            below(conformal, -shortfall, AGREEMENT),
+            replace(
+                below(conformal, -shortfall, AGREEMENT),
+                ground="Sect. 1 restricts the law to large clearances and small or medium loads",
+            ),
         ],
         f"the penetration grows with the load up to ln = 2, but is {shortfall:.0f} % short of "
         f"conformal contact there and {AGREEMENT:g} % short at ln = {departs:.2f} already "
