@@ -50,10 +50,11 @@ def page() -> str:
     for about, rows in compared():
         lines = ["| quantity | theirs | ours | difference |", "|---|---|---|---|"]
         lines += [
-            f"| {about['what']} | {about['theirs']:.6g} {about['unit']} | {mine:.6g} | {off:+.2f} % |"
-            for about, mine, off in rows
+            f"| {of['what']} | {of['theirs']:.6g} {of['unit']} | {mine:.6g} | {off:+.2f} % |"
+            for of, mine, off in rows
         ]
-        text = f"{about['citation']}.\n\nGeometry: {about['geometry']}; {about['licence']}.\n\n{about['shows']}"
+        where = f"Geometry: {about['geometry']}; {about['licence']}."
+        text = f"{about['citation']}.\n\n{where}\n\n{about['shows']}"
         parts.append(f"## {about['title']}\n\n{text}\n\n" + "\n".join(lines) + "\n")
     return "\n".join(parts)
 
