@@ -94,13 +94,6 @@ third
 third.plot_profile("stiffness_factor").figure
 
 # %% [markdown]
-# Move the sliders to see the fit if the others are not fitted anew. The points are the
-# readings less the drift. Above the threshold the data rule the values out.
-
-# %%
-cc.reports.fit_explorer.explore_fit(third)
-
-# %% [markdown]
 # ## Use it
 #
 # The factor may be 1, so it is set to 1, as the report advises for two numbers that rise together.

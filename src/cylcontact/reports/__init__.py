@@ -12,7 +12,6 @@ __all__ = [
     "claims",
     "claims_text",
     "explore",
-    "fit_explorer",
     "fit_figures",
     "laws_bounds",
     "laws_table",
