@@ -14,7 +14,7 @@ from cylcontact import InputError
 from cylcontact.export import export_joint
 from cylcontact.mechanism import SpatialJoint
 from tests.support.export_runners import C_FLAGS, CPP_FLAGS, FORTRAN_FLAGS, compile_with
-from tests.support.fmu_masters import export_fmu, started
+from tests.support.fmu_masters import Cosim, export_fmu, started
 from tests.support.joint_runners import run_octave
 from tests.support.programs import require_package
 from tests.support.spatial_cases import FIXED, body, joint_for, motions, run_library
@@ -182,6 +182,26 @@ def test_exports_agree_with_the_library_in_all_kinds_of_contact(target, kind, tm
 def test_a_module_is_not_called_as_one_of_its_functions(name):
     with pytest.raises(InputError, match="is that of a function in the module"):
         export_joint(joint_for(name=name), "fortran")
+
+
+def test_libcosim_steps_it_as_fmpy(tmp_path):
+    require_package("libcosimpy")
+    require_package("fmpy")
+    joint, size = joint_for(**KINDS["example"]), 1e-6
+    path = export_fmu(joint, tmp_path)
+    master, slave = Cosim(path, size), started(path, tmp_path / "slave", "CoSimulation")
+    touched = 0
+    for step, row in enumerate(rows_of(joint, 60)):
+        inputs = [float(x) for x in row[4:]]
+        master.manipulator.slave_real_values(master.index, list(range(26)), inputs)
+        assert master.execution.step()
+        slave.setReal(range(26), inputs)
+        slave.doStep(step * size, size)
+        answers = slave.getReal(range(26, 50))
+        theirs = master.observer.last_real_values(master.index, list(range(26, 50)))
+        np.testing.assert_allclose(theirs, answers, rtol=0, atol=1e-13 * np.abs(answers).max())
+        touched += max(answers[12:16]) > 0
+    assert touched > 20
 
 
 def test_the_fmu_has_its_numbers_and_gives_those_of_the_library(tmp_path):
