@@ -15,7 +15,7 @@ import matplotlib as mpl
 from cycler import Cycler, cycler
 from matplotlib import rcParams
 from matplotlib import style as mpl_style
-from matplotlib.font_manager import fontManager
+from matplotlib.font_manager import FontProperties, fontManager
 
 from cylcontact.choices import FORMATS, Format
 from cylcontact.errors import InputError
@@ -222,7 +222,7 @@ def _add_font() -> None:
 
 def small_text() -> float:
     """Return the size of tick labels and legends in points."""
-    return float(rcParams["legend.fontsize"])
+    return float(FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points())
 
 
 def staggered(number: int, points: int) -> tuple[int, int]:
