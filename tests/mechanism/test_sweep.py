@@ -291,6 +291,8 @@ def test_a_run_that_cannot_go_on_keeps_its_revolutions(run, tmp_path):
         ((*SWEEP, "--law", "hooke"), "'hooke': is neither a law nor a fit result"),
         ((*SWEEP, "--revolutions", 2, "--first", 2), "leaves none of 2"),
         ((*SWEEP, "--against", 0), "tolerance = 0.0: must lie in"),
+        ((*SWEEP, "--fit", "20H7/k6"), "--fit = '20H7/k6': is a transition fit"),
+        ((*SWEEP, "--fit", "20H7/f7", "--clearance", 1), "conflicts with --clearance"),
         ((*SWEEP, "--tolerance", "nan"), "'nan' is not a number"),
     ],
 )
@@ -301,6 +303,14 @@ def test_bad_input_is_one_line_and_exit_code_two(run, tmp_path, monkeypatch, arg
     assert message in err
     assert err.count("\n") == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_a_fit_gives_its_tightest_middle_and_loosest_clearance(run, tmp_path):
+    table = tmp_path / "band.csv"
+    short = "--law", "explicit", "--beyond", "tangent", "--revolutions", 2, "-j", 1
+    assert run("sweep", SPEC, "--fit", "20H7/f7", *short, "-o", table)[0] == 0
+    clearances = pd.read_csv(table)["clearance_mm"].to_numpy()
+    assert clearances == pytest.approx([0.01, 0.0205, 0.031], rel=1e-12)
 
 
 def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):

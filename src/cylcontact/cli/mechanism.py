@@ -85,6 +85,18 @@ def _combined(changes: Mapping[str, list[str]]) -> list[Case]:
     return cases(*(given[name] or [None] for name in CHANGES))
 
 
+def _of_fit(code: str, clearance: list[str] | None) -> list[str]:
+    """Return the radial clearances of the tightest, the middle and the loosest pair in mm."""
+    from cylcontact.fits import Fit
+    from cylcontact.pair import SMALLEST_CLEARANCE
+
+    require(not clearance, "sweep", "--fit", code, "conflicts with --clearance", "keep one of them")
+    fit = Fit.read(code, "sweep", "--fit")
+    fit.require_clearance("sweep", "--fit")
+    low, high = fit.clearance
+    return [repr(max(dR, SMALLEST_CLEARANCE)) for dR in (low, (low + high) / 2, high)]
+
+
 def simulate(
     spec: Spec,
     *,
@@ -247,6 +259,10 @@ def sweep(
     *,
     out: Table,
     changes: dict[str, list[str]],
+    fit: Annotated[
+        str | None,
+        typer.Option(metavar="CODE", help="The clearances of a fit: tightest, middle, loosest."),
+    ] = None,
     materials: Materials = None,
     revolutions: Revolutions = None,
     first: First = None,
@@ -267,6 +283,8 @@ def sweep(
     from cylcontact.mechanism.study import first_of
 
     _require_table(out)
+    if fit is not None:
+        changes = {**changes, "clearance": _of_fit(fit, changes.get("clearance"))}
     mechanism = read_mechanism(spec, materials)
     total = revolutions or mechanism.integration.revolutions
     first = first_of(total) if first is None else first
