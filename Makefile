@@ -26,7 +26,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
 .PHONY: all committed env extras fits finite-element mechanism bifurcation readings tilt optimizers figures report paper claims verify \
-	bench scaling explore notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
+	bench scaling references explore notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
 
 ##@ The main job
 
@@ -118,6 +118,9 @@ bench: $(VENV)/.extras ## Measure the speed against what one would use instead (
 
 scaling: $(VENV)/.editable ## Measure what each step of a calibration costs up to 1e9 samples (ten minutes)
 	$(BIN)/python -m benchmarks.scaling
+
+references: $(VENV)/.editable ## Hold the laws against numbers of others, docs/checked-against.md
+	$(BIN)/python -m benchmarks.references
 
 ##@ To read and to try
 

@@ -14,7 +14,7 @@ FOLDER, PAGE = ROOT / "datasets" / "references", ROOT / "docs" / "checked-agains
 HEAD = """# Checked against
 
 Numbers of others beside those of the program, from `datasets/references`.
-`python -m benchmarks.references` writes this page.
+`make references` writes this page.
 """
 
 
