@@ -54,8 +54,12 @@ def test_the_choice_is_the_best_of_all(fitted, parameter):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("series", "settings"),
-    [(1, {"noise": "constant", "ignore": ["group"]}), (8, {"noise": "constant", "group": "group"})],
-    ids=["one series", "random series"],
+    [
+        pytest.param(1, {"noise": "constant", "ignore": ["group"]}, id="one series"),
+        pytest.param(
+            8, {"noise": "constant", "group": "group"}, id="random series", marks=pytest.mark.long
+        ),
+    ],
 )
 def test_expected_widths_are_those_of_repeated_experiments(series, settings):
     effects = {"offset": 1e-4, "gain": 0.02} if series > 1 else {}
