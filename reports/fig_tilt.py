@@ -19,19 +19,19 @@ from .tilted_pin import FILE, FINER, FIRST, MATERIALS, constants, with_rim
 DRAWN = 0.1
 ENDS = {"flush": "pin as long as its hole", "overhang": "pin that goes on"}
 CAPTION = (
-    "Force of a pin that tilts, its rim {drawn}·ΔR deep in the hole, over E*·ΔR·R, against the tilt "
-    "(ΔR/R), for three lengths of the hole. Crosses: finite elements in three dimensions; dotted: "
-    "slices of the plane law; lines: with the rim's stiffness. (a) Pin and hole end together. "
-    "(b) The pin goes on by R/2."
+    "Force of a pin that tilts, its rim {drawn}·ΔR deep in the hole, over E*·ΔR·R, against the "
+    "tilt (ΔR/R), for three lengths of the hole. Crosses: finite elements in three dimensions; "
+    "dotted: slices of the plane law; lines: with the rim's stiffness. "
+    "(a) Pin and hole end together. (b) The pin goes on by R/2."
 )
 METHOD = (
     "Harmonics in the angle and quadratic elements in (r, z), ν = 0.3, a bush of four times the "
     "radius of its hole, clamped outside, and a pin under body forces uniform and linear along "
     "the axis; frictionless cells of pressure. The smallest elements are {first}·R; with half of "
     "that and twice the cells in the angle forces change by at most {change:.1f} %. The numbers "
-    "are those of datasets/tilted_pin.csv, which `make tilt` computes. Slices have the plane law of "
-    "the same elements, lines the rim's stiffness of the spatial joint. The last points of a length "
-    "touch both rims."
+    "are those of datasets/tilted_pin.csv, which `make tilt` computes. Slices have the plane law "
+    "of the same elements, lines the rim's stiffness of the spatial joint. The last points of a "
+    "length touch both rims."
 )
 COLUMNS = (
     *("first_element", "length", "ends", "materials", "depth", "share"),
