@@ -109,7 +109,7 @@ def new_figure(width: Width, height_mm: float) -> StyledFigure:
     [84. 60.]
     """
     wide = width_mm(width)
-    larger = wide / JOURNAL.widths_mm[("column", "middle", "full").index(width)]
+    larger = wide / width_mm(width, JOURNAL)
     size = (wide / MM_PER_INCH, larger * height_mm / MM_PER_INCH)
     return StyledFigure(figsize=size, layout="constrained")
 

@@ -174,9 +174,9 @@ def _unique_lines() -> Cycler[str, Any]:
 _CURRENT: ContextVar[FigureStyle] = ContextVar("style", default=JOURNAL)
 
 
-def width_mm(width: Width) -> float:
-    """Return a width in the style in force."""
-    return _CURRENT.get().widths_mm[("column", "middle", "full").index(width)]
+def width_mm(width: Width, style: FigureStyle | None = None) -> float:
+    """Return a width in a style, by default the one in force."""
+    return (style or _CURRENT.get()).widths_mm[("column", "middle", "full").index(width)]
 
 
 @contextmanager
