@@ -108,6 +108,13 @@ def _rod_motion(c: float, s: float, up: float, rate: float, m: Crank) -> tuple[f
 
 
 @inlined
+def _weight(c: float, s: float, m: Crank) -> float:
+    """Return the moment of the gravity on the crank about its pivot."""
+    c_x, c_y = m.crank_a * c - m.crank_b * s, m.crank_a * s + m.crank_b * c
+    return m.crank_mass * (c_x * m.gravity_y - c_y * m.gravity_x)
+
+
+@inlined
 def _of_joint(
     side: float, y: FloatArray, n: int, rate: int, near: float, far: float
 ) -> contact.Motion:
@@ -192,8 +199,7 @@ def derivatives(
     G_x = a_x + lean_x * alpha - offset_x * square - m.gravity_x
     G_y = a_y + lean_y * alpha - offset_y * square - m.gravity_y
     reaction_x, reaction_y = m.rod_mass * G_x + f_x, m.rod_mass * G_y + f_y
-    c_x, c_y = m.crank_a * c - m.crank_b * s, m.crank_a * s + m.crank_b * c
-    weight = m.crank_mass * (c_x * m.gravity_y - c_y * m.gravity_x)
+    weight = _weight(c, s, m)
     rates[row, 4] = omega * (A_x * reaction_y - A_y * reaction_x - weight)
 
 
@@ -254,8 +260,7 @@ def derivatives_of_two(
     rates[row, 5] = -b_y - length * (cosine * alpha - sine * square)
     rates[row, 6], rates[row, 7] = b_x + omega * omega * A_x, b_y + omega * omega * A_y
 
-    c_x, c_y = m.crank_a * c - m.crank_b * s, m.crank_a * s + m.crank_b * c
-    weight = m.crank_mass * (c_x * m.gravity_y - c_y * m.gravity_x)
+    weight = _weight(c, s, m)
     rates[row, 8] = omega * (A_x * p_y - A_y * p_x - on_crank - weight)
     rates[row, 9] = 0.0
 
