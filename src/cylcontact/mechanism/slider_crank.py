@@ -111,7 +111,8 @@ def _rod_motion(c: float, s: float, up: float, rate: float, m: Crank) -> tuple[f
 def _weight(c: float, s: float, m: Crank) -> float:
     """Return the moment of the gravity on the crank about its pivot."""
     c_x, c_y = m.crank_a * c - m.crank_b * s, m.crank_a * s + m.crank_b * c
-    return m.crank_mass * (c_x * m.gravity_y - c_y * m.gravity_x)
+    moment: float = m.crank_mass * (c_x * m.gravity_y - c_y * m.gravity_x)
+    return moment
 
 
 @inlined

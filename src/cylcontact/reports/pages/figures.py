@@ -120,7 +120,7 @@ def _numbered(
     variants = {result.name.removeprefix(name): result for result in results[number]}
     if "" not in variants:
         yield Shown(name, heading, f"there is no recipe reports/{name}.py")
-    for letters in sorted(variants, key=lambda letters: "rpc".find(letters[:1])):
+    for letters in sorted(variants):
         words = f", {paper.variants.get(letters, letters)}" if letters else ""
         yield _shown(variants[letters], heading + words, recipes)
 
