@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize_scalar
 
 from cylcontact import limits
 from cylcontact.arrays import FloatArray, as_floats
@@ -311,18 +310,6 @@ def eq1_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:
     return as_floats(f / (np.pi * pair.E_star) * (np.log(4 * np.pi * pair.E_star * dR / f) - 1))
 
 
-def eq1_peak_load(pair: CylinderPair) -> float:
-    """Return the load in N/mm at which Eq 1's penetration is largest, by a search on the curve."""
-    limit = float(limits.johnson_limit_load(pair))
-    peak = minimize_scalar(
-        lambda f: -float(eq1_penetration(f, pair)),
-        bounds=(limit / 10, 10 * limit),
-        method="bounded",
-        options={"xatol": 1e-7 * limit},
-    )
-    return float(peak.x)
-
-
 def origins(rows: Table, names: Collection[str], *groups: tuple[str, ...]) -> str:
     """Return which of the materials' numbers are not the paper's own; empty if all are.
 
@@ -365,8 +352,3 @@ def _owned(rows: Table, names: Collection[str], columns: tuple[str, ...], origin
         everyone = 1 < len(owners) == len(names)
         texts.append(f"{symbols} of {'all' if everyone else ', '.join(owners)}")
     return texts
-
-
-def material_origins(bench: Bench, *groups: tuple[str, ...]) -> str:
-    """Return which numbers of the materials of Figs 10–14 are not the paper's own."""
-    return origins(material_rows(bench), MATERIALS, *groups)
