@@ -11,7 +11,7 @@ from cylcontact.reports.claims import ledger
 from cylcontact.reports.claims_text import what_stands
 
 ROOT = Path(__file__).parents[2]
-NUMBERS, DIGITS = 8, 10  # of each claim, and of a number
+DIGITS = 10
 
 
 def main():
@@ -19,9 +19,9 @@ def main():
     pinned = {
         claim.id: {
             "verdict": claim.verdict,
+            "readings": [reading.holds for reading in claim.finding.readings],
             "numbers": {
-                name: float(f"{value:.{DIGITS}g}")
-                for name, value in list(claim.finding.values.items())[:NUMBERS]
+                name: float(f"{value:.{DIGITS}g}") for name, value in claim.finding.values.items()
             },
         }
         for claim in claims
