@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import warnings
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -29,7 +30,15 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw
 from tests.support.programs import require_program
 
-pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(autouse=True)
+def old_names_of_peers():
+    """A benchmark may run another program's code that is deprecated."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        yield
 
 
 @pytest.mark.parametrize("name", BENCHMARKS)
