@@ -19,7 +19,7 @@ from cylcontact.mechanism import (
     read_joint,
     spatial_forces,
 )
-from cylcontact.mechanism.spatial_forces import OUTSIDE, RIM_MISSING, WORK
+from cylcontact.mechanism.spatial_forces import OUTSIDE, RIM_MISSING, UNLIKE, WORK
 from cylcontact.spec import read_toml
 from tests.support.spatial_cases import FIXED, body, joint_for, motions, run_library
 from tests.support.spec_files import DROP, changed
@@ -405,20 +405,21 @@ def test_a_free_pin_that_flies_tilted_has_nearly_the_restitution_of_the_file(til
     assert -(impulse @ after) / (impulse @ before) == pytest.approx(0.8, abs=0.015)
 
 
-def test_a_pin_at_rest_on_one_rim_keeps_the_restitution_of_an_impact_at_the_other():
+@pytest.mark.parametrize(("shift", "force"), [(5.08e-5, 4.7), (5.3e-5, 70.7)])
+def test_a_pin_at_rest_on_one_rim_keeps_the_restitution_of_an_impact_at_the_other(shift, force):
     """Rim B is pressed by a force; the pin turns about it until rim A strikes."""
     joint = joint_for(**IMPACTS)
     state = SpatialState(np.array([0.0, joint.planar.rate_floor, 0.0, 0.0]))
-    x, angle = 0.01 * 4.6e-3 - 5.08e-5, 4.6e-3
+    x, angle = 0.01 * 4.6e-3 - shift, 4.6e-3
     w = joint.evaluate(state, FIXED, in_plane([x, angle], [0, 0])[0])
-    assert 2e-7 < w.penetration[1] < 1e-6
-    assert w.penetration[0] < 0
+    assert w.penetration[0] < 0 < w.penetration[1]
+    assert w.force_pin[0] == pytest.approx(force, rel=0.01)
     load = -np.array([w.force_pin[0], w.moment_pin[1]])
     events = impact(
         joint, in_plane, np.array([0.5, 5e-5]), np.array([x, angle, 0.1, 10.0]), load, state
     )
     came, left = itertools.islice((rate for rim, rate, _ in events if rim == 0), 2)
-    assert -left / came == pytest.approx(0.8, abs=0.1)
+    assert -left / came == pytest.approx(0.8, abs=0.01)
 
 
 # --- how it is called, and mistakes ---
@@ -440,7 +441,7 @@ def test_accept_keeps_a_rate_for_each_rim_and_each_face():
     np.testing.assert_array_equal(joint.accept(state, FIXED, FIXED).impact_rate, 0.0)
 
 
-def test_flags_tell_a_missing_rim_and_a_large_tilt():
+def test_flags_tell_a_missing_rim_a_large_tilt_yield_and_unlike_materials():
     leaning = body([0, 0, 0], Rotation.from_rotvec([5.05e-3, 0, 0]))
     w = joint_for(**{"edge.kind": "none"}).evaluate(SpatialState(np.zeros(4)), FIXED, leaning)
     assert 0 < w.touched < 0.005
@@ -449,6 +450,9 @@ def test_flags_tell_a_missing_rim_and_a_large_tilt():
     assert joint_for().evaluate(SpatialState(np.zeros(4)), FIXED, steep).flag & OUTSIDE
     soft = {"bearing.yield_stress": 100.0, "pin.yield_stress": 100.0}
     assert joint_for(**soft).evaluate(SpatialState(np.zeros(4)), FIXED, leaning).flag == 1
+    for edge, flag in (({"kind": "flush"}, UNLIKE), ({"c": 0.1, "b": 0.5}, 0)):
+        joint = joint_for(**{"bearing.E": 3.6, "edge": edge})
+        assert joint.evaluate(joint.start(), FIXED, leaning).flag == flag
 
 
 MISTAKES = {

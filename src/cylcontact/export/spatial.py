@@ -38,13 +38,17 @@ _MEANINGS = {
     "dissipated_power": ("power", "by damping and friction, not negative"),
     "elastic_energy": ("energy", "stored in the contacts"),
     "touched": ("length", "length of the wall that touches"),
-    "flag": ("", "sum of 1 first yield, 2 beyond the law, 4 rims without stiffness, 8 tilt > 0.1"),
+    "flag": (
+        "",
+        "sum of 1 first yield, 2 beyond the law, 4 rims without stiffness, 8 tilt > 0.1, "
+        "16 unlike materials at a rim",
+    ),
 }
 _FUNCTIONS = (
     contact.bounded_ratio,
     *(getattr(spatial_forces, name) for name in (
         "load_at", "energy_at", "rotate", "resolve", "cross", "move", "section", "seek",
-        "reach_faces", "reach", "slide", "rub", "press", "slowness_at", "press_piece",
+        "reach_faces", "reach", "slide", "rub", "press", "onset_at", "press_piece",
         "free_distance", "press_straight", "first_touch", "press_crowned", "press_rims",
         "press_faces", "finish", "reset", "evaluate", "accept",
     )),

@@ -32,6 +32,9 @@ _Interval = Annotated[tuple[float, float], Strict(False)]
 # one that goes on. Within 25 % of finite elements in three dimensions: datasets/tilted_pin.csv.
 EDGES = {"flush": (0.105, 0.45), "overhang": (0.17, 1.0), "none": (0.0, 1.0)}
 
+# Assumed: up to this ratio of their plane-strain moduli materials are alike.
+LIKE = 1.1
+
 _NUMBERS = 13
 _WIDTH = sum(size for _, size in spatial_forces.RESULTS)
 
@@ -158,7 +161,8 @@ class SpatialWrench(NamedTuple):
     flag : array of int
         The sum of 1 if the line load is above first yield somewhere (a sharp rim yields at once),
         2 beyond the end of the law, 4 if less than a quarter of the length touches and the rims
-        have no stiffness, 8 if the tilt is above 0.1.
+        have no stiffness, 8 if the tilt is above 0.1, 16 if the constants of a named [edge], which
+        are for like materials, carry load at a rim and the moduli differ by more than a tenth.
     """
 
     force_bearing: FloatArray
@@ -278,6 +282,8 @@ class SpatialJoint:
             0.4 * c * float(planar.pair.E_star) * np.sqrt(2 * R_i * R_j / planar.radial)
         )
         record["edge_width"] = b * R_i
+        first, second = map(float, planar.pair.moduli)
+        record["unlike"] = spec.edge.kind is not None and not 1 / LIKE < first / second < LIKE
         if thrust is not None:
             factor = hysteresis_factor(spec.dissipation.factor)
             record["face_gap"], record["face_radius"] = half + 0.5 * thrust.play, thrust.radius

@@ -20,7 +20,9 @@ A piece of the contact runs from where it touches first, or least, to a rim, at
 z = start + (stop − start)·u³ with Gauss nodes in u. Integration by parts gives its energy from the
 same loads: ∫ w dz = w_start·|ℓ| + ∫ f·∂δ/∂z·(stop − z) dz.
 
-**Damping** is that of `contact`, with the impact rate of each rim, and 1/v interpolated between.
+**Damping** is that of `contact`, with an impact rate v = p·v_A + (1 − p)·v_B from those of the
+rims, p = x·δ_A/(x·δ_A + (1 − x)·δ_B) of their penetrations, x from 0 at rim B to 1 at rim A. A mean
+of 1/v would let a rim at rest, whose v is small, damp an impact at the other one.
 
 **Rim.** At a rim the material outside the contact helps to carry it, which slices do not know:
 
@@ -58,7 +60,7 @@ SPATIAL = np.dtype(
             for name in ("pin_low", "pin_high", "crown", "crown_at", "crown_half")
         ),
         *((name, np.float64) for name in ("chi", "rate_floor", "friction", "v0", "v1")),
-        *((name, np.float64) for name in ("edge", "edge_width")),
+        *((name, np.float64) for name in ("edge", "edge_width", "unlike")),
         *((name, np.float64) for name in ("face_gap", "face_radius", "face_stiffness", "face_chi")),
         *((name, np.float64) for name in ("last_penetration", "last_load", "last_slope", "yields")),
         ("kernel", np.int64),
@@ -79,13 +81,13 @@ WORK = np.dtype(
         *((name, np.float64) for name in ("G_x", "G_y", "P_x", "P_y", "delta", "slope", "rate")),
         *((name, np.float64, 3) for name in ("force", "moment")),
         *((name, np.float64) for name in ("deepest", "rim_load")),
-        ("slowness", np.float64, 4),
+        ("onset", np.float64, 4),
         *((name, np.float64, size) if size > 1 else (name, np.float64) for name, size in RESULTS),
     ]
 )
 
 # The bits of a flag; `joint.YIELDS` and `joint.BEYOND_LAW` are 1 and 2.
-RIM_MISSING, OUTSIDE = 4, 8
+RIM_MISSING, OUTSIDE, UNLIKE = 4, 8, 16
 # Assumed: the least share of the length for which slices without the rim's stiffness are near
 # three-dimensional elasticity, the largest tan of the tilt, and the axes' least cosine.
 LEAST_SHARE, MOST_TILT, LEAST_COSINE = 0.25, 0.1, 0.1
@@ -359,9 +361,9 @@ def slide(
 
 
 @inlined
-def press(elastic: float, sway: float, slowness: float, w: Record, joint: Record) -> None:
+def press(elastic: float, sway: float, onset: float, w: Record, joint: Record) -> None:
     """Add an elastic load on the section, and `sway`, the derivative of a rim's energy by g."""
-    load = elastic * max(1.0 + joint.chi * bounded_ratio(w.rate * slowness), 0.0)
+    load = elastic * max(1.0 + joint.chi * bounded_ratio(w.rate / onset), 0.0)
     turn = sway * w.across / w.r
     e_x = load * w.G_x - turn * w.n_y
     e_y = load * w.G_y + turn * w.n_x
@@ -379,13 +381,13 @@ def press(elastic: float, sway: float, slowness: float, w: Record, joint: Record
 
 
 @inlined
-def slowness_at(z: float, w: Record, joint: Record) -> float:
-    """Return 1/v of the impact rates of both rims, each as far as it touches."""
+def onset_at(z: float, w: Record, joint: Record) -> float:
+    """Return the mean impact rate of both rims, each as far as it touches."""
     x = 0.5 + 0.5 * z / joint.half
     upper = x * max(w.penetration[0], 0.0)
     lower = (1.0 - x) * max(w.penetration[1], 0.0)
     part = upper / (upper + lower) if upper + lower > 0.0 else x
-    return float(part * w.slowness[0] + (1.0 - part) * w.slowness[1])
+    return float(part * w.onset[0] + (1.0 - part) * w.onset[1])
 
 
 @compiled
@@ -403,7 +405,7 @@ def press_piece(
             w.deepest = max(w.deepest, line)
             load = PART_WEIGHT[k] * abs(length) * line
             w.elastic_energy += load * w.slope * length * (1.0 - PART[k])
-            press(load, 0.0, slowness_at(z, w, joint), w, joint)
+            press(load, 0.0, onset_at(z, w, joint), w, joint)
     w.elastic_energy += abs(length) * energy
     w.touched += abs(length)
 
@@ -542,7 +544,7 @@ def press_rims(w: Record, joint: Record, law: FloatArray) -> None:
                 outward = load * w.slope + sway * w.across * w.across / w.r
                 w.elastic_energy += stiff * w.delta * full
                 w.rim_load += load
-                press(load, sway, w.slowness[side], w, joint)
+                press(load, sway, w.onset[side], w, joint)
             if abs(z) < joint.half:
                 tip = w.tip_high if side == 0 else w.tip_low
                 force = -(sign * energy_at(w.delta, joint, law) + outward)
@@ -581,7 +583,7 @@ def press_faces(w: Record, joint: Record) -> None:
                     v_y = w.V[1] + w.W[2] * x - w.W[0] * z
                     rate = -sign * (w.V[2] + w.W[0] * y - w.W[1] * x)
                     elastic = joint.face_stiffness * half_arc * ARC_WEIGHT[node] * delta
-                    ratio = bounded_ratio(rate * w.slowness[2 + side])
+                    ratio = bounded_ratio(rate / w.onset[2 + side])
                     load = elastic * max(1.0 + joint.face_chi * ratio, 0.0)
                     w.force[2] += sign * load
                     w.moment[0] += sign * y * load
@@ -619,6 +621,8 @@ def finish(w: Record, joint: Record) -> None:
         w.flag += RIM_MISSING
     if w.psi[0] * w.psi[0] + w.psi[1] * w.psi[1] > MOST_TILT * MOST_TILT:
         w.flag += OUTSIDE
+    if w.rim_load > 0.0 and joint.unlike > 0.0:
+        w.flag += UNLIKE
     w.touched /= joint.in_mm
 
 
@@ -658,14 +662,12 @@ def evaluate(
     reach(w, joint)
     touching = False
     for side in range(4):
+        w.onset[side] = 0.0
         if w.penetration[side] > 0.0:
             touching = True
-            onset = state[side] * joint.in_mm
-            if onset <= 0.0:
-                onset = max(w.penetration_rate[side], joint.rate_floor)
-            w.slowness[side] = 1.0 / onset
-        else:
-            w.slowness[side] = 0.0
+            w.onset[side] = state[side] * joint.in_mm
+            if w.onset[side] <= 0.0:
+                w.onset[side] = max(w.penetration_rate[side], joint.rate_floor)
     if w.a[2] < LEAST_COSINE:
         w.flag = OUTSIDE
         w.normal_force = math.nan
