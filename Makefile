@@ -98,7 +98,7 @@ $(COMPARISONS): fitting/results/optimizers-%.csv: fitting/%.toml FORCE | $(VENV)
 
 figures: build/.figures ## Draw the figures from this machine's fits, in build
 
-report: $(VENV)/.extras ## Build the documentation and the results as one site, to read from disk
+report: references $(VENV)/.extras ## Build the documentation and the results as one site, to read from disk
 	$(CYLCONTACT) report
 
 paper: $(VENV)/.paper ## Typeset the manuscript, its supplement and the paper on the program, in reports/typeset
