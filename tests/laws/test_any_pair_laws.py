@@ -1,7 +1,6 @@
 """The fast laws for any two materials: their errors, limits, grids and campaigns."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +9,9 @@ import pytest
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.objectives import Problem, collect_samples, make_objective
-from cylcontact.fitting.polish import polish
+from cylcontact.fitting.objectives import collect_samples
 from cylcontact.fitting.table_campaign import campaign_of, read_campaign
 from cylcontact.laws import explicit_pair, glauert, parametric
-from cylcontact.laws.conformal import Bodies
 from cylcontact.progress import silent
 from tests.support.spec_files import write_toml
 
@@ -73,17 +70,6 @@ def test_any_datum_shifts_the_law_as_it_shifts_the_reference(pin, hole, datum):
     np.testing.assert_allclose(found, johnson + shift, rtol=1e-12)
 
 
-def test_the_largest_arc_is_that_of_the_reference():
-    """c of the formula is L at the arc that no load exceeds."""
-    pair = random_pairs(40, seed=6)
-    c = laws.ExplicitPair().numbers(pair).c
-    for k in range(40):
-        (w_i,), (w_j,), beta = *(share[k] for share in pair.shares), float(pair.beta[k, 0])
-        C = 2 * np.log(2) - 2 + w_j
-        exact = Bodies(w_i, beta, np.asarray(C)).last.L
-        assert c[k, 0] == pytest.approx(float(exact), rel=2e-3)
-
-
 def test_the_exact_constants_are_limits_of_the_series():
     """A0 and M0: what β adds to 2Â·S and M, over βu, as the arc vanishes."""
     beta, b = 0.3, np.array([2e-3, 1e-3])
@@ -93,17 +79,6 @@ def test_the_exact_constants_are_limits_of_the_series():
     slopes = (solution.a - closed.a) / (beta * u)
     limit = 2 * slopes[1] - slopes[0]  # Richardson, the next term being of order u
     assert parametric.CALIBRATED.A0 == pytest.approx(float(limit), rel=1e-4)
-
-
-def test_the_formula_of_five_numbers_is_the_law():
-    pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=ALUMINIUM, material_j=STEEL)
-    c, B, A, G, D = laws.ExplicitPair().numbers(pair)
-    d = np.geomspace(1e-8, 10, 30)
-    L = c + np.log(1 + B / d * (np.log(1 + A / d + G / np.sqrt(d)) + D))
-    expected = np.pi * pair.E_star * d * pair.dR / L
-    np.testing.assert_allclose(laws.ExplicitPair().load(d * pair.dR, pair), expected, rtol=1e-12)
-    many = laws.ExplicitPair().load(np.geomspace(1e-12, 1e4, 300), random_pairs(400, seed=7))
-    assert (np.diff(many, axis=-1) > 0).all()
 
 
 # --- grids of α, β and φ -------------------------------------------------------------------------
@@ -119,13 +94,6 @@ GRID = {
 }
 
 
-AXES_OF_MANY = {
-    "alpha": {"min": -0.9, "max": 0.9, "points": 7, "spacing": "linear"},
-    "beta": {"min": -0.4, "max": 0.4, "points": 9, "spacing": "linear"},
-    "phi": {"min": 1e-4, "max": 20.0, "points": 12, "spacing": "log"},
-}
-
-
 def test_a_grid_holds_the_pairs_that_are_possible():
     grid = grid_from(GRID, "inline")
     rows = list(zip(*grid.row_values(np.arange(grid.rows)), strict=True))
@@ -138,16 +106,6 @@ def test_a_grid_holds_the_pairs_that_are_possible():
     ):
         alone = CylinderPair.from_dundurs(alpha, beta)
         assert laws.Conformal().penetration(phi, alone) == pytest.approx(d, rel=1e-12)
-
-
-def test_sample_writes_alpha_beta_phi_and_d(run, tmp_path):
-    write_toml(tmp_path / "grid.toml", GRID)
-    code, said, _ = run("sample", tmp_path / "grid.toml", "-o", tmp_path / "out.csv")
-    assert code == 0
-    assert "15 samples" in said
-    lines = (tmp_path / "out.csv").read_text().splitlines()
-    assert lines[0].replace('"', "") == "alpha,beta,phi,d"
-    assert len(lines) == 16
 
 
 @pytest.mark.parametrize(
@@ -191,21 +149,6 @@ def test_the_constants_are_those_of_the_campaign(name, calibrated, digits):
     problem, _ = problem_of(read_campaign(ROOT / f"fitting/{name}.toml"), 1, silent)
     rounded = {key: getattr(calibrated, key) for key in result["coefficients"]}
     assert problem.value_of(rounded) < 1.02 * result["objective"]["value"]
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_constants_that_samples_are_made_of_come_back(name):
-    """From samples of the law itself, with other constants."""
-    campaign = read_campaign(ROOT / f"fitting/{name}.toml")
-    model, spec = campaign.model, GRID | {"axes": GRID["axes"] | AXES_OF_MANY}
-    samples, _ = collect_samples(grid_from(spec, "inline"))
-    truth = {p.name: p.nominal + (0.01 if p.is_free else 0.0) for p in model.parameters}
-    j = np.log(model.build(truth).penetration(samples.load, samples.pair))
-    objective = make_objective("rms-relative-force", replace(samples, j=j))
-    problem = Problem(model, campaign.parameters, objective)
-    point, value = polish(problem, problem.point({p.name: p.nominal for p in model.parameters}))
-    assert value < 1e-9
-    assert problem.coefficients(point) == pytest.approx(truth, abs=1e-6)
 
 
 def test_a_law_with_units_is_refused_on_a_grid_without():

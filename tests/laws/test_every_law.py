@@ -135,6 +135,30 @@ def test_a_law_says_what_it_needs(kind):
         assert laws.reference_law(law.name) == law
 
 
+IN_ANY_PLANE = [
+    "johnson",
+    "persson",
+    "conformal",
+    "explicit",
+    "winkler",
+    "parametric",
+    "explicit-pair",
+]
+
+
+@pytest.mark.parametrize("name", laws.LAWS)
+def test_laws_that_are_stated_for_plane_strain_refuse_plane_stress(name):
+    """One material in plane stress is another in plane strain, with the same E*."""
+    law, sheet = laws.LAWS[name](), CylinderPair.internal(10.0, 9.5, STEEL, 10.0, plane="stress")
+    if name in IN_ANY_PLANE:
+        strain = CylinderPair.internal(10.0, 9.5, Material("same", STEEL.E, 0.0), 10.0)
+        assert law.load(1e-3, sheet) == law.load(1e-3, strain)
+        return
+    for ask in (law.load, law.penetration, law.stiffness):
+        with pytest.raises(InputError, match="plane = 'stress': must be 'strain'"):
+            ask(1e-3, sheet)
+
+
 ROLLERS = CylinderPair.external(R_i=10.0, R_j=9.0, material=STEEL, length=12.0)
 HOLE = CylinderPair.internal(R_i=10.0, R_j=9.5, material=STEEL, length=12.0)
 NO_RADII = CylinderPair.from_dR("internal", 0.5, STEEL, length=12.0)

@@ -133,31 +133,12 @@ def test_a_large_ring_is_the_plate(criterion, plane, dR):
         assert ring.depth == pytest.approx(float(plate.depth), rel=0.05, abs=1e-3)
 
 
-def test_many_pairs_are_each_of_them():
-    R_j, housing = np.array([9.5, 9.99, 9.5]), Housing(20.0, Sector(60, "far"))
-    many = limits.first_yield(CylinderPair.internal(10.0, R_j, STEEL), housing=housing)
-    for k, radius in enumerate(R_j):
-        one = limits.first_yield(CylinderPair.internal(10.0, radius, STEEL), housing=housing)
-        assert one.load == many.load[k]
-        assert one.angle == many.angle[k]
-        assert str(one.body) == many.body[k]
-
-
 def test_a_pin_that_leaves_its_eye_before_anything_yields_has_no_load():
     strong = Material("aluminium", 70e3, 0.33, 5e3)
     pair = CylinderPair.internal(10.0, 9.99, strong, material_j=STEEL)
     first = limits.first_yield(pair, yield_stress=5e3, housing=Housing(13.0, Sector(300, "far")))
     assert np.isnan(first.load)
     assert "no load at which the pin touches its housing along one arc" in str(first)
-
-
-def test_a_load_above_first_yield_of_an_eye_is_warned_of():
-    pair, eye = CylinderPair.internal(10.0, 9.99, STEEL), Housing(20.0, Sector(60, "far"))
-    limit = float(limits.yield_load(pair, housing=eye))
-    assert limit < 0.5 * float(limits.yield_load(pair))
-    assert limits.yield_warning(1.01 * limit, pair) is None
-    assert "° from the load" in limits.yield_warning(1.01 * limit, pair, eye)
-    assert limits.yield_warning(0.99 * limit, pair, eye) is None
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ from tests.support.spec_files import DROP, changed
 STEEL, BRONZE = Material("steel", 207e3, 0.3), Material("bronze", 110e3, 0.34)
 ENDS = (6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500)
 SIZES = list(pairwise((3, *ENDS)))
-PINS = ("c", "d", "e", "f", "g", "h", "j", "js", "k", "m", "n")
 OF_c = (40, 50, 65, 80, 100, 120, 140, 160, 180, 200, 225, 250, 280, 315, 355, 400, 450, 500)
 
 
@@ -64,14 +63,6 @@ def test_deviations_follow_from_the_formulas_of_the_standard(size):
 @pytest.mark.parametrize(("over", "to"), list(pairwise(OF_c)))
 def test_c_has_steps_of_its_own(over, to):
     assert -upper((to, "c9")) == pytest.approx(95 + 0.8 * np.sqrt(over * to), rel=0.03)
-
-
-@pytest.mark.parametrize("letter", PINS)
-def test_letters_are_in_their_order_and_as_wide_as_their_grade(letter):
-    low, high = Fit.read(f"20H7/{letter}7").pin
-    assert 1e3 * (high - low) == pytest.approx(21)
-    middles = [sum(Fit.read(f"20H7/{each}7").pin) for each in PINS if each != "js"]
-    assert middles == sorted(middles)
 
 
 def test_k_above_grade_7_begins_at_zero_and_j_has_few_grades():

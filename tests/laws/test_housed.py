@@ -61,27 +61,6 @@ def test_five_constants_follow_the_curve_as_they_say_or_give_way_to_it(rho, clam
         assert made.stiffness(depth) == pytest.approx(float(law.stiffness(depth, PAIR)), rel=1e-11)
 
 
-def test_at_the_plates_radius_the_housing_is_no_more():
-    """At R_o → ∞ the whole rim is the plate with C_pin + C_plate, n = 1 alone (any_pair)."""
-    rho, (w_i, w_j), (kappa, kappa_j) = 1e4, PAIR.shares, PAIR.kolosov
-    plate = 4 * w_i / (kappa + 1) ** 2 * (kappa * np.log(rho) - 1 / kappa)
-    C = float(plate - w_j / (kappa_j + 1))
-    far, numeric = laws.Parametric(Housing(10 * rho)), laws.Conformal(C)
-    f = PHI * PAIR.E_star * PAIR.dR
-    np.testing.assert_allclose(far.penetration(f, PAIR), numeric.penetration(f, PAIR), rtol=1e-6)
-
-
-def test_the_curve_ends_where_the_pin_leaves_a_thin_eye():
-    """At its last node before the end of the series, which it never passes."""
-    pair, housing = pair_of(STEEL, ALUMINIUM), Housing(13.0, Sector(300, "far"))
-    end = float(laws.Conformal(housing).max_penetration(pair))
-    law = laws.Parametric(housing)
-    assert np.isfinite(end)
-    assert 0.7 * end < law.max_penetration(pair) <= end
-    assert np.isnan(law.load(1.01 * end, pair))
-    assert law.max_load(pair) <= laws.Conformal(housing).max_load(pair)
-
-
 def test_many_pairs_are_each_of_them():
     many = CylinderPair.internal(R_i=10.0, R_j=np.array([9.95, 9.9]), pin=STEEL, hole=BRONZE)
     for law in (laws.Parametric(Housing(20.0)), laws.Explicit(datum=Housing(20.0))):
@@ -265,18 +244,6 @@ def test_a_joint_takes_a_whole_rim_and_is_exported_with_it(tmp_path, run):
     bearing, pin = [0.0] * 6, [0.05 + 0.005, 0.0, 0.0, 0.0, 0.0, 0.0]
     force = scope["evaluate"](scope["start"](), bearing, pin).normal_force
     assert force == pytest.approx(10.0 * float(expected), rel=1e-9)
-
-
-def test_a_joint_takes_layers(tmp_path):
-    path = tmp_path / "bush.toml"
-    layers = (
-        'layers = [{R_i = 12.0, material = "low-carbon steel"}, {R_i = 15, E = 70.0, nu = 0.3}]'
-    )
-    path.write_text(JOINT.format(law="parametric", housing=f"R_o = 20.0, {layers}"))
-    joint = read_joint(path)
-    housing = Housing(20.0, layers=[(LUG, 12.0), (Material("ours", 70e3, 0.3), 15.0)])
-    expected = float(laws.Parametric(housing).load(5e-3, joint.pair))
-    assert joint.kernel.load(5e-3) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(

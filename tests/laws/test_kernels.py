@@ -10,7 +10,7 @@ from numba import njit
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.laws.kernels import TABLE, kernel, kernel_load
-from cylcontact.laws.tabulated import DEEPEST, TABLE_ERROR, tabulate
+from cylcontact.laws.tabulated import TABLE_ERROR, tabulate
 
 STEEL = Material("steel", E=207e3, nu=0.3)
 PAIRS = {
@@ -79,23 +79,6 @@ def test_a_subclass_with_a_load_of_its_own_is_tabulated_up_to_its_vertical_tange
     deltas = end * np.array([1e-20, 1e-3, 0.5, 0.99, 1 - 1e-6, 1 - 1e-11])
     np.testing.assert_allclose(loads(made, deltas), law.load(deltas, pair), rtol=TABLE_ERROR)
     assert np.isnan(kernel_load(made.kind, made.parameters, end * (1 + 1e-9)))
-
-
-def test_a_law_without_end_is_tabulated_far_beyond_any_contact():
-    pair = PAIRS["tight"]
-    made = kernel(laws.Persson(), pair)
-    assert made.max_penetration == DEEPEST * pair.dR
-    assert np.isnan(kernel_load(made.kind, made.parameters, 1.001 * made.max_penetration))
-
-
-def test_below_the_table_the_law_goes_on_as_the_power_with_which_it_begins():
-    pair = PAIRS["tight"]
-    made = kernel(laws.Persson(), pair)
-    first = 1e-30 * float(pair.dR)
-    top, middle, bottom = loads(made, first * np.array([1.0, 1e-2, 1e-4]))
-    slope = laws.Persson().stiffness(first, pair) * first / laws.Persson().load(first, pair)
-    assert middle / top == pytest.approx(1e-2**slope, rel=1e-12, abs=0)
-    assert bottom / middle == pytest.approx(middle / top, rel=1e-12, abs=0)
 
 
 # --- inside compiled code, and refusals ---------------------------------------------------------

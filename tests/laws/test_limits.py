@@ -8,8 +8,7 @@ from mpmath import mp
 from scipy.optimize import brentq
 
 from cylcontact import CylinderPair, Material, laws, limits
-from cylcontact.materials import material_in_MPa
-from tests.support.strategies import NOT_TOUCHING, ROUNDING, gaps, loads, materials
+from tests.support.strategies import ROUNDING, gaps, loads, materials
 
 ALUMINIUM = Material("aluminium", E=69e3, nu=0.33, yield_stress=276.0)
 TITANIUM = Material("titanium", E=120e3, nu=0.34, yield_stress=830.0)
@@ -26,14 +25,6 @@ radii_pairs = st.builds(
     materials,
     materials,
 )
-equal_pairs = st.builds(
-    lambda R_j, ratio, material: CylinderPair.internal(ratio * R_j, R_j, material),
-    gaps,
-    st.floats(1.001, 100.0),
-    materials,
-)
-
-
 # --- Eq 7 and Fig 7: Hertz and yield ----------------------------------------------------------
 
 
@@ -56,12 +47,6 @@ def test_the_paper_s_yield_load_is_the_closed_form_of_fig_7(dR):
     E_star = 69e3 / (2 * (1 - 0.33**2))
     expected = math.pi * 276.0**2 * 10.0 * (10.0 - dR) / (E_star * dR)
     assert limits.yield_load(pair, "Hertz") == pytest.approx(expected, rel=2e-15)
-
-
-@given(radii_pairs, st.floats(1.0, 5000.0))
-def test_the_stress_at_the_paper_s_yield_load_is_the_yield_stress(pair, stress):
-    load = limits.yield_load(pair, "Hertz", yield_stress=stress)
-    assert limits.hertz_stress(load, pair) == pytest.approx(stress, rel=1e-15, abs=0)
 
 
 def test_the_weaker_of_two_materials_counts_unless_a_yield_stress_is_given(pair):
@@ -94,13 +79,6 @@ def test_johnsons_limit_loads_are_those_of_the_paper():
         assert limits.johnson_limit_load(pair).round().tolist() == paper
 
 
-@given(equal_pairs)
-def test_the_stress_at_johnsons_limit_is_the_closed_form_of_fig_9(pair):
-    E_star = pair.material_i.E / (2 * (1 - pair.material_i.nu**2))
-    expected = 2 / math.e * E_star * pair.dR / math.sqrt(pair.R_i * pair.R_j)
-    assert limits.stress_at_johnson_limit(pair) == pytest.approx(expected, rel=2e-15, abs=0)
-
-
 # --- where the two limits meet ----------------------------------------------------------------
 
 
@@ -122,27 +100,7 @@ def test_yield_and_johnsons_limit_meet_at_the_clearance_that_a_root_finder_finds
     assert excess(0.5 * clearance) < 0 < excess(2 * clearance)
 
 
-@pytest.mark.parametrize("strength", [1e-8, 1e-3, 1.0, 1e3, 1e8])
-def test_the_clearance_solves_its_quadratic_for_any_ratio_of_strength_to_stiffness(strength):
-    material = material_in_MPa("any", E=2.0, nu=0.0, yield_stress=strength)  # E* = 1
-    pair = CylinderPair.from_dR("internal", 1.0, material)
-    with mp.workdps(60):
-        m = (mp.e * mp.mpf(strength) / 2) ** 2
-        root = float((mp.sqrt(m**2 + 4 * m) - m) / 2)
-    assert limits.elastic_limit_clearance(1.0, pair) == pytest.approx(root, rel=1e-15, abs=0)
-
-
 # --- shapes -----------------------------------------------------------------------------------
-
-
-def test_limits_take_the_shape_of_the_pair(pairs):
-    for limit in (limits.yield_load, limits.johnson_limit_load, limits.stress_at_johnson_limit):
-        assert limit(pairs).shape == (3, 1)
-    assert limits.hertz_stress([1.0, 2.0], pairs).shape == (3, 2)
-    assert limits.elastic_limit_clearance(np.array([5.0, 10.0]), pairs).shape == (2,)
-    pair = CylinderPair.internal(10.0, 9.9, ALUMINIUM)
-    assert type(limits.hertz_stress(np.array(1.0), pair)) is np.float64
-    assert type(limits.yield_load(pair)) is np.float64
 
 
 def test_hertz_pressure_carries_the_load_and_ends_at_the_half_width(pair):
@@ -157,13 +115,6 @@ def test_hertz_pressure_carries_the_load_and_ends_at_the_half_width(pair):
     )
 
 
-def test_hertz_half_width_is_that_of_the_gap_it_closes(pair):
-    """Elliptic pressure makes the curvature p₀·2/(b·E*) of the two surfaces: it must be 1/R."""
-    for one, curvature in ((pair, 1 / pair.R_j - 1 / pair.R_i), (PLANE, 1 / 10.0)):
-        peak, half_width = limits.hertz_stress(70.0, one), limits.hertz_half_width(70.0, one)
-        assert 2 * peak / (half_width * one.E_star) == pytest.approx(curvature, rel=1e-13)
-
-
 def test_a_plane_is_what_ever_larger_rollers_come_to():
     flatter = CylinderPair.external(10.0, 1e10, ALUMINIUM, material_j=TITANIUM)
     for limit in (
@@ -176,11 +127,3 @@ def test_a_plane_is_what_ever_larger_rollers_come_to():
         assert limit(PLANE) == pytest.approx(limit(flatter), rel=1e-8)
     assert limits.first_yield(PLANE).body == "i"
     assert "in body i" in limits.yield_warning(1e6, PLANE)
-
-
-def test_hertz_contact_without_load_has_no_width_and_no_pressure(pair):
-    assert limits.hertz_half_width(0.0, pair) == limits.hertz_stress(0.0, pair) == 0.0
-    for limit in (limits.hertz_stress, limits.hertz_half_width):
-        assert np.isnan(limit(NOT_TOUCHING, pair)).all()
-    assert limits.hertz_pressure([0.0, 0.1], 0.0, pair) == pytest.approx([0.0, 0.0])
-    assert np.isnan(limits.hertz_pressure(0.0, -1.0, pair))

@@ -2,29 +2,13 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from mpmath import mp
 
 from cylcontact import InputError, Material
 from cylcontact.materials import COLUMNS, SHIPPED, known_materials, material_in_MPa, read_materials
 from tests.support.spec_files import assert_told
-from tests.support.strategies import ROUNDING, moduli, ratios
+from tests.support.strategies import ROUNDING
 
 # --- one material -----------------------------------------------------------------------------
-
-
-@given(moduli, ratios)
-def test_plane_strain_modulus_is_E_over_one_minus_nu_squared(E, nu):
-    with mp.workdps(40):
-        exact = mp.mpf(E) / (1 - mp.mpf(nu) ** 2)
-        error = abs(mp.mpf(float(Material("any", E, nu).plane_strain_modulus)) / exact - 1)
-    assert error < 4 * ROUNDING
-
-
-def test_arrays_of_moduli_and_ratios_broadcast():
-    family = Material("family", E=[[1e5], [2e5]], nu=[0.0, 0.3, 0.5])
-    expected = np.array([[1e5], [2e5]]) / (1 - np.array([0.0, 0.09, 0.25]))
-    np.testing.assert_allclose(family.plane_strain_modulus, expected, rtol=4 * ROUNDING)
 
 
 @pytest.mark.parametrize(
@@ -126,22 +110,6 @@ def test_a_table_of_ones_own_only_adds(tmp_path):
 
 
 # --- what is read -----------------------------------------------------------------------------
-
-
-def test_a_row_comes_out_as_written_whatever_the_order_of_columns(tmp_path):
-    (row,) = read_materials(write(tmp_path, STEEL)).values()
-    assert row.material == Material("steel", 207e3, 0.3, 250.0)
-    assert row.provenance == {"E_GPa": "paper", "nu": "derived", "yield_stress_MPa": "assumed"}
-    assert row.note == "a note"
-    header, line = (",".join(reversed(text.split(","))) for text in (HEADER, STEEL))
-    assert list(read_materials(write(tmp_path, line, header=header)).values()) == [row]
-
-
-@pytest.mark.parametrize("cells", [",", ",assumed", "  ,"])
-def test_the_yield_stress_may_be_left_out(tmp_path, cells):
-    (row,) = read_materials(write(tmp_path, f"steel,207,paper,0.3,paper,{cells},")).values()
-    assert row.material.yield_stress is None
-    assert row.provenance == {"E_GPa": "paper", "nu": "paper"}
 
 
 @pytest.mark.parametrize(

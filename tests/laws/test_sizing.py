@@ -43,12 +43,6 @@ def test_a_band_ends_at_the_worst_of_four_corners(code):
     assert over["half-width"].least < over["half-width"].middle < over["half-width"].largest
 
 
-def test_the_half_width_of_a_loose_fit_is_hertz():
-    over = bands("10H11/c11", PAIR, 1.0, samples=10).each["half-width"]
-    loose = corner_pair(Fit.read("10H11/c11"), 1, 0)
-    assert over.least == pytest.approx(limits.hertz_half_width(1.0, loose), rel=2 * loose.dR / 10)
-
-
 @pytest.mark.parametrize("distribution", ["uniform", "normal"])
 def test_monte_carlo_agrees_with_quadrature(distribution):
     """Mean and deviation of the penetration by Gauss-Legendre over both diameters."""
@@ -134,12 +128,6 @@ def test_modulus_and_length_come_back():
     assert find("E", PAIR, 500.0, penetration=depth) == pytest.approx(207e3, rel=1e-10)
     total = 10.0 * LAW.stiffness(depth, PAIR)
     assert find("length", PAIR, 5000.0, stiffness=total) == pytest.approx(10.0, rel=1e-10)
-
-
-def test_the_sum_of_two_rollers_radii_comes_back():
-    pair = CylinderPair.external(10.0, 15.0, STEEL)
-    depth = laws.Johnson().penetration(100.0, pair)
-    assert find("dR", pair, 100.0, penetration=depth) == pytest.approx(25.0, rel=1e-10)
 
 
 @pytest.mark.parametrize(
