@@ -11,7 +11,6 @@ LOCKS := requirements.lock $(patsubst %,requirements-%.lock,test lint extras)
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 SOURCES := $(shell find src/cylcontact -name '*.py')
 BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.toml datasets/*/*.csv datasets/*/*.jsonl)
-# That of a thousand million samples, which takes minutes, is benchmarks/huge.toml: make scaling.
 # Your own, named mine*, are for `cylcontact fit` and `cylcontact figure` alone.
 CAMPAIGNS := $(filter-out fitting/mine%,$(wildcard fitting/*.toml))
 RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
@@ -26,7 +25,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
 .PHONY: all committed env extras fits finite-element mechanism bifurcation readings tilt optimizers figures report paper claims verify \
-	bench scaling references explore notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
+	bench references explore notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
 
 ##@ The main job
 
@@ -115,9 +114,6 @@ verify: $(VENV)/.editable ## Fit afresh and compare with the committed results
 bench: $(VENV)/.extras ## Measure the speed against what one would use instead (ten minutes)
 	$(BIN)/python -m benchmarks
 	$(CYLCONTACT) figure fig_benchmarks
-
-scaling: $(VENV)/.editable ## Measure what each step of a calibration costs up to 1e9 samples (ten minutes)
-	$(BIN)/python -m benchmarks.scaling
 
 references: $(VENV)/.editable ## Hold the laws against numbers of others, docs/checked-against.md
 	$(BIN)/python -m benchmarks.references

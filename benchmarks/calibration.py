@@ -8,7 +8,7 @@ from statistics import median
 
 import numpy as np
 
-from benchmarks.harness import Row, Side, compare, rows
+from benchmarks.harness import Row, Side, rows, seconds_of
 from benchmarks.peers import PEERS, RowProblem, reach, rows_of
 from benchmarks.sampling import grid_of
 from benchmarks.search import problem_of
@@ -19,18 +19,15 @@ from cylcontact.fitting.runs import execute, plan_runs
 CLOSE = 1.001
 # Runs of ours, one after the other, before a seed counts as having failed.
 MOST_RUNS = 200
-OURS = "cylcontact: sampling, genetic search and polish"
-ALONE = "cylcontact: sampling and descents alone"
+OURS = {
+    "cylcontact: sampling, genetic search and polish": "genetic",
+    "cylcontact: sampling and descents alone": "descents",
+}
 # All peers run to the end on the first grid; on the others, that have more samples, their time
 # follows from the evaluations that they needed there.
 SMALL = (5, 3, 61, 5)
 TINY = (3, 2, 9, 4)
-LARGER = {
-    "343,125 samples": (25, 9, 61, 25),
-    "1,001,925 samples": (25, 9, 61, 73),
-    "10,000,000 samples": (50, 20, 100, 100),
-    "100,000,000 samples": (200, 50, 100, 100),
-}
+LARGER = {"1,001,925 samples": (25, 9, 61, 73), "100,000,000 samples": (200, 50, 100, 100)}
 # Rows of more samples than this are not held: five columns and as many temporaries of eight bytes.
 MOST_ROWS = 20_000_000
 
@@ -45,33 +42,31 @@ def measure(short: bool) -> Iterator[list[Row]]:
 
 def _on_the_small_grid(short: bool) -> tuple[list[Row], dict[str, tuple[float, bool]]]:
     """Run everything; return the rows, and by peer the evaluations and whether it arrived."""
-    shape = TINY if short else SMALL
+    shape, rounds = (TINY, 1) if short else (SMALL, 3)
     problem = problem_of(*shape)
     best = _best_known(problem, 4 if short else 16)
     samples = rows_of(grid_of(*shape), problem, CLOSE * best)
     require_same_objective(problem, samples)
-    rounds, seconds = 1 if short else 3, {OURS: [], ALONE: []}
-    reached: dict[str, list[tuple[float, int]]] = {name: [] for name in PEERS}
-    seconds |= {name: [] for name in PEERS}
+    names = list(PEERS)[:1] if short else list(PEERS)
+    reached = {name: [] for name in names}
+    seconds = {name: [] for name in (*OURS, *names)}
     for seed in range(rounds):
-        seconds[OURS].append(_ours(shape, CLOSE * best, seed))
-        seconds[ALONE].append(_ours(shape, CLOSE * best, seed, "descents"))
-        for name in list(PEERS)[:1] if short else PEERS:
+        for name, optimizer in OURS.items():
+            seconds[name].append(_ours(shape, CLOSE * best, seed, optimizer))
+        for name in names:
             started = time.perf_counter()
             reached[name].append(reach(name, samples, seed))
             seconds[name].append(time.perf_counter() - started)
-    ran = {name: times for name, times in seconds.items() if times}
-    notes = {name: _note(reached[name], best) for name in ran if name in PEERS}
+    notes, needed = {}, {}
+    for name, runs in reached.items():
+        above = 100 * (median(value for value, _ in runs) / best - 1)
+        arrived = sum(value <= CLOSE * best for value, _ in runs)
+        count = median(count for _, count in runs)
+        needed[name] = (count, arrived == len(runs))
+        notes[name] = f"{arrived} of {len(runs)} arrived; {above:.2g} % above the best, "
+        notes[name] += f"{count:,} evaluations"
     case = f"{samples.load.size:,} samples"
-    needed = {
-        name: (
-            median(count for _, count in runs),
-            all(value <= CLOSE * best for value, _ in runs),
-        )
-        for name, runs in reached.items()
-        if runs
-    }
-    return rows("calibration", case, ran, "s", 1.0, notes), needed
+    return rows("calibration", case, seconds, "s", 1.0, notes), needed
 
 
 def _on_a_larger_grid(
@@ -82,22 +77,22 @@ def _on_a_larger_grid(
     best = _best_known(problem, 16)
     seconds = {
         side: [_ours(shape, CLOSE * best, seed, optimizer) for seed in range(3)]
-        for side, optimizer in ((OURS, "genetic"), (ALONE, "descents"))
+        for side, optimizer in OURS.items()
     }
     notes = {}
     if size <= MOST_ROWS:
         samples = rows_of(grid_of(*shape), problem, 0.0)
         require_same_objective(problem, samples)
         point = (problem.low + problem.high) / 2
-        cost = compare("", "", [Side("", lambda: samples.residuals(point))], 3, "s", 1.0)[0]
+        cost = median(seconds_of(Side("", lambda: samples.residuals(point))) for _ in range(4))
         for name, (count, arrived) in evaluations.items():
-            seconds[name] = [count * cost.value] * 3
-            notes[name] = f"computed: {count:,.0f} evaluations of {1e3 * cost.value:.1f} ms"
+            seconds[name] = [count * cost] * 3
+            notes[name] = f"computed: {count:,.0f} evaluations of {1e3 * cost:.1f} ms"
             notes[name] += "" if arrived else ", which had not arrived"
     return rows("calibration", case, seconds, "s", 1.0, notes)
 
 
-def _ours(shape: tuple[int, ...], target: float, seed: int, optimizer: str = "genetic") -> float:
+def _ours(shape: tuple[int, ...], target: float, seed: int, optimizer: str) -> float:
     """Return the seconds until a campaign's runs, in their order, arrive."""
     started = time.perf_counter()
     problem = problem_of(*shape)
@@ -118,11 +113,3 @@ def require_same_objective(problem: Problem, samples: RowProblem) -> None:
     candidates = [samples.start(np.random.default_rng(seed)) for seed in range(5)]
     by_rows = [np.sqrt(np.mean(samples.residuals(candidate) ** 2)) for candidate in candidates]
     np.testing.assert_allclose(problem.values(np.array(candidates)), by_rows, rtol=1e-9)
-
-
-def _note(runs: list[tuple[float, int]], best: float) -> str:
-    """Say how far a peer came, and in how many evaluations."""
-    above = 100 * (median(value for value, _ in runs) / best - 1)
-    arrived = sum(value <= CLOSE * best for value, _ in runs)
-    count = median(count for _, count in runs)
-    return f"{arrived} of {len(runs)} arrived; {above:.2g} % above the best, {count:,} evaluations"

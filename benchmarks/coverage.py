@@ -24,8 +24,6 @@ import cylcontact as cc
 from cylcontact.files import replacing
 from cylcontact.fitting import FitResult
 
-__all__ = ["KINDS", "PAGE", "RESULT", "Kind", "coverage_of", "main", "page"]
-
 ROOT = Path(__file__).parents[1]
 RESULT, PAGE = ROOT / "datasets" / "coverage.csv", ROOT / "docs" / "coverage.md"
 SETS, SEED, DIGITS = 400, 20150101, 5
@@ -34,30 +32,35 @@ PAIR = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
 # The truth: the law as it is, read from a zero that is off by 0.2 µm.
 TRUTH = {"stiffness_factor": 1.0, "offset": 2e-4}
 LAW = cc.laws.Explicit()
+TEXT = """# Do the intervals hold?
+
+How often the 95 % intervals of a fit to measurements hold the truth, in synthetic experiments with
+faults of a known size: {sets} sets of each kind (`python -m benchmarks.coverage`), fitted by the
+explicit law. The numbers are percentages of sets, of the true stiffness factor and the true offset;
+95 % of {sets} sets is known to ± 2 %.
+
+| data | options | stiffness factor | offset | warned |
+|---|---|---:|---:|---:|
+{rows}
+
+In the first row of each kind the options name its faults. In the second they leave one out, as
+would somebody who does not know of it, in a quarter of the sets. The intervals may then be far off;
+the last column is the percentage of sets where the report warns of that fault and names the option.
+Errors of the load are the exception: no residual shows them, as they look like scatter of the
+reading. With fewer than five series the intervals are about these series, with eight or more about
+the population that they come from.
+
+The kinds of data, with their standard deviations:
+
+{kinds}
+"""
 
 
 @dataclass(frozen=True)
 class Kind:
-    """Measurements with faults of one kind.
+    """Measurements with faults of one kind; deviations are in mm or relative."""
 
-    Attributes
-    ----------
-    series, readings : int
-        Number of series, and of readings in each.
-    options : dict
-        The options of `cylcontact.fit` that name the faults.
-    constant, offset, drift : float
-        Standard deviations in mm: of single readings, of the zero of a series, and of its drift.
-    proportional, gain, load : float
-        Relative standard deviations: of single readings, of the gain of a series, and of loads.
-    shuffled : bool
-        Whether the loads of a series come in random order.
-    given : bool
-        Whether the table has columns with the deviations of single readings and loads.
-    unnamed : dict or None
-        The options that leave the fault out; None if there is nothing to leave out.
-    """
-
+    # `options` name the faults, `unnamed` leave one out; None if there is nothing to leave out.
     series: int
     readings: int
     options: dict[str, Any]
@@ -121,26 +124,7 @@ KINDS: dict[str, Kind] = {
 
 
 def coverage_of(name: str, sets: int, seed: int = SEED, jobs: int = 1) -> pd.DataFrame:
-    """Return how often the intervals of a kind of data hold the truth.
-
-    Parameters
-    ----------
-    name : str
-        A key of `KINDS`.
-    sets : int
-        Synthetic sets; a quarter of them are fitted without the options as well.
-    seed : int
-        Of all of them.
-    jobs : int
-        Worker processes.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row for each way of fitting and parameter: kind, options, parameter, sets,
-        coverage_percent, width (mean, of the interval), warned_percent (sets with a warning of the
-        noise).
-    """
+    """Return how often the intervals of a kind hold the truth, by way of fitting and parameter."""
     kind, number = KINDS[name], list(KINDS).index(name)
     seeds = np.random.SeedSequence([seed, number]).spawn(sets)
     # What an unnamed fault does is seen in fewer sets.
@@ -170,31 +154,14 @@ def _fitted(kind: Kind, options: dict[str, Any], seed: np.random.SeedSequence) -
     """Fit a set; return the interval of each parameter, and whether the report warns."""
     frame = kind.sample(np.random.default_rng(seed))
     result: FitResult = cc.fit(frame, "explicit", PAIR, starts=1, **options)
-    uncertainty = result.uncertainty
-    if uncertainty is None:
-        raise TypeError("a fit to measurements has an uncertainty")
-    intervals = {name: each.profile for name, each in uncertainty.estimates.items()}
-    found: dict[str, Any] = {n: (p.low, p.high) for n, p in intervals.items() if p is not None}
-    return found | {"warned": bool(uncertainty.findings)}
+    estimates = result.uncertainty.estimates
+    intervals = {name: (one.profile.low, one.profile.high) for name, one in estimates.items()}
+    return intervals | {"warned": bool(result.uncertainty.findings)}
 
 
 def page(table: pd.DataFrame) -> str:
     """Return the page of the documentation, in Markdown, from the table of the study."""
-    sets = int(table["sets"].max())
-    lines = [
-        "# Do the intervals hold?",
-        "",
-        "How often the 95 % intervals of a fit to measurements hold the true value: they should in "
-        "95 of 100 experiments. Here the experiments are synthetic, with the truth known and "
-        f"faults of a known size. `python -m benchmarks.coverage` makes {sets} sets of each kind "
-        "and fits the explicit law to each.",
-        "",
-        "The numbers are the percentages of sets whose interval held the true stiffness factor and "
-        f"the true offset. With {sets} sets a share of 95 % is known to ± 2 %.",
-        "",
-        "| data | options | stiffness factor | offset | warned |",
-        "|---|---|---:|---:|---:|",
-    ]
+    lines = []
     for (kind, options), rows in table.groupby(["kind", "options"], sort=False):
         held = rows.set_index("parameter")["coverage_percent"]
         command = f"`{options}`" if options else "none"
@@ -202,27 +169,8 @@ def page(table: pd.DataFrame) -> str:
             f"| {kind} | {command} | {held['stiffness_factor']:.1f} | {held['offset']:.1f} "
             f"| {rows['warned_percent'].iloc[0]:.0f} |"
         )
-    return "\n".join(
-        [
-            *lines,
-            "",
-            "In the first row of each kind the options name its faults. In the second they leave "
-            "one out, as would somebody who does not know of it; these rows are from a quarter of "
-            "the sets. The intervals may then be far off. The last column is the percentage of "
-            "sets where the report warns of that fault and names the option. Errors of the load "
-            "are the exception: no residual shows them, because they look like scatter of the "
-            "reading.",
-            "",
-            "With fewer than five series their effects are fixed, and the intervals are about "
-            "these series. With eight or more they are about the population that the series come "
-            "from.",
-            "",
-            "The kinds of data, with their standard deviations:",
-            "",
-            *(f"- {name}: {_as_text(kind)}" for name, kind in KINDS.items()),
-            "",
-        ]
-    )
+    kinds = "\n".join(f"- {name}: {_as_text(kind)}" for name, kind in KINDS.items())
+    return TEXT.format(sets=int(table["sets"].max()), rows="\n".join(lines), kinds=kinds)
 
 
 def _as_text(kind: Kind) -> str:

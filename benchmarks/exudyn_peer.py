@@ -45,11 +45,7 @@ _OUTPUT = exudyn.OutputVariableType
 
 @dataclass(frozen=True)
 class Run:
-    """The journal in its bearing, at every step: time in s, penetration in m.
-
-    Also the kinetic energy and the work of the drive in J; of our joint, what it says that it
-    dissipates. `seconds` is the processor time of the solution, without building the model.
-    """
+    """Time, penetration and energies at every step, in SI, and the seconds of the solution."""
 
     time: np.ndarray
     penetration: np.ndarray
@@ -62,19 +58,10 @@ class Run:
 def simulate_in_exudyn(
     mechanism, start: Trajectory, end: float, step: float, joint: ModuleType | None = None
 ) -> Run:
-    """Simulate a slider-crank to a time, in steps of one size.
+    """Simulate a slider-crank to a time in s, from where a run of ours begins, in equal steps.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        As `read_mechanism` returns it. For Exudyn's own contact its law must be a power law, and
-        its dissipation that of Hunt and Crossley; the friction differs below the speed v1.
-    start : Trajectory
-        A run of ours, to begin where it begins.
-    end, step : float
-        In s.
-    joint : module, optional
-        The exported joint of the mechanism; without it, the contact is Exudyn's own.
+    The contact is an exported joint, or else Exudyn's own: its law must then be a power law, its
+    dissipation that of Hunt and Crossley; the friction differs below the speed v1.
     """
     container = exudyn.SystemContainer()
     system = container.AddSystem()

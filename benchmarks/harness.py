@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import statistics
-import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
 # A call shorter than this is repeated within a round until the round lasts as long.
 LEAST_SECONDS = 0.02
-LONG_SECONDS = 5.0
 
 
 @dataclass(frozen=True)
@@ -27,21 +24,7 @@ class Side:
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the results.
-
-    Attributes
-    ----------
-    benchmark, case, side : str
-        What was measured, at which size, and done by what.
-    value, low, high : float
-        Median and quartiles of the rounds, in `unit`.
-    unit : str
-        Such as "ns per value".
-    ratio, ratio_low, ratio_high : float
-        How many times as much as the first side of the case, round by round.
-    note : str
-        What has to be said about the number.
-    """
+    """Median and quartiles of a side of a case, and round by round its ratio to the first side."""
 
     benchmark: str
     case: str
@@ -57,15 +40,7 @@ class Row:
 
 
 def require_agreement(sides: Sequence[Side], rtol: float) -> None:
-    """Raise AssertionError unless all sides give the first one's numbers.
-
-    Parameters
-    ----------
-    sides : sequence of Side
-        Whose answers are numbers or arrays.
-    rtol : float
-        How far they may differ, relatively.
-    """
+    """Raise AssertionError unless all sides give the first one's numbers."""
     expected = sides[0].run()
     for side in sides[1:]:
         np.testing.assert_allclose(side.run(), expected, rtol=rtol, err_msg=side.name)
@@ -79,29 +54,12 @@ def compare(
     unit: str = "ms",
     scale: float = 1e3,
 ) -> list[Row]:
-    """Time all sides in turns.
-
-    Parameters
-    ----------
-    benchmark, case : str
-        What the rows are called.
-    sides : sequence of Side
-        The first is what the others are compared with.
-    rounds : int
-        In each, every side runs once, in an order that changes from round to round.
-    unit, scale : str, float
-        What a second is turned into.
-
-    Returns
-    -------
-    list of Row
-        In the order of the sides.
-    """
+    """Time all sides in turns; a second is `scale` times the unit."""
     return rows(benchmark, case, timings(sides, rounds), unit, scale)
 
 
 def timings(sides: Sequence[Side], rounds: int) -> dict[str, list[float]]:
-    """Return the seconds of every round, by side; the arguments are those of `compare`."""
+    """Return the seconds of every round, by side, in an order that changes from round to round."""
     seconds: dict[str, list[float]] = {side.name: [] for side in sides}
     repeats = {side.name: _repeats(side) for side in sides}
     for turn in range(rounds):
@@ -119,39 +77,29 @@ def rows(
     scale: float,
     notes: dict[str, str] | None = None,
 ) -> list[Row]:
-    """Return what was measured as rows: medians, quartiles and ratios to the first side."""
+    """Return what was measured as rows."""
     first = next(iter(seconds.values()))
     actual = []
     for name, times in seconds.items():
-        ratios = [a / b for a, b in zip(times, first, strict=True)]
-        actual.append(
-            Row(
-                benchmark,
-                case,
-                name,
-                *(scale * each for each in _spread(times)),
-                unit,
-                *_spread(ratios),
-                (notes or {}).get(name, ""),
-            )
-        )
+        values = [scale * each for each in _spread(times)]
+        ratios = _spread([a / b for a, b in zip(times, first, strict=True)])
+        note = (notes or {}).get(name, "")
+        actual.append(Row(benchmark, case, name, *values, unit, *ratios, note))
     return actual
 
 
 def _spread(numbers: Sequence[float]) -> tuple[float, float, float]:
-    # Quartiles: one round in which the machine was busy elsewhere must not decide the bar.
+    # Quartiles: one round in which the computer was busy elsewhere must not decide the bar.
     low, high = np.percentile(numbers, (25, 75))
     return statistics.median(numbers), float(low), float(high)
 
 
 def _repeats(side: Side) -> int:
-    # The first call may compile or import; if it was long a second is not worth the wait. Of the
-    # others the shortest counts: after an interrupted one a round would be too short to time.
-    once = seconds_of(side, 1)
-    if once < LONG_SECONDS:
-        once = seconds_of(side, 1)
+    # The first call may compile or import; an interrupted one would make a round too short.
+    seconds_of(side)
+    once = seconds_of(side)
     if once < LEAST_SECONDS:
-        once = min(once, *(seconds_of(side, 1) for _ in range(3)))
+        once = min(once, *(seconds_of(side) for _ in range(3)))
     return max(1, int(np.ceil(LEAST_SECONDS / max(once, 1e-7))))
 
 
@@ -161,11 +109,3 @@ def seconds_of(side: Side, repeats: int = 1) -> float:
     for _ in range(repeats):
         side.run()
     return (time.perf_counter() - started) / repeats
-
-
-def exit_interrupted(count: int, path: Path) -> NoReturn:
-    """Exit as Ctrl-C does, with a line that says how many measurements a file has gained."""
-    noun = "measurement is" if count == 1 else "measurements are"
-    message = f"{count} {noun} kept in {path}" if count else "nothing new is kept"
-    print(f"interrupted; {message}", file=sys.stderr)
-    sys.exit(130)

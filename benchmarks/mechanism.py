@@ -29,11 +29,7 @@ TOLERANCES, STEPS = (1e-6, 1e-8, 1e-10), (1e-6, 2.5e-7, 6.25e-8)
 
 
 def measure(short: bool) -> Iterator[list[Row]]:
-    """Yield the milliseconds per revolution by case, and the cost of accuracy.
-
-    The cases are long runs with their statistics: without losses or with friction the journal
-    keeps hitting and whirling, and the first revolutions say little about the rest.
-    """
+    """Yield the milliseconds per revolution of long runs by case, and the cost of accuracy."""
     yield from _cases(short)
     yield _several(short)
     yield _accuracy(short)

@@ -1,7 +1,6 @@
 """The enhanced law calibrated with other people's optimisers, on rows of samples.
 
-Each function takes a `RowProblem`, a target and a seed, goes on until the target is reached or
-its budget is spent, and returns what it reached.
+Each goes on until the target is reached or its budget is spent.
 """
 
 from __future__ import annotations
@@ -13,12 +12,12 @@ from dataclasses import dataclass, field
 import cma
 import lmfit
 import numpy as np
-import pygad
 from pymoo.algorithms.soo.nonconvex.de import DE
 from pymoo.core.problem import Problem as PymooProblem
 from pymoo.optimize import minimize as pymoo_minimize
 from scipy.optimize import differential_evolution, least_squares
 
+from benchmarks.search import pygad_of
 from cylcontact.datasets import Grid
 from cylcontact.datasets.sampling import blocks
 from cylcontact.fitting.objectives import Problem
@@ -34,15 +33,7 @@ class TargetReachedError(Exception):
 
 @dataclass
 class RowProblem:
-    """The calibration as one would write it first: every sample, for every candidate.
-
-    Attributes
-    ----------
-    low, high : array of float, shape (7,)
-        The bounds.
-    E_star, dR, load, penetration : array of float, shape (N,)
-        The samples.
-    """
+    """The calibration as one would write it first: every sample, for every candidate."""
 
     low: np.ndarray
     high: np.ndarray
@@ -96,20 +87,8 @@ def rows_of(grid: Grid, problem: Problem, target: float) -> RowProblem:
 
 def by_pygad(rows: RowProblem, seed: int) -> None:
     """PyGAD as its manual shows it."""
-    span = rows.high - rows.low
-    pygad.GA(
-        num_generations=GENERATIONS,
-        num_parents_mating=POPULATION // 2,
-        sol_per_pop=POPULATION,
-        num_genes=rows.low.size,
-        gene_space={"low": 0.0, "high": 1.0},
-        fitness_func=lambda _, genes, __: -rows.value(rows.low + genes * span),
-        crossover_type="uniform",
-        mutation_probability=0.2,
-        random_seed=seed,
-        suppress_warnings=True,
-        logger=_silent_logger(),
-    ).run()
+    options = {"mutation_probability": 0.2, "random_seed": seed, "logger": _silent_logger()}
+    pygad_of(rows, POPULATION, GENERATIONS, rows.value, **options).run()
 
 
 def by_differential_evolution(rows: RowProblem, seed: int) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pygad
@@ -26,20 +26,30 @@ BOUNDS = {
     "Y_offset": (0.8, 1.6),
     "n_exponent": (-0.1, 0.1),
 }
-# From this population on PyGAD takes long enough to be timed in three rounds.
-LARGE = 480
 
 
 def measure(short: bool) -> Iterator[list[Row]]:
-    """Yield the time of a search by size of its population."""
+    """Yield the time of a search."""
     problem = problem_of(9, 5, 61, 15)
-    generations = 5 if short else 50
-    for population in (60,) if short else (60, 120, 480):
-        sides = _sides(problem, population, generations)
-        _require_same_search(problem, population, generations)
-        case = f"{population} candidates, {generations} generations"
-        rounds = 1 if short else 5 if population < LARGE else 3
-        yield compare("search", case, sides, rounds, "ms per generation", 1e3 / generations)
+    population, generations = (60, 5) if short else (120, 50)
+    _require_same_search(problem, population, generations)
+    points = np.random.default_rng(0).uniform(size=(population - ELITE, len(problem.free)))
+    points = problem.low + points * (problem.high - problem.low)
+    size = (problem, population, generations)
+    sides = [
+        Side("cylcontact: genetic search", lambda: genetic.search(*size, "uniform", 1)),
+        Side(
+            "the objective alone",
+            lambda: [problem.values(points) for _ in range(generations)],
+        ),
+        Side(
+            "PyGAD, the same objective for one individual after the other",
+            lambda: pygad_of(*size, problem.value, mutation_probability=0.2, keep_elitism=2).run(),
+        ),
+    ]
+    case = f"{population} candidates, {generations} generations"
+    rounds = 1 if short else 5
+    yield compare("search", case, sides, rounds, "ms per generation", 1e3 / generations)
 
 
 def problem_of(*shape: int) -> Problem:
@@ -49,68 +59,36 @@ def problem_of(*shape: int) -> Problem:
     return Problem(MODELS["enhanced", "internal"], parameters, RmsLogPenetration(moments))
 
 
-def plain_pygad(problem: Problem, population: int, generations: int, seed: int) -> pygad.GA:
-    """Return PyGAD's search as its manual shows it: its operators, one individual at a time."""
-    span = problem.high - problem.low
-
-    def fitness(_: pygad.GA, genes: np.ndarray, __: int) -> float:
-        return -problem.value(problem.low + genes * span)
-
+def pygad_of(
+    bounds: object, population: int, generations: int, value: Callable, **options: object
+) -> pygad.GA:
+    """Return PyGAD's search as its manual shows it, for what has the bounds `low` and `high`."""
+    span = bounds.high - bounds.low
     return pygad.GA(
         num_generations=generations,
         num_parents_mating=population // 2,
         sol_per_pop=population,
-        num_genes=len(problem.free),
+        num_genes=span.size,
         gene_space={"low": 0.0, "high": 1.0},
-        fitness_func=fitness,
+        fitness_func=lambda _, genes, __: -value(bounds.low + genes * span),
         crossover_type="uniform",
-        mutation_type="random",
-        mutation_probability=0.2,
-        keep_elitism=2,
-        random_seed=seed,
         suppress_warnings=True,
+        **{"random_seed": 1, **options},
     )
-
-
-def _sides(problem: Problem, population: int, generations: int) -> list[Side]:
-    points = np.random.default_rng(0).uniform(size=(population - ELITE, len(problem.free)))
-    points = problem.low + points * (problem.high - problem.low)
-
-    def objective_alone():
-        for _ in range(generations):
-            problem.values(points)
-
-    return [
-        Side(
-            "cylcontact: genetic search",
-            lambda: genetic.search(problem, population, generations, "uniform", 1),
-        ),
-        Side("the objective alone", objective_alone),
-        Side(
-            "PyGAD, the same objective for one individual after the other",
-            lambda: plain_pygad(problem, population, generations, 1).run(),
-        ),
-    ]
 
 
 def _require_same_search(problem: Problem, population: int, generations: int) -> None:
     """Evolve with PyGAD's own crossover and ranking: not a bit of the result may differ."""
-    span = problem.high - problem.low
-    engine = pygad.GA(
-        num_generations=generations,
-        num_parents_mating=population // 2,
-        sol_per_pop=population,
-        num_genes=len(problem.free),
-        gene_space={"low": 0.0, "high": 1.0},
-        fitness_func=lambda _, genes, __: -problem.values(problem.low + genes * span),
+    engine = pygad_of(
+        problem,
+        population,
+        generations,
+        problem.values,
         fitness_batch_size=population,
-        crossover_type="uniform",
         mutation_type=genetic.mutate,
         keep_elitism=ELITE,
-        random_seed=1,
-        suppress_warnings=True,
     )
     engine.run()
     ours = genetic.search(problem, population, generations, "uniform", 1)
     genes, _, _ = engine.best_solution(engine.last_generation_fitness)
-    assert np.array_equal(problem.low + genes * span, ours.point)
+    assert np.array_equal(problem.low + genes * (problem.high - problem.low), ours.point)

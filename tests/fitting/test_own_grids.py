@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from benchmarks.own_grids import GRIDS, campaign_of
 from cylcontact.fitting import calibrate, polish, read_campaign
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.objectives import Problem
@@ -15,6 +14,7 @@ from cylcontact.fitting.profiles import profiles
 from cylcontact.fitting.records import SAME_BASIN
 from cylcontact.fitting.runs import run_all, searches
 from cylcontact.progress import silent
+from tests.support.own_grids import GRIDS, campaign_of
 
 ROOT = Path(__file__).resolve().parents[2]
 # The runs of sixteen that reach the best.

@@ -5,7 +5,6 @@ Times are looked at by `make bench`, on a quiet machine, never here.
 
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import warnings
@@ -18,10 +17,10 @@ import pytest
 from _cylcontact_bench.fig_benchmarks import GROUPS, left_out, ratio_panel, ratios_of
 
 from benchmarks import harness, peers
-from benchmarks.__main__ import BENCHMARKS, PAGE
+from benchmarks.__main__ import BENCHMARKS
 from benchmarks.calibration import CLOSE, require_same_objective
 from benchmarks.harness import Side, compare, require_agreement, rows
-from benchmarks.page import AIMS, RESULTS, TITLES, find, load, page, save
+from benchmarks.page import AIMS, PAGE, RESULTS, find, load, page, save
 from benchmarks.sampling import grid_of
 from benchmarks.search import problem_of
 from cylcontact import InputError
@@ -114,8 +113,6 @@ def test_sides_take_turns(monkeypatch):
 # --- a run ------------------------------------------------------------------------------------
 
 ROOT = Path(__file__).parents[2]
-SLEEP = 'print("asleep", flush=True); time.sleep(60)'
-posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
 
 
 def case(benchmark, name, seconds):
@@ -143,52 +140,26 @@ def bench(tmp_path):
     return tmp_path
 
 
-def stub(bench, name, between=""):
-    """Write a benchmark of two cases, between which something happens."""
+def stub(bench, name, fails=""):
+    """Write a benchmark of two cases."""
     (bench / f"benchmarks/{name}.py").write_text(
         f"""
-import signal
-import time
 from benchmarks.harness import rows
-
-# A background job ignores Ctrl-C, and so do the processes that it starts.
-signal.signal(signal.SIGINT, signal.default_int_handler)
 
 def measure(short):
     yield rows("{name}", "first", {{"a side": [1.0]}}, "s", 1.0)
-    {between}
+    {fails}
     yield rows("{name}", "second", {{"a side": [1.0]}}, "s", 1.0)
 """
     )
 
 
-def start(bench, *arguments):
-    """Start benchmarks, with no program on the path."""
-    return subprocess.Popen(
-        [sys.executable, "-m", "benchmarks", *arguments],
-        cwd=bench,
-        env=os.environ | {"PATH": str(bench)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
 def run(bench, *arguments):
-    """Return the exit code and the errors of a run."""
-    process = start(bench, *arguments)
-    _, errors = process.communicate(timeout=60)
-    return process.returncode, errors
-
-
-def stopped(bench, how, *arguments):
-    """Return the exit code and the errors of a run that is stopped between two cases of law."""
-    stub(bench, "law", between=SLEEP)
-    process = start(bench, *arguments)
-    assert process.stdout.readline() == "asleep\n"
-    process.send_signal(getattr(signal, how))
-    _, errors = process.communicate(timeout=60)
-    return process.returncode, errors
+    """Return the exit code and the errors of a run with no program on the path."""
+    command = [sys.executable, "-m", "benchmarks", *arguments]
+    env = os.environ | {"PATH": str(bench)}
+    done = subprocess.run(command, cwd=bench, env=env, capture_output=True, text=True, check=False)
+    return done.returncode, done.stderr
 
 
 def results_of(bench):
@@ -198,7 +169,7 @@ def results_of(bench):
     return results, {(row.benchmark, row.case): row.value for row in results["rows"]}
 
 
-def test_measured_cases_replace_those_of_the_same_benchmark(bench):
+def test_what_is_measured_replaces_all_of_the_same_benchmark(bench):
     assert run(bench, "search", "law")[0] == 0
     results, seconds = results_of(bench)
     assert list(seconds.items()) == [
@@ -213,35 +184,20 @@ def test_measured_cases_replace_those_of_the_same_benchmark(bench):
     assert results["skipped"] == {}
 
 
-def test_a_benchmark_without_its_program_is_skipped(bench):
+def test_a_benchmark_without_its_program_is_skipped_until_it_comes(bench):
     (bench / "benchmarks/finite_element.py").write_text("raise AssertionError")
-    code, errors = run(bench, "law", "finite_element", "search")
-    assert code == 0
-    reason = "needs CalculiX (apt install calculix-ccx)"
-    assert errors.startswith(f"finite_element: skipped, {reason}\nlaw: ")
-    assert len(errors.splitlines()) == 3
-    results, seconds = results_of(bench)
-    assert results["skipped"] == {"finite_element": reason}
-    assert ("finite_element", "first") not in seconds
-    title = "## A pin in a hole by finite elements"
-    assert page(results).endswith(f"\n\n{title}\n\nNot measured: {reason}.\n")
-
-
-def test_a_run_that_measures_nothing_leaves_the_machine(bench):
-    assert run(bench, "finite_element")[0] == 0
-    results, seconds = results_of(bench)
-    assert results["machine"]["processor"] == "earlier"
-    assert ("finite_element", "first") not in seconds
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows tells programs by their suffix")
-def test_a_benchmark_whose_program_has_come_is_measured(bench):
-    assert run(bench, "finite_element")[0] == 0
-    (bench / "ccx").touch(mode=0o755)
-    stub(bench, "finite_element")
     code, errors = run(bench, "finite_element")
     assert code == 0
-    assert "skipped" not in errors
+    reason = "needs CalculiX (apt install calculix-ccx)"
+    assert errors == f"finite_element: skipped, {reason}\n"
+    results, seconds = results_of(bench)
+    assert results["skipped"] == {"finite_element": reason}
+    assert results["machine"]["processor"] == "earlier"  # nothing was measured
+    assert ("finite_element", "first") not in seconds
+    assert page(results).endswith(f"\n\nNot measured: finite_element, {reason}.\n")
+    (bench / "ccx").touch(mode=0o755)
+    stub(bench, "finite_element")
+    assert run(bench, "finite_element")[0] == 0
     results, seconds = results_of(bench)
     assert results["skipped"] == {}
     assert seconds["finite_element", "second"] == 1
@@ -260,36 +216,14 @@ def test_short_runs_write_nothing(bench):
     assert not (bench / "docs").exists()
 
 
-@posix
-@pytest.mark.parametrize("stop", ["SIGINT", "SIGKILL"])
-def test_what_is_finished_is_kept_when_a_run_is_stopped(bench, stop):
-    interrupted = "interrupted; 1 measurement is kept in datasets/benchmarks.json\n"
-    expected = {"SIGINT": (130, interrupted), "SIGKILL": (-signal.SIGKILL, "")}
-    assert stopped(bench, stop, "law", "search") == expected[stop]
-    _, seconds = results_of(bench)
-    assert list(seconds.items())[:4] == [
-        (("law", "first"), 1),
-        (("law", "second"), 9),
-        (("law", "no longer measured"), 9),
-        (("sampling", "first"), 9),
-    ]
-    assert [path.name for path in (bench / "datasets").iterdir()] == ["benchmarks.json"]
-
-
-@posix
-def test_an_interrupted_short_run_keeps_nothing(bench):
-    said = stopped(bench, "SIGINT", "--short", "law")
-    assert said == (130, "interrupted; nothing new is kept\n")
-
-
-def test_an_error_loses_nothing_that_is_finished(bench):
-    stub(bench, "search", between="raise ZeroDivisionError")
+def test_an_error_loses_no_benchmark_that_is_finished(bench):
+    stub(bench, "search", fails="raise ZeroDivisionError")
     code, errors = run(bench, "law", "search", "finite_element")
     assert code == 1
     assert errors.endswith("ZeroDivisionError\n")
     _, seconds = results_of(bench)
-    assert seconds["law", "second"] == seconds["search", "first"] == 1
-    assert seconds["finite_element", "first"] == 9
+    assert seconds["law", "second"] == 1
+    assert seconds["search", "first"] == seconds["finite_element", "first"] == 9
 
 
 # --- what is committed ------------------------------------------------------------------------
@@ -298,7 +232,7 @@ def test_an_error_loses_nothing_that_is_finished(bench):
 def test_the_page_is_that_of_the_results():
     results = load(RESULTS)
     assert PAGE.read_text(encoding="utf-8") == page(results)
-    assert {row.benchmark for row in results["rows"]} | set(results["skipped"]) == set(TITLES)
+    assert {row.benchmark for row in results["rows"]} | set(results["skipped"]) == set(BENCHMARKS)
 
 
 def test_every_aim_is_judged_by_what_was_measured():
