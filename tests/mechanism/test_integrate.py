@@ -12,7 +12,7 @@ from tests.support.mechanism_cases import CASES, ROOT, Equations, slider_crank
 
 @pytest.mark.parametrize("angle", [0.0, 1e-3, -0.0999, 0.1001, -2.0])
 def test_the_crank_turns_to_the_last_digit(angle):
-    m = slider_crank().slider_crank.record
+    m = sc.recognise(slider_crank()).record
     c, s = sc.crank_turn(0.0012, m)
     actual = sc.turned(c, s, angle / m["omega"], m)
     assert complex(*actual) == pytest.approx(complex(c, s) * np.exp(1j * angle), abs=3e-16)

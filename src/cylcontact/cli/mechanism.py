@@ -319,12 +319,13 @@ def tolerances(
     """Tabulate energy balance and drift by the tolerance of the integrator."""
     from cylcontact.mechanism import Plan, read_mechanism
     from cylcontact.mechanism import tolerances as tabulate
+    from cylcontact.mechanism.slider_crank import recognise
 
     _require_table(out)
     mechanism = read_mechanism(spec, materials)
     total = revolutions or mechanism.integration.revolutions
     wanted, where = _combined(changes), workers(jobs, scheduler)
-    methods = METHODS if mechanism.slider_crank is not None else METHODS[1:]
+    methods = METHODS if recognise(mechanism) is not None else METHODS[1:]
     plans = [
         Plan(total, method=method, tolerance=value, beyond="tangent")
         for method in methods

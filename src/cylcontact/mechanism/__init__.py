@@ -10,7 +10,7 @@ from cylcontact.mechanism.joint import (
 )
 from cylcontact.mechanism.joint_motion import JointMotion
 from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
-from cylcontact.mechanism.run import Interrupted, LawDomainError, RunError, Settings, simulate
+from cylcontact.mechanism.run import LawDomainError, RunError, Settings
 from cylcontact.mechanism.spatial import SpatialJoint, SpatialState, SpatialWrench
 from cylcontact.mechanism.statistics import Statistics
 from cylcontact.mechanism.study import (
@@ -23,7 +23,7 @@ from cylcontact.mechanism.study import (
     sweep,
     tolerances,
 )
-from cylcontact.mechanism.trajectory import Trajectory
+from cylcontact.mechanism.trajectory import Interrupted, Trajectory, simulate
 
 __all__ = [
     "Case",

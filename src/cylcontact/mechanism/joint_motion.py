@@ -1,4 +1,4 @@
-"""The motion of a pin in its bearing over a run, and what derives from it row by row."""
+"""The motion of bodies over a run, and of a pin in its bearing, row by row and in numbers."""
 
 from __future__ import annotations
 
@@ -12,17 +12,19 @@ from numpy.typing import NDArray
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
 from cylcontact.mechanism import contact
 from cylcontact.mechanism.joint import BEYOND_LAW, YIELDS, ClearanceJoint
-from cylcontact.mechanism.model import Joint
-from cylcontact.mechanism.run import JOINT_LEDGERS
+from cylcontact.mechanism.model import Joint, Mechanism
+from cylcontact.mechanism.run import JOINT_LEDGERS, Settings, StepHistory
+from cylcontact.mechanism.slider_crank import SliderCrank, recognise
 from cylcontact.numba_cache import compiled
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from cylcontact.mechanism.trajectory import Trajectory
-
 # Parts of a step in which the force is looked at.
 PARTS = 4
+FORCE_PERCENTILES = (50, 95, 99)
+# The Poincaré section at the end of every revolution.
+SECTION = ("e_x_um", "e_y_um", "e_x_rate_m_per_s", "e_y_rate_m_per_s", "in_contact")
 
 
 class Limits(NamedTuple):
@@ -38,19 +40,80 @@ class Limits(NamedTuple):
     floor: float
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion:
+    """The motion of all bodies in the rows of a run."""
+
+    mechanism: Mechanism
+    settings: Settings
+    rows: StepHistory
+
+    @property
+    def time(self) -> FloatArray:
+        """Times in s, shape (n,)."""
+        return self.rows.time
+
+    @property
+    def revolution(self) -> FloatArray:
+        """Time in revolutions of the driver, shape (n,)."""
+        return self.rows.time / self.mechanism.period
+
+    @property
+    def slider_crank(self) -> SliderCrank | None:
+        """The dimensions of a slider-crank if the states are its minimal coordinates."""
+        return recognise(self.mechanism) if self.settings.method == "minimal" else None
+
+    @cached_property
+    def _motion(self) -> tuple[FloatArray, FloatArray]:
+        values, size = self.rows.values, 3 * len(self.mechanism.bodies)
+        if self.slider_crank is not None:
+            return self.slider_crank.motion(self.time, values)
+        return values[:, :size], values[:, size : 2 * size]
+
+    @property
+    def coordinates(self) -> FloatArray:
+        """x, y in m and θ in rad of every body's centre of mass, shape (n, bodies, 3)."""
+        return self._motion[0].reshape(self.time.size, -1, 3)
+
+    @property
+    def velocities(self) -> FloatArray:
+        """The rates of `coordinates`, shape (n, bodies, 3)."""
+        return self._motion[1].reshape(self.time.size, -1, 3)
+
+    def point(self, body: int, local: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+        """Return position in m and velocity in m/s of a point of a body, shapes (n, 2).
+
+        Parameters
+        ----------
+        body : int
+            Its index; −1 is the ground.
+        local : pair of float
+            The point in m, relative to the centre of mass in the axes of the body.
+        """
+        if body < 0:
+            return np.tile(local, (self.time.size, 1)), np.zeros((self.time.size, 2))
+        q, v = self.coordinates[:, body], self.velocities[:, body]
+        arm = np.exp(1j * q[:, 2]) * complex(*local)
+        rate = 1j * v[:, 2] * arm
+        return (
+            q[:, :2] + np.column_stack((arm.real, arm.imag)),
+            v[:, :2] + np.column_stack((rate.real, rate.imag)),
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class JointMotion:
     """A joint with clearance over a run: arrays of one element or row for each accepted step.
 
     Attributes
     ----------
-    run : Trajectory
+    run : Motion
     number : int
         Which of the mechanism's joints with clearance it is.
     joint : Joint
     """
 
-    run: Trajectory
+    run: Motion
     number: int
     joint: Joint
 
@@ -64,8 +127,9 @@ class JointMotion:
         return self.contact.record(self.run.settings.beyond)
 
     @property
-    def _law(self) -> FloatArray:
-        return self.contact.kernel.parameters
+    def _compiled(self) -> tuple[Any, FloatArray]:
+        """The joint as compiled functions take it, and the numbers of its law."""
+        return self._record, self.contact.kernel.parameters
 
     @property
     def in_contact(self) -> BoolArray:
@@ -133,7 +197,7 @@ class JointMotion:
             if body >= 0:
                 spins[:, column] = self.run.velocities[:, body, 2]
         forces: FloatArray = _joint_forces(
-            *self._contiguous, spins, self.in_contact, self.impact_rate, self._record, self._law
+            *self._contiguous, spins, self.in_contact, self.impact_rate, *self._compiled
         )
         return forces
 
@@ -145,9 +209,8 @@ class JointMotion:
         cubic; out of contact the force is 0.
         """
         forces: FloatArray = _force_within(
-            self.run.time, *self._contiguous, self.in_contact, self.impact_rate, self._record,
-            self._law,
-        )  # fmt: skip
+            self.run.time, *self._contiguous, self.in_contact, self.impact_rate, *self._compiled
+        )
         return forces
 
     @property
@@ -179,7 +242,7 @@ class JointMotion:
     def elastic_energy(self) -> FloatArray:
         """Energy stored in the contact in J, shape (n,)."""
         depth = np.where(self.in_contact, self.penetration, 0.0)
-        energy: FloatArray = _elastic_energy(depth, self._record, self._law)
+        energy: FloatArray = _elastic_energy(depth, *self._compiled)
         return energy
 
     @cached_property
@@ -190,7 +253,7 @@ class JointMotion:
 
     def elastic_force(self, penetration: float) -> float:
         """Return the elastic force in N at a penetration in m, as the run continues the law."""
-        return float(contact.elastic_force(penetration, self._record, self._law))
+        return float(contact.elastic_force(penetration, *self._compiled))
 
     @property
     def flag(self) -> NDArray[np.int64]:
@@ -251,11 +314,87 @@ class JointMotion:
         within = self.force_within[span.start : span.stop - 1]
         return float(max(self.normal_force[span].max(), within.max(initial=0.0)))
 
+    def numbers(self) -> dict[str, float]:
+        """Return what the row of a revolution in `Statistics` has of the joint."""
+        touching, dt = self.in_contact, np.diff(self.run.time)
+        # A step has the mode of its last row; the second row of an onset has dt = 0.
+        inside, moving = touching[1:], dt > 0
+        contact_time, flight_time = float(dt[inside].sum()), float(dt[~inside].sum())
+        contact_steps = int(np.count_nonzero(inside & moving))
+        flight_steps = int(self.run.rows.counts[0, 0]) - contact_steps
+        force, within = self.normal_force, self.force_within
+        spent = {name: float(np.diff(self.ledger(name)[[0, -1]])[0]) for name in JOINT_LEDGERS}
+        percentiles = _percentiles(dt[inside], within[inside])
+        end = (*self.eccentricity[-1] * 1e6, *self.eccentricity_rate[-1], bool(touching[-1]))
+        return {
+            "contact_fraction": contact_time / (contact_time + flight_time),
+            "impacts": changes(touching)[0].size,
+            "mean_penetration_um": _ratio(spent["penetration_integral"], contact_time) * 1e6,
+            "max_penetration_um": float(self.penetration[touching].max(initial=0.0)) * 1e6,
+            "mean_force_N": _ratio(spent["impulse"], contact_time),
+            **{f"force_p{p}_N": x for p, x in zip(FORCE_PERCENTILES, percentiles, strict=True)},
+            "max_force_N": float(max(force.max(initial=0.0), within.max(initial=0.0))),
+            "normal_dissipation_J": spent["normal_dissipation"],
+            "friction_dissipation_J": spent["friction_dissipation"],
+            "mean_step_contact_us": _ratio(contact_time, contact_steps) * 1e6,
+            "mean_step_flight_us": _ratio(flight_time, flight_steps) * 1e6,
+            "contact_time_s": contact_time,
+            "flight_time_s": flight_time,
+            "penetration_integral_um_s": spent["penetration_integral"] * 1e6,
+            "impulse_N_s": spent["impulse"],
+            "contact_steps": contact_steps,
+            "impact_rate_m_per_s": float(self.impact_rate[-1]),
+            **self._passed(),
+            "max_load_N_per_mm": self.max_elastic_load,
+            **dict(zip(SECTION, end, strict=True)),
+        }
+
+    def _passed(self) -> dict[str, float]:
+        """Return the contacts of a revolution, and how many pass each limit and when first.
+
+        A contact under way at the start counts again, so that no revolution depends on another.
+        """
+        touching, time, limits = self.in_contact, self.run.time, self.limits
+
+        def first(rows: IndexArray) -> float:
+            return float(time[rows[0]]) if rows.size else float("nan")
+
+        begins, _ = changes(touching)
+        slow = begins[self.impact_rate[begins] < limits.floor]
+        if touching[0]:
+            begins = np.append(0, begins)
+        depth = np.where(touching, self.penetration, -np.inf)
+        deepest = np.maximum.reduceat(depth, begins) if begins.size else np.empty(0)
+        numbers = {"contacts": begins.size, "grazing": slow.size, "grazing_s": first(slow)}
+        for name, limit in (("above_yield", limits.first_yield), ("beyond_law", limits.law)):
+            numbers[name] = float(np.count_nonzero(deepest > limit))
+            numbers[f"{name}_s"] = first(np.flatnonzero(depth > limit))
+        if np.isnan(limits.first_yield):
+            numbers["above_yield"] = float("nan")
+        return numbers
+
 
 def changes(in_contact: BoolArray) -> tuple[IndexArray, IndexArray]:
     """Return the rows at which contacts begin and those at which they end."""
     step = np.diff(in_contact.astype(np.int8))
     return np.flatnonzero(step == 1) + 1, np.flatnonzero(step == -1)
+
+
+def _ratio(numerator: float, denominator: float) -> float:
+    return numerator / denominator if denominator > 0 else float("nan")
+
+
+def _percentiles(dt: FloatArray, values: FloatArray) -> list[float]:
+    """Return percentiles over the time of steps, shape (m,), with `values` in equal parts of each.
+
+    NaN without any step.
+    """
+    if not dt.sum() > 0:
+        return [float("nan")] * len(FORCE_PERCENTILES)
+    weight, sample = np.repeat(dt, values.shape[1]), values.ravel()
+    order = np.argsort(sample, kind="stable")
+    share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
+    return [float(np.interp(percent / 100, share, sample[order])) for percent in FORCE_PERCENTILES]
 
 
 @compiled

@@ -6,10 +6,9 @@ import cmath
 import copy
 import math
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, Strict, model_validator
 
@@ -21,9 +20,6 @@ from cylcontact.materials import own_table, shipped_materials
 from cylcontact.mechanism.joint import ClearanceJoint, ClearanceJointSpec, build_joint
 from cylcontact.pair import unusual_lengths
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
-
-if TYPE_CHECKING:
-    from cylcontact.mechanism.slider_crank import SliderCrank
 
 GROUND = -1
 Point = tuple[float, float]
@@ -276,7 +272,7 @@ class Mechanism:
     loads: tuple[Load, ...]
     gravity: Point
     integration: IntegrationSpec
-    data: dict[str, Any] = field(repr=False)
+    data: dict[str, Any] = field(repr=False, hash=False)
     source: str = "mechanism"
 
     @property
@@ -309,13 +305,6 @@ class Mechanism:
         """The time of one revolution of the driver in s, or what counts as one."""
         given = self.integration.period
         return 2 * math.pi / abs(self.driver.speed) if given is None else given
-
-    @cached_property
-    def slider_crank(self) -> SliderCrank | None:
-        """Its dimensions if it is a slider-crank for minimal coordinates; see `simulate`."""
-        from cylcontact.mechanism.slider_crank import recognise
-
-        return recognise(self)
 
     @property
     def assumptions(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +22,8 @@ from cylcontact.mechanism import contact, dop853, integrate
 from cylcontact.mechanism.joint import require_defined
 from cylcontact.mechanism.linkage import Linkage, assemble, linkage_of
 from cylcontact.mechanism.model import Mechanism
-from cylcontact.progress import Progress, silent
-
-if TYPE_CHECKING:
-    from cylcontact.mechanism.statistics import Statistics
-    from cylcontact.mechanism.trajectory import Trajectory
+from cylcontact.mechanism.slider_crank import recognise
+from cylcontact.progress import Progress
 
 # The last states of a run, ledgers: energies in J of drivers and dampers, and of each joint
 # energies in J and the integrals over the time in contact of the penetration in m s and of the
@@ -51,28 +48,14 @@ _MOST_STEPS, _MORE_PER_SECOND = 3_000_000, 1_000_000
 class RunError(InputError):
     """A run cannot go on.
 
-    `simulate` leaves what its complete revolutions give in `trajectory`; None before the first one.
+    `simulate` leaves the Trajectory of the complete revolutions in `trajectory`; None without one.
     """
 
-    trajectory: Trajectory | None = None
+    trajectory: Any = None
 
 
 class LawDomainError(RunError):
     """The penetration has reached the end of the contact law's domain during a run."""
-
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run, with what the complete revolutions give; None before the first one.
-
-    `simulate` leaves a `trajectory`, `long_run` leaves `statistics`.
-    """
-
-    def __init__(
-        self, trajectory: Trajectory | None = None, statistics: Statistics | None = None
-    ) -> None:
-        super().__init__()
-        self.trajectory = trajectory
-        self.statistics = statistics
 
 
 @dataclass(frozen=True)
@@ -152,7 +135,7 @@ def settings_for(
     allowed_penetration: float | None = None,
 ) -> Settings:
     """Return the settings of a run, checked and with defaults filled in; see `simulate`."""
-    fits = mechanism.slider_crank is not None
+    fits = recognise(mechanism) is not None
     if method is None:
         method = "minimal" if fits else "multiplier"
     for key, value, known in (("method", method, METHODS), ("beyond", beyond, BEYOND)):
@@ -203,7 +186,7 @@ class Run:
     def start(cls, mechanism: Mechanism, settings: Settings, state: State | None = None) -> Run:
         """Return a run at its start, or at the state where an earlier one ended."""
         q, v = assemble(mechanism)
-        shape = mechanism.slider_crank if settings.method == "minimal" else None
+        shape = recognise(mechanism) if settings.method == "minimal" else None
         coordinates = np.concatenate((q, v)) if shape is None else np.zeros(shape.size)
         joints = np.zeros(len(mechanism.clearances), contact.JOINT)
         laws = [np.empty(0)]
@@ -334,84 +317,3 @@ class Run:
             self.mechanism.source, "integration.tolerance", self.settings.tolerance,
             f"{what} t = {self.state.time:.6g} s{where}", remedy,
         )  # fmt: skip
-
-
-def simulate(
-    mechanism: Mechanism,
-    method: Method | None = None,
-    revolutions: int | None = None,
-    tolerance: float | None = None,
-    beyond: Beyond = "stop",
-    progress: Progress = silent,
-    resume: Trajectory | None = None,
-    allowed_penetration: float | None = None,
-) -> Trajectory:
-    """Simulate a mechanism.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism; see `read_mechanism`.
-    method : {"minimal", "multiplier"}, optional
-        The equations of motion: minimal coordinates, for a slider-crank at constant speed with a
-        clearance between rod and slider, and none or one between crank and rod; or multipliers,
-        for any mechanism. By default minimal coordinates if they apply.
-    revolutions : int, optional
-        Total number of revolutions of the driver; by default that of the spec.
-    tolerance : float, optional
-        By default that of the spec.
-    beyond : {"stop", "tangent"}
-        What to do at the end of a contact law: stop with an error, or continue along the
-        tangent at nine tenths of the law's largest penetration. The trajectory records which.
-    progress : callable, optional
-        Called with a stage, the number of revolutions done and their total.
-    resume : Trajectory, optional
-        An earlier trajectory to continue. Its mechanism and settings are used, and of the other
-        arguments only `revolutions` and `progress`. The result equals that of an uninterrupted
-        run to the bit.
-    allowed_penetration : float, optional
-        The paper's step control, for comparison: instead of locating the onset of a contact, the
-        step is halved until the penetration at the onset is at most this, in m.
-
-    Returns
-    -------
-    Trajectory
-        Whole revolutions.
-
-    Raises
-    ------
-    InputError
-        If the mechanism cannot be assembled, a law is undefined for its joint, a penetration
-        leaves the domain of its law (`LawDomainError`, with time, penetration and limit) or the
-        steps collapse. The last two are a `RunError`, with the complete revolutions.
-    Interrupted
-        After Ctrl-C, with the complete revolutions.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_mechanism
-    >>> mechanism = read_mechanism("datasets/slider_crank.toml", clearance=0.02)
-    >>> run = simulate(mechanism, revolutions=1)
-    >>> print(f"{run.penetration.max() * 1e6:.1f} µm")
-    10.3 µm
-    """
-    from cylcontact.mechanism.trajectory import Trajectory
-
-    if resume is None:
-        settings = settings_for(mechanism, method, tolerance, beyond, allowed_penetration)
-    else:
-        mechanism, settings = resume.mechanism, resume.settings
-    total = mechanism.integration.revolutions if revolutions is None else revolutions
-    run = Run.start(mechanism, settings, None if resume is None else resume.end)
-    parts = [StepHistory.of(run.state)] if resume is None else [resume.rows]
-    try:
-        for rows in run.revolutions(total, progress, 0 if resume is None else resume.revolutions):
-            parts.append(rows)
-    except (KeyboardInterrupt, RunError) as error:
-        kept = concatenate(parts)
-        complete = Trajectory(mechanism, settings, kept) if kept.counts.size else None
-        if isinstance(error, RunError):
-            error.trajectory = complete
-            raise
-        raise Interrupted(complete) from None
-    return Trajectory(mechanism, settings, concatenate(parts))

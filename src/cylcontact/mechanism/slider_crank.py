@@ -36,6 +36,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -343,6 +344,7 @@ class SliderCrank:
         return q, v
 
 
+@lru_cache(maxsize=64)
 def recognise(mechanism: Mechanism) -> SliderCrank | None:
     """Return the dimensions of a mechanism if it is a slider-crank that this form is for."""
     drivers = [joint for joint in mechanism.joints if joint.kind == "driver"]

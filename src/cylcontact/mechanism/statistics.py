@@ -9,19 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, IndexArray, require
+from cylcontact.arrays import FloatArray, require
 from cylcontact.limits import yield_warning
 from cylcontact.mechanism.batch_means import BatchMeans
-from cylcontact.mechanism.joint_motion import JointMotion, Limits, changes
+from cylcontact.mechanism.joint_motion import FORCE_PERCENTILES, SECTION, Limits
 from cylcontact.mechanism.model import Joint, Mechanism
-from cylcontact.mechanism.run import JOINT_LEDGERS, Settings, State
+from cylcontact.mechanism.run import Settings, State
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from cylcontact.mechanism.trajectory import Trajectory
-
-FORCE_PERCENTILES = (50, 95, 99)
 
 # Every quantity that is averaged, and the sums of which its mean is the ratio. None stands for the
 # number of revolutions.
@@ -49,8 +45,6 @@ QUANTITIES = (
 )
 # Those of the whole mechanism; the others are of a joint.
 _SHARED = ("drive_work_J", "steps", "evaluations")
-# The Poincaré section at the end of every revolution.
-SECTION = ("e_x_um", "e_y_um", "e_x_rate_m_per_s", "e_y_rate_m_per_s", "in_contact")
 
 # Assumed: two sections are the same if they differ by less than this share of the clearance, and
 # their rates by this share of the clearance times the driver's speed.
@@ -568,111 +562,3 @@ def period_of(points: FloatArray) -> int | None:
 def _percent(share: float) -> str:
     """Return a share in per cent, with two digits if it is small."""
     return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
-
-
-# --- a revolution reduced to a row ----------------------------------------------------------------
-
-
-def reduced(run: Trajectory, origin: float) -> dict[str, Any]:
-    """Return the row of `Statistics.revolutions` for a run of one revolution.
-
-    Its first step is the last one of the revolution before. `origin` is the `energy` at the start
-    of the whole run in J.
-    """
-    several, row = len(run.joints) > 1, dict[str, Any]()
-    for name, joint in run.joints.items():
-        numbers = of_joint(joint)
-        row |= {f"{name}.{key}": value for key, value in numbers.items()} if several else numbers
-    end = run.taken(slice(-1, None), 0)
-    steps, evaluations, seconds = run.rows.counts[0]
-    row["drive_work_J"] = float(run.drive_work[-1] - run.drive_work[0])
-    if run.mechanism.springs:
-        row["damping_J"] = float(run.damping[-1] - run.damping[0])
-    return row | {
-        "steps": int(steps),
-        "evaluations": int(evaluations),
-        "seconds": float(seconds),
-        "kinetic_energy_J": float(run.kinetic_energy.max()),
-        "energy_error_J": float(end.energy[0]) - origin,
-        "drift": np.nan if run.settings.method == "minimal" else float(end.drift[0, 0]),
-    }
-
-
-def of_joint(joint: JointMotion) -> dict[str, float]:
-    """Return the numbers of a joint over the steps of one revolution."""
-    touching, dt = joint.in_contact, np.diff(joint.run.time)
-    # A step has the mode of its last row; the second row of an onset has dt = 0.
-    inside, moving = touching[1:], dt > 0
-    contact_time, flight_time = float(dt[inside].sum()), float(dt[~inside].sum())
-    contact_steps = int(np.count_nonzero(inside & moving))
-    flight_steps = int(joint.run.rows.counts[0, 0]) - contact_steps
-    force, within = joint.normal_force, joint.force_within
-    spent = {name: float(np.diff(joint.ledger(name)[[0, -1]])[0]) for name in JOINT_LEDGERS}
-    percentiles = _percentiles(dt[inside], within[inside])
-    begins, _ = changes(touching)
-    end = zip(SECTION, (*joint.eccentricity[-1] * 1e6, *joint.eccentricity_rate[-1]), strict=False)
-    return {
-        "contact_fraction": contact_time / (contact_time + flight_time),
-        "impacts": begins.size,
-        "mean_penetration_um": _ratio(spent["penetration_integral"], contact_time) * 1e6,
-        "max_penetration_um": float(joint.penetration[touching].max(initial=0.0)) * 1e6,
-        "mean_force_N": _ratio(spent["impulse"], contact_time),
-        **{f"force_p{p}_N": x for p, x in zip(FORCE_PERCENTILES, percentiles, strict=True)},
-        "max_force_N": float(max(force.max(initial=0.0), within.max(initial=0.0))),
-        "normal_dissipation_J": spent["normal_dissipation"],
-        "friction_dissipation_J": spent["friction_dissipation"],
-        "mean_step_contact_us": _ratio(contact_time, contact_steps) * 1e6,
-        "mean_step_flight_us": _ratio(flight_time, flight_steps) * 1e6,
-        "contact_time_s": contact_time,
-        "flight_time_s": flight_time,
-        "penetration_integral_um_s": spent["penetration_integral"] * 1e6,
-        "impulse_N_s": spent["impulse"],
-        "contact_steps": contact_steps,
-        "impact_rate_m_per_s": float(joint.impact_rate[-1]),
-        **_passed(joint),
-        "max_load_N_per_mm": joint.max_elastic_load,
-        **dict(end),
-        "in_contact": bool(touching[-1]),
-    }
-
-
-def _ratio(numerator: float, denominator: float) -> float:
-    return numerator / denominator if denominator > 0 else float("nan")
-
-
-def _percentiles(dt: FloatArray, values: FloatArray) -> list[float]:
-    """Return percentiles over the time of steps, shape (m,), with `values` in equal parts of each.
-
-    NaN without any step.
-    """
-    if not dt.sum() > 0:
-        return [float("nan")] * len(FORCE_PERCENTILES)
-    weight, sample = np.repeat(dt, values.shape[1]), values.ravel()
-    order = np.argsort(sample, kind="stable")
-    share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
-    return [float(np.interp(percent / 100, share, sample[order])) for percent in FORCE_PERCENTILES]
-
-
-def _passed(joint: JointMotion) -> dict[str, float]:
-    """Return the contacts of the revolution, and how many pass each limit and when first.
-
-    A contact under way at the start counts again, so that no revolution depends on another.
-    """
-    touching, time, limits = joint.in_contact, joint.run.time, joint.limits
-
-    def first(rows: IndexArray) -> float:
-        return float(time[rows[0]]) if rows.size else float("nan")
-
-    begins, _ = changes(touching)
-    slow = begins[joint.impact_rate[begins] < limits.floor]
-    if touching[0]:
-        begins = np.append(0, begins)
-    depth = np.where(touching, joint.penetration, -np.inf)
-    deepest = np.maximum.reduceat(depth, begins) if begins.size else np.empty(0)
-    numbers = {"contacts": begins.size, "grazing": slow.size, "grazing_s": first(slow)}
-    for name, limit in (("above_yield", limits.first_yield), ("beyond_law", limits.law)):
-        numbers[name] = float(np.count_nonzero(deepest > limit))
-        numbers[f"{name}_s"] = first(np.flatnonzero(depth > limit))
-    if np.isnan(limits.first_yield):
-        numbers["above_yield"] = float("nan")
-    return numbers

@@ -11,21 +11,32 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.choices import Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_parquet
 from cylcontact.html_repr import table_html
-from cylcontact.mechanism.joint_motion import JointMotion
+from cylcontact.mechanism.joint_motion import JointMotion, Motion
 from cylcontact.mechanism.linkage import largest_gaps, linkage_of
 from cylcontact.mechanism.model import Mechanism, Spring, mechanism_from
-from cylcontact.mechanism.run import JOINT_LEDGERS, LEDGERS, Settings, State, StepHistory
-from cylcontact.mechanism.statistics import Statistics, described, reduced
+from cylcontact.mechanism.run import (
+    JOINT_LEDGERS,
+    LEDGERS,
+    Run,
+    RunError,
+    Settings,
+    State,
+    StepHistory,
+    concatenate,
+    settings_for,
+)
+from cylcontact.mechanism.statistics import Statistics, described
+from cylcontact.progress import Progress, silent
 from cylcontact.provenance import made_with
 from cylcontact.reading import marked, require_file, unmarked
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from cylcontact.mechanism.slider_crank import SliderCrank
     from cylcontact.plots import Drawing
 
 # The key of the schema's metadata with everything but the states.
@@ -39,7 +50,7 @@ def _of_the_joint(name: str) -> Any:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trajectory:
+class Trajectory(Motion):
     """The motion of a mechanism over whole revolutions.
 
     Every array has one element or row for each of the n accepted steps of the integrator, in SI
@@ -57,17 +68,14 @@ class Trajectory:
         The steps as returned by the integrator.
     """
 
-    mechanism: Mechanism
-    settings: Settings
-    rows: StepHistory
-
     @cached_property
     def joints(self) -> dict[str, JointMotion]:
         """The joints with clearance, by name."""
-        # A twin that has no joints: in a circle with them, a run would outlive its use.
-        twin, joints = replace(self), enumerate(self.mechanism.clearances)
-        twin.__dict__["_motion"] = self._motion
-        return {joint.name: JointMotion(twin, number, joint) for number, joint in joints}
+        # Not of this run itself: in a circle with its joints, it would outlive its use.
+        motion = Motion(self.mechanism, self.settings, self.rows)
+        motion.__dict__["_motion"] = self._motion
+        joints = enumerate(self.mechanism.clearances)
+        return {joint.name: JointMotion(motion, number, joint) for number, joint in joints}
 
     @property
     def joint(self) -> JointMotion:
@@ -90,16 +98,6 @@ class Trajectory:
     limits = _of_the_joint("limits")
 
     @property
-    def time(self) -> FloatArray:
-        """Times in s, shape (n,)."""
-        return self.rows.time
-
-    @property
-    def revolution(self) -> FloatArray:
-        """Time in revolutions of the driver, shape (n,)."""
-        return self.rows.time / self.mechanism.period
-
-    @property
     def revolutions(self) -> int:
         """The number of complete revolutions."""
         return int(self.rows.counts.shape[0])
@@ -108,48 +106,6 @@ class Trajectory:
     def end(self) -> State:
         """The last state, from which a run can be resumed."""
         return self.rows.end
-
-    @property
-    def slider_crank(self) -> SliderCrank | None:
-        """The dimensions of a slider-crank if the states are its minimal coordinates."""
-        return self.mechanism.slider_crank if self.settings.method == "minimal" else None
-
-    @cached_property
-    def _motion(self) -> tuple[FloatArray, FloatArray]:
-        values, size = self.rows.values, 3 * len(self.mechanism.bodies)
-        if self.slider_crank is not None:
-            return self.slider_crank.motion(self.time, values)
-        return values[:, :size], values[:, size : 2 * size]
-
-    @property
-    def coordinates(self) -> FloatArray:
-        """x, y in m and θ in rad of every body's centre of mass, shape (n, bodies, 3)."""
-        return self._motion[0].reshape(self.time.size, -1, 3)
-
-    @property
-    def velocities(self) -> FloatArray:
-        """The rates of `coordinates`, shape (n, bodies, 3)."""
-        return self._motion[1].reshape(self.time.size, -1, 3)
-
-    def point(self, body: int, local: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-        """Return position in m and velocity in m/s of a point of a body, shapes (n, 2).
-
-        Parameters
-        ----------
-        body : int
-            Its index; −1 is the ground.
-        local : pair of float
-            The point in m, relative to the centre of mass in the axes of the body.
-        """
-        if body < 0:
-            return np.tile(local, (self.time.size, 1)), np.zeros((self.time.size, 2))
-        q, v = self.coordinates[:, body], self.velocities[:, body]
-        arm = np.exp(1j * q[:, 2]) * complex(*local)
-        rate = 1j * v[:, 2] * arm
-        return (
-            q[:, :2] + np.column_stack((arm.real, arm.imag)),
-            v[:, :2] + np.column_stack((rate.real, rate.imag)),
-        )
 
     def _ledger(self, name: str) -> FloatArray:
         last = len(LEDGERS) + len(JOINT_LEDGERS) * len(self.mechanism.clearances)
@@ -255,6 +211,30 @@ class Trajectory:
         """Return some rows and the counts of a revolution, as a trajectory."""
         return replace(self, rows=self.rows.taken(rows, index))
 
+    def numbers(self, origin: float) -> dict[str, Any]:
+        """Return the row of `Statistics.revolutions` for a run of one revolution.
+
+        Its first step is the last one of the revolution before. `origin` is the `energy` at the
+        start of the whole run in J.
+        """
+        row: dict[str, Any] = {}
+        for name, joint in self.joints.items():
+            prefix = f"{name}." if len(self.joints) > 1 else ""
+            row |= {f"{prefix}{key}": value for key, value in joint.numbers().items()}
+        end = self.taken(slice(-1, None), 0)
+        steps, evaluations, seconds = self.rows.counts[0]
+        row["drive_work_J"] = float(self.drive_work[-1] - self.drive_work[0])
+        if self.mechanism.springs:
+            row["damping_J"] = float(self.damping[-1] - self.damping[0])
+        return row | {
+            "steps": int(steps),
+            "evaluations": int(evaluations),
+            "seconds": float(seconds),
+            "kinetic_energy_J": float(self.kinetic_energy.max()),
+            "energy_error_J": float(end.energy[0]) - origin,
+            "drift": np.nan if self.settings.method == "minimal" else float(end.drift[0, 0]),
+        }
+
     @cached_property
     def _revolutions(self) -> pd.DataFrame:
         """The rows of `Statistics.revolutions`."""
@@ -264,7 +244,7 @@ class Trajectory:
         origin = float(self.taken(slice(1), 0).energy[0])
         records = [
             # From the last row of the previous revolution.
-            reduced(self.taken(slice(max(int(starts[k]) - 1, 0), int(starts[k + 1])), k), origin)
+            self.taken(slice(max(int(starts[k]) - 1, 0), int(starts[k + 1])), k).numbers(origin)
             for k in range(self.revolutions)
         ]
         return pd.DataFrame(records, pd.RangeIndex(self.revolutions, name="revolution"))
@@ -416,3 +396,96 @@ def _rows_of(table: Any, counts: Any, joints: list[str]) -> StepHistory:
         revolution=revolution.astype(np.int32),
         counts=np.insert(known, 2, np.nan, axis=1),
     )
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a run, with what the complete revolutions give; None before the first one.
+
+    `simulate` leaves a `trajectory`, `long_run` leaves `statistics`.
+    """
+
+    def __init__(
+        self, trajectory: Trajectory | None = None, statistics: Statistics | None = None
+    ) -> None:
+        super().__init__()
+        self.trajectory = trajectory
+        self.statistics = statistics
+
+
+def simulate(
+    mechanism: Mechanism,
+    method: Method | None = None,
+    revolutions: int | None = None,
+    tolerance: float | None = None,
+    beyond: Beyond = "stop",
+    progress: Progress = silent,
+    resume: Trajectory | None = None,
+    allowed_penetration: float | None = None,
+) -> Trajectory:
+    """Simulate a mechanism.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism; see `read_mechanism`.
+    method : {"minimal", "multiplier"}, optional
+        The equations of motion: minimal coordinates, for a slider-crank at constant speed with a
+        clearance between rod and slider, and none or one between crank and rod; or multipliers,
+        for any mechanism. By default minimal coordinates if they apply.
+    revolutions : int, optional
+        Total number of revolutions of the driver; by default that of the spec.
+    tolerance : float, optional
+        By default that of the spec.
+    beyond : {"stop", "tangent"}
+        What to do at the end of a contact law: stop with an error, or continue along the
+        tangent at nine tenths of the law's largest penetration. The trajectory records which.
+    progress : callable, optional
+        Called with a stage, the number of revolutions done and their total.
+    resume : Trajectory, optional
+        An earlier trajectory to continue. Its mechanism and settings are used, and of the other
+        arguments only `revolutions` and `progress`. The result equals that of an uninterrupted
+        run to the bit.
+    allowed_penetration : float, optional
+        The paper's step control, for comparison: instead of locating the onset of a contact, the
+        step is halved until the penetration at the onset is at most this, in m.
+
+    Returns
+    -------
+    Trajectory
+        Whole revolutions.
+
+    Raises
+    ------
+    InputError
+        If the mechanism cannot be assembled, a law is undefined for its joint, a penetration
+        leaves the domain of its law (`LawDomainError`, with time, penetration and limit) or the
+        steps collapse. The last two are a `RunError`, with the complete revolutions.
+    Interrupted
+        After Ctrl-C, with the complete revolutions.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_mechanism
+    >>> mechanism = read_mechanism("datasets/slider_crank.toml", clearance=0.02)
+    >>> run = simulate(mechanism, revolutions=1)
+    >>> print(f"{run.penetration.max() * 1e6:.1f} µm")
+    10.3 µm
+    """
+    if resume is None:
+        settings = settings_for(mechanism, method, tolerance, beyond, allowed_penetration)
+    else:
+        mechanism, settings = resume.mechanism, resume.settings
+    total = mechanism.integration.revolutions if revolutions is None else revolutions
+    run = Run.start(mechanism, settings, None if resume is None else resume.end)
+    parts = [StepHistory.of(run.state)] if resume is None else [resume.rows]
+    try:
+        for rows in run.revolutions(total, progress, 0 if resume is None else resume.revolutions):
+            parts.append(rows)
+    except (KeyboardInterrupt, RunError) as error:
+        kept = concatenate(parts)
+        complete = Trajectory(mechanism, settings, kept) if kept.counts.size else None
+        if isinstance(error, RunError):
+            error.trajectory = complete
+            raise
+        raise Interrupted(complete) from None
+    return Trajectory(mechanism, settings, concatenate(parts))
