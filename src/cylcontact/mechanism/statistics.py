@@ -12,6 +12,7 @@ import numpy as np
 from cylcontact.arrays import FloatArray, require
 from cylcontact.limits import yield_warning
 from cylcontact.mechanism.batch_means import BatchMeans
+from cylcontact.mechanism.joint import ClearanceJoint
 from cylcontact.mechanism.joint_motion import FORCE_PERCENTILES, SECTION, Limits
 from cylcontact.mechanism.model import Joint, Mechanism
 from cylcontact.mechanism.run import Settings, State
@@ -19,9 +20,8 @@ from cylcontact.mechanism.run import Settings, State
 if TYPE_CHECKING:
     import pandas as pd
 
-# Every quantity that is averaged, and the sums of which its mean is the ratio. None stands for the
-# number of revolutions.
-_RATIOS: dict[str, tuple[str, str | None, float]] = {
+# The sums of which a mean is the ratio, and its factor; other means are over the revolutions.
+_RATIOS: dict[str, tuple[str, str, float]] = {
     "mean_penetration_um": ("penetration_integral_um_s", "contact_time_s", 1.0),
     "mean_force_N": ("impulse_N_s", "contact_time_s", 1.0),
     "mean_step_contact_us": ("contact_time_s", "contact_steps", 1e6),
@@ -132,6 +132,14 @@ class Statistics:
         """The one joint that these statistics are of."""
         return self._joints[0] if len(self._joints) == 1 else self.mechanism.clearance
 
+    @property
+    def _contact(self) -> ClearanceJoint:
+        return self._joint.contact
+
+    @property
+    def _limits(self) -> Limits:
+        return self.limits[self._joint.name]
+
     def joint(self, name: str) -> Statistics:
         """Return the statistics of one joint, with the columns of a mechanism that has no other."""
         names = [joint.name for joint in self._joints]
@@ -141,12 +149,11 @@ class Statistics:
         )  # fmt: skip
         if len(names) == 1:
             return self
-        table = self.revolutions
-        columns = [str(column) for column in table]
-        own = {column: column.removeprefix(f"{name}.") for column in columns}
         others = tuple(f"{other}." for other in names if other != name)
-        kept = [column for column in columns if not column.startswith(others)]
-        return replace(self, revolutions=table[kept].rename(columns=own), only=name)
+        kept = [column for column in map(str, self.revolutions) if not column.startswith(others)]
+        own = {column: column.removeprefix(f"{name}.") for column in kept}
+        table = self.revolutions[kept].rename(columns=own)
+        return replace(self, revolutions=table, only=name)
 
     @property
     def _by_joint(self) -> list[tuple[str, Statistics]]:
@@ -154,20 +161,17 @@ class Statistics:
         several = len(self._joints) > 1
         return [(f"{j.name}: " if several else "", self.joint(j.name)) for j in self._joints]
 
-    def _named(self, names: tuple[str, ...]) -> list[str]:
-        """Return the columns of some quantities of all joints, without those of the mechanism."""
+    def _of_joints(self, names: tuple[str, ...]) -> list[str]:
+        """Return the columns of some quantities of all joints."""
         several = len(self._joints) > 1
-        return [
-            f"{joint.name}.{name}" if several else name
-            for joint in self._joints
-            for name in names
-            if name not in _SHARED
-        ]
+        return [f"{j.name}.{name}" if several else name for j in self._joints for name in names]
 
     @property
     def quantities(self) -> list[str]:
         """The names of what is averaged."""
-        return [*QUANTITIES] if len(self._joints) == 1 else [*self._named(QUANTITIES), *_SHARED]
+        if len(self._joints) == 1:
+            return [*QUANTITIES]
+        return [*self._of_joints(tuple(q for q in QUANTITIES if q not in _SHARED)), *_SHARED]
 
     @property
     def by_revolution(self) -> pd.DataFrame:
@@ -195,23 +199,17 @@ class Statistics:
 
     @cached_property
     def _batches(self) -> BatchMeans:
-        table, over, under = self.by_revolution, [], []
+        table, over, under = self.by_revolution.assign(one=1.0), [], []
         for quantity in self.quantities:
             joint, dot, name = quantity.rpartition(".")
-            numerator, denominator, factor = _RATIOS.get(name, (name, None, 1.0))
-            over.append(factor * self._sums(f"{joint}{dot}", numerator))
-            ones = np.ones(len(table))
-            under.append(ones if denominator is None else self._sums(f"{joint}{dot}", denominator))
-        return BatchMeans.of(np.column_stack(over), np.column_stack(under))
-
-    def _sums(self, prefix: str, name: str) -> FloatArray:
-        """Return a column of a joint, or its steps in flight."""
-        table = self.by_revolution
-        if name == "flight_steps":
-            values = table["steps"] - table[f"{prefix}contact_steps"]
-        else:
-            values = table[f"{prefix}{name}"]
-        return values.to_numpy(dtype=np.float64)
+            numerator, denominator, factor = _RATIOS.get(name, (name, "", 1.0))
+            over.append(factor * table[f"{joint}{dot}{numerator}"])
+            if denominator == "flight_steps":
+                under.append(table["steps"] - table[f"{joint}{dot}contact_steps"])
+            else:
+                under.append(table[f"{joint}{dot}{denominator}" if denominator else "one"])
+        sums = (np.column_stack(columns).astype(np.float64) for columns in (over, under))
+        return BatchMeans.of(*sums)
 
     def interval(self, level: float = _LEVEL) -> pd.DataFrame:
         """Return the means with intervals of confidence, by batch means.
@@ -287,7 +285,7 @@ class Statistics:
     @property
     def section(self) -> pd.DataFrame:
         """The Poincaré section: eccentricity, its rate and the mode at every revolution's end."""
-        return self.by_revolution[self._named(SECTION)]
+        return self.by_revolution[self._of_joints(SECTION)]
 
     @property
     def period(self) -> int | None:
@@ -299,11 +297,10 @@ class Statistics:
         something of its end only.
         """
         points, rate = [], 2 * np.pi / self.mechanism.period
-        for _, statistics in self._by_joint:
-            contact = statistics._joint.contact
-            clearance = contact.radial * 1e-3
+        for _, joint in self._by_joint:
+            clearance = joint._contact.radial * 1e-3
             scale = np.array([clearance * 1e6] * 2 + [clearance * rate] * 2 + [1.0])
-            section = statistics.revolutions[list(SECTION)].to_numpy(dtype=np.float64)
+            section = joint.revolutions[list(SECTION)].to_numpy(dtype=np.float64)
             points.append(section / scale)
         return period_of(np.column_stack(points)) if points else None
 
@@ -316,87 +313,73 @@ class Statistics:
         """
         texts = []
         for name, joint in self._by_joint:
-            found = (joint._yield(), joint._continuation(), joint._grazing())
-            texts += [f"{name}{text}" for text in found if text]
+            for text in (joint._yield(), joint._continuation(), joint._grazing()):
+                texts += [f"{name}{text}"] if text else []
         return (*texts, *filter(None, [self._balance()]))
 
     def _counted(self, column: str, among: str, text: str) -> str:
-        """Return how many contacts are of a kind, their share, and the first one."""
+        """Return how many contacts are of a kind, their share, and the first one; "" if none is."""
         table = self.revolutions
         count, total = int(table[column].sum()), int(table[among].sum())
-        rows = int((table[column] > 0).sum())
-        first = float(table[f"{column}_s"].min())
+        if not count:
+            return ""
+        rows, first = int((table[column] > 0).sum()), float(table[f"{column}_s"].min())
         return (
             f"{count:,} of {total:,} {text} ({_percent(count / total)}), in {rows:,} of "
             f"{len(table):,} revolutions, first at {first:.4g} s"
         )
 
     def _yield(self) -> str:
-        contact = self._joint.contact
-        loads = self.revolutions["max_load_N_per_mm"]
-        text = yield_warning(loads.max(), contact.pair, contact.housing)
-        counted = self._counted("above_yield", "contacts", "contacts pass it") if text else ""
+        load = self.revolutions["max_load_N_per_mm"].max()
+        text = yield_warning(load, self._contact.pair, self._contact.housing)
+        counted = self._counted("above_yield", "contacts", "contacts pass it")
         return f"{text}; {counted}" if text else ""
+
+    def _grazing(self) -> str:
+        counted = self._counted("grazing", "impacts", "impacts begin slower")
+        floor = f"{self._limits.floor * 1e3:g} mm/s an impact counts as one of that speed"
+        return f"grazing starts: below {floor}; {counted}" if counted else ""
 
     @property
     def continuation(self) -> str:
         """A sentence on contacts for which a law was continued beyond its domain, or nothing."""
-        texts = [f"{name}{joint._continuation()}" for name, joint in self._by_joint]
-        return "; ".join(text for text in texts if "beyond" in text)
+        texts = [(name, joint._continuation()) for name, joint in self._by_joint]
+        return "; ".join(f"{name}{text}" for name, text in texts if text)
 
     def _continuation(self) -> str:
-        if not self.revolutions["beyond_law"].sum() > 0:
-            return ""
-        deepest = float(self.revolutions["max_penetration_um"].max())
         counted = self._counted("beyond_law", "contacts", "contacts")
-        return (
-            f"beyond {self._limits.law * 1e6:.4g} µm the law goes on along its tangent, up to "
-            f"{deepest:.4g} µm: {counted}"
-        )
-
-    @property
-    def _limits(self) -> Limits:
-        return self.limits[self._joint.name]
-
-    def _grazing(self) -> str:
-        if not self.revolutions["grazing"].sum() > 0:
-            return ""
-        counted = self._counted("grazing", "impacts", "impacts begin slower")
-        return (
-            f"grazing starts: below {self._limits.floor * 1e3:g} mm/s an impact counts as one of "
-            f"that speed; {counted}"
-        )
+        law, deepest = self._limits.law * 1e6, self.revolutions["max_penetration_um"].max()
+        text = f"beyond {law:.4g} µm the law goes on along its tangent, up to {deepest:.4g} µm"
+        return f"{text}: {counted}" if counted else ""
 
     def _balance(self) -> str:
-        table = self.revolutions
-        share = table["energy_error_J"].abs() / table["kinetic_energy_J"].max()
-        worse = share > BALANCE * np.arange(1, len(table) + 1)
+        error, total = self.revolutions["energy_error_J"].abs(), len(self.revolutions)
+        share = error / self.revolutions["kinetic_energy_J"].max()
+        worse = share > BALANCE * np.arange(1, total + 1)
         if not worse.any():
             return ""
-        at = int(np.argmax(worse))
         return (
-            f"the energy balance is off by up to {table['energy_error_J'].abs().max():.3g} J, "
-            f"{_percent(float(share.max()))} of the largest kinetic energy, and by more than "
-            f"{BALANCE:g} of it per revolution at the end of {int(worse.sum()):,} of "
-            f"{len(table):,} revolutions, first of revolution {at + 1:,}; a tighter "
-            "tolerance mends it"
+            f"the energy balance is off by up to {error.max():.3g} J, {_percent(share.max())} of "
+            f"the largest kinetic energy, and by more than {BALANCE:g} of it per revolution at the "
+            f"end of {int(worse.sum()):,} of {total:,} revolutions, first of revolution "
+            f"{int(np.argmax(worse)) + 1:,}; a tighter tolerance mends it"
         )
 
     @property
     def summary(self) -> dict[str, Any]:
         """Settings and largest values of the whole run, by name."""
-        table = self.revolutions
+        table, joints = self.revolutions, self._by_joint
         worst, drift = float(table["energy_error_J"].abs().max()), float(table["drift"].max())
         rows: dict[str, Any] = {}
-        for name, joint in self._by_joint:
-            rows |= {f"{name}{key}": value for key, value in joint._about().items()}
-        rows |= {
-            "method": self.settings.method,
-            "tolerance": self.settings.tolerance,
-            "revolutions": len(table),
-            "steps": int(table["steps"].sum()),
-        }
-        for name, joint in self._by_joint:
+        for name, joint in joints:
+            contact = joint._contact
+            rows[f"{name}law"] = contact.data["law"]
+            rows[f"{name}clearance (mm)"] = contact.radial
+            rows[f"{name}restitution"] = contact.data["dissipation"]["restitution"]
+            rows[f"{name}friction"] = contact.friction
+        rows["method"], rows["tolerance"] = self.settings.method, self.settings.tolerance
+        rows["revolutions"], rows["steps"] = len(table), int(table["steps"].sum())
+        for name, joint in joints:
             deepest = float(joint.revolutions["max_penetration_um"].max())
             rows[f"{name}contacts"] = int(joint.revolutions["impacts"].sum())
             rows[f"{name}max penetration (µm)"] = round(deepest, 3)
@@ -405,29 +388,15 @@ class Statistics:
             rows["drift (m, rad)"] = float(f"{drift:.3g}")
         if self.continuation:
             rows["beyond the law"] = self.settings.beyond
-        for name, joint in self._by_joint:
-            rows |= {f"{name}{key}": value for key, value in joint._against_yield().items()}
+        for name, joint in joints:
+            if not np.isnan(joint._limits.first_yield):
+                rows[f"{name}max elastic load"] = joint._against_yield()
         return rows
 
-    def _about(self) -> dict[str, Any]:
-        """Return the rows of the summary on what the joint is."""
-        contact = self._joint.contact
-        return {
-            "law": contact.data["law"],
-            "clearance (mm)": contact.radial,
-            "restitution": contact.data["dissipation"]["restitution"],
-            "friction": contact.friction,
-        }
-
-    def _against_yield(self) -> dict[str, str]:
-        """Return the row of the summary on first yield; none without a yield stress."""
-        if np.isnan(self._limits.first_yield):
-            return {}
-        load = float(self.revolutions["max_load_N_per_mm"].max())
-        contact = self._joint.contact
-        share = load * contact.pair.contact_length("the joint") / contact.first_yield
-        text = f"{load:,.0f} N/mm, {100 * share:.3g} % of first yield (von Mises)"
-        return {"max elastic load": text}
+    def _against_yield(self) -> str:
+        load, pair = float(self.revolutions["max_load_N_per_mm"].max()), self._contact.pair
+        share = load * pair.contact_length("the joint") / self._contact.first_yield
+        return f"{load:,.0f} N/mm, {100 * share:.3g} % of first yield (von Mises)"
 
     @property
     def _counts(self) -> str:
@@ -460,8 +429,10 @@ class Statistics:
                 texts.append(sentence)
             elif found and verdict != "yes":
                 texts.append(f"{sentence}: {', '.join(found)}")
-        carried = [f"{name}{text}" for name, joint in self._by_joint for text in joint._carried()]
-        return (*texts, *([self._repeats()] if self._joints else []), *carried)
+        if self._joints:
+            texts.append(self._repeats())
+        carried = [(name, joint._carried()) for name, joint in self._by_joint]
+        return (*texts, *(f"{name}{text}" for name, text in carried if text))
 
     def _repeats(self) -> str:
         """Return a sentence on the period."""
@@ -483,16 +454,13 @@ class Statistics:
         last = self.joint(self._joint.name).revolutions.iloc[-1]
         return float(last["impact_rate_m_per_s"] if last["flight_time_s"] == 0 else np.nan)
 
-    def _carried(self) -> tuple[str, ...]:
-        """Return a sentence on the δ̇⁽⁻⁾ of a contact that does not end, or none."""
-        if np.isnan(self.carried):
-            return ()
+    def _carried(self) -> str:
+        """Return a sentence on the δ̇⁽⁻⁾ of a contact that does not end, "" if it does."""
         flights = np.flatnonzero(self.revolutions["flight_time_s"] > 0)
         since = f"revolution {int(flights[-1]) + 2:,}" if flights.size else "the start"
-        return (
-            f"in contact throughout since {since}, with the δ̇⁽⁻⁾ of its onset, "
-            f"{self.carried:.3g} m/s, which scales the damping",
-        )
+        text = f"in contact throughout since {since}, with the δ̇⁽⁻⁾ of its onset, "
+        text += f"{self.carried:.3g} m/s, which scales the damping"
+        return "" if np.isnan(self.carried) else text
 
     def _table(self) -> pd.DataFrame:
         """Return what `repr` shows."""
@@ -517,15 +485,10 @@ class Statistics:
         milliseconds = self.revolutions["seconds"].mean() * 1e3
         real = f"{self.mechanism.period * 1e3:.3g} ms in real time"
         speed = f"{milliseconds:.1f} ms of computing for a revolution in the mean, {real}"
-        lines = [
-            described(f"Run of {self.mechanism.name!r}", self.summary),
-            "",
-            repr(self),
-            "",
-            *((speed, "") if milliseconds > 0 else ()),  # a file has no times
-            f"Assumed: {'; '.join(self.assumptions)}",
-        ]
-        return "\n".join(lines)
+        lines = [described(f"Run of {self.mechanism.name!r}", self.summary), "", repr(self), ""]
+        if milliseconds > 0:  # a file has no times
+            lines += [speed, ""]
+        return "\n".join([*lines, f"Assumed: {'; '.join(self.assumptions)}"])
 
     @property
     def assumptions(self) -> tuple[str, ...]:
