@@ -162,11 +162,9 @@ class JointMotion:
         shape = self.run.slider_crank
         if shape is not None:
             return shape.eccentricity(self.run.rows.values, self.number)
-        i, j = (
-            self.run.point(body, at)
-            for body, at in ((self.joint.i, self.joint.point_i), (self.joint.j, self.joint.point_j))
-        )
-        return i[0] - j[0], i[1] - j[1]
+        i, i_rate = self.run.point(self.joint.i, self.joint.point_i)
+        j, j_rate = self.run.point(self.joint.j, self.joint.point_j)
+        return i - j, i_rate - j_rate
 
     @property
     def eccentricity(self) -> FloatArray:
@@ -196,10 +194,8 @@ class JointMotion:
         for column, body in enumerate((self.joint.i, self.joint.j)):
             if body >= 0:
                 spins[:, column] = self.run.velocities[:, body, 2]
-        forces: FloatArray = _joint_forces(
-            *self._contiguous, spins, self.in_contact, self.impact_rate, *self._compiled
-        )
-        return forces
+        about = spins, self.in_contact, self.impact_rate, *self._compiled
+        return as_floats(_joint_forces(*self._contiguous, *about))
 
     @cached_property
     def force_within(self) -> FloatArray:
@@ -208,10 +204,8 @@ class JointMotion:
         Steps are long against the peaks of the force. The eccentricity is interpolated by Hermite's
         cubic; out of contact the force is 0.
         """
-        forces: FloatArray = _force_within(
-            self.run.time, *self._contiguous, self.in_contact, self.impact_rate, *self._compiled
-        )
-        return forces
+        about = self.in_contact, self.impact_rate, *self._compiled
+        return as_floats(_force_within(self.run.time, *self._contiguous, *about))
 
     @property
     def _contiguous(self) -> tuple[FloatArray, FloatArray]:
@@ -242,8 +236,7 @@ class JointMotion:
     def elastic_energy(self) -> FloatArray:
         """Energy stored in the contact in J, shape (n,)."""
         depth = np.where(self.in_contact, self.penetration, 0.0)
-        energy: FloatArray = _elastic_energy(depth, *self._compiled)
-        return energy
+        return as_floats(_elastic_energy(depth, *self._compiled))
 
     @cached_property
     def max_elastic_load(self) -> float:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, require
+from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.choices import Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.journal import Journal
@@ -109,8 +109,7 @@ def long_run(
     limits = {name: joint.limits for name, joint in start.joints.items()}
     records: list[Mapping[Any, Any]] = []
     if resume is not None:
-        records = [*resume.revolutions.to_dict("records")]
-        run.state = resume.end
+        records, run.state = [*resume.revolutions.to_dict("records")], resume.end
     last = StepHistory.of(run.state)
 
     def gathered(first: int) -> Statistics:
@@ -134,8 +133,7 @@ def eccentricity_at(joint: JointMotion, time: FloatArray) -> FloatArray:
 
     steps, rows = np.unique(joint.run.time, return_index=True)
     spline = CubicHermiteSpline(steps, joint.eccentricity[rows], joint.eccentricity_rate[rows])
-    eccentricity: FloatArray = spline(time)
-    return eccentricity
+    return as_floats(spline(time))
 
 
 def horizon(run: Trajectory, other: Trajectory, share: float = AGREEMENT) -> float:
@@ -274,12 +272,11 @@ def study(
     what it has from there.
     """
     require(len(product) > 0, "study", "cases", [], "there is none", "give every list a value")
-    calls: dict[tuple[Item, ...], Call] = {}
-    for item in product:
-        case, rest = item
-        mechanism_from(mechanism.data, mechanism.source, **asdict(case))  # refuses what cannot be
-        deferred = call(_reduced, mechanism.data, mechanism.source, case, reduce, rest)
-        calls[(item,)] = call_for(item, deferred)
+    about, calls = (mechanism.data, mechanism.source), dict[tuple[Item, ...], Call]()
+    for case, rest in product:
+        mechanism_from(*about, **asdict(case))  # refuses what cannot be
+        deferred = call(_reduced, *about, case, reduce, rest)
+        calls[(case, rest),] = call_for((case, rest), deferred)
     rests = dict(product)
 
     def parse(entry: dict[str, Any]) -> tuple[Item, Any]:
@@ -421,9 +418,8 @@ def _numbers(run: Trajectory, first: int) -> dict[str, Any]:
     """Return the statistics of every quantity; none where no revolution is left."""
     if first >= run.revolutions:
         return {}
-    statistics = run.statistics(first)
+    statistics, numbers = run.statistics(first), dict[str, Any]()
     columns = statistics.interval().assign(std=statistics.scatter, stationary=statistics.stationary)
-    numbers: dict[str, Any] = {}
     for name, row in columns.to_dict("index").items():
         numbers[str(name)] = row.pop("mean")
         numbers |= {f"{name}_{key}": value for key, value in row.items()}
@@ -453,27 +449,21 @@ def tolerances(
     for plan in plans:
         _require_possible(mechanism, plan)
     product = [(case, (plan,)) for plan in plans for case in wanted]
-    report = partial(progress, "cases")
-    results = study(mechanism, product, run_case, workers, report)
+    results = study(mechanism, product, run_case, workers, partial(progress, "cases"))
     rows = []
-    for number in range(len(plans)):
-        table = pd.DataFrame(results[number * len(wanted) : (number + 1) * len(wanted)])
+    for start in range(0, len(results), len(wanted)):
+        table = pd.DataFrame(results[start : start + len(wanted)])
         complete = table[table["status"] == "complete"]
         if complete.empty:
             rule = f"no case is complete; the first: {table['message'].iloc[0]}"
             raise InputError("tolerances", "cases", None, rule, "choose other cases")
-        rows.append(
-            {
-                "method": complete["method"].iloc[0],
-                "tolerance": complete["tolerance"].iloc[0],
-                "cases": len(complete),
-                "energy_error_max": complete["energy_error"].max(),
-                "energy_error_median": complete["energy_error"].median(),
-                "drift_max": complete["drift"].max(),
-                "steps_per_revolution": complete["steps"].mean(),
-                "evaluations_per_revolution": complete["evaluations"].mean(),
-            }
-        )
+        row = dict(complete[["method", "tolerance"]].iloc[0]) | {"cases": len(complete)}
+        row["energy_error_max"] = complete["energy_error"].max()
+        row["energy_error_median"] = complete["energy_error"].median()
+        row["drift_max"] = complete["drift"].max()
+        row["steps_per_revolution"] = complete["steps"].mean()
+        row["evaluations_per_revolution"] = complete["evaluations"].mean()
+        rows.append(row)
     return pd.DataFrame(rows)
 
 
@@ -542,11 +532,8 @@ def bifurcation(
     )  # fmt: skip
     rest = revolutions, last, impact_rate, beyond
     product = [(Case(None, clearance, None, None), (clearance, *rest)) for clearance in clearances]
-    report = partial(progress, "clearances")
-    joined: pd.DataFrame = pd.concat(
-        study(mechanism, product, _sections, workers, report), ignore_index=True
-    )
-    return joined
+    tables = study(mechanism, product, _sections, workers, partial(progress, "clearances"))
+    return pd.DataFrame(pd.concat(tables, ignore_index=True))
 
 
 def _sections(

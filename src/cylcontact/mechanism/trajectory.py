@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
@@ -107,19 +108,21 @@ class Trajectory(Motion):
         """The last state, from which a run can be resumed."""
         return self.rows.end
 
-    def _ledger(self, name: str) -> FloatArray:
-        last = len(LEDGERS) + len(JOINT_LEDGERS) * len(self.mechanism.clearances)
-        return self.rows.values[:, LEDGERS.index(name) - last]
-
     @property
     def drive_work(self) -> FloatArray:
         """Work of the drivers since the start in J, shape (n,)."""
-        return self._ledger("drive_work")
+        return self._ledgers[:, 0]
 
     @property
     def damping(self) -> FloatArray:
         """Energy dissipated by dampers since the start in J, shape (n,)."""
-        return self._ledger("damping")
+        return self._ledgers[:, 1]
+
+    @property
+    def _ledgers(self) -> FloatArray:
+        """The `LEDGERS` since the start, shape (n, 2)."""
+        last = len(LEDGERS) + len(JOINT_LEDGERS) * len(self.mechanism.clearances)
+        return self.rows.values[:, self.rows.values.shape[1] - last :]
 
     @property
     def normal_dissipation(self) -> FloatArray:
@@ -131,11 +134,14 @@ class Trajectory(Motion):
         """Energy dissipated by the friction of all joints since the start in J, (n,)."""
         return self._over_joints("friction_dissipation")
 
+    @property
+    def elastic_energy(self) -> FloatArray:
+        """Energy stored in the contacts of all joints in J, shape (n,)."""
+        return self._over_joints("elastic_energy")
+
     def _over_joints(self, name: str) -> FloatArray:
-        total: FloatArray = np.zeros_like(self.time)
-        for joint in self.joints.values():
-            total = total + getattr(joint, name)
-        return total
+        parts = [getattr(joint, name) for joint in self.joints.values()]
+        return as_floats(sum(parts, np.zeros_like(self.time)))
 
     @cached_property
     def kinetic_energy(self) -> FloatArray:
@@ -165,11 +171,6 @@ class Trajectory(Motion):
         ends = self.point(spring.i, spring.point_i)[0], self.point(spring.j, spring.point_j)[0]
         return as_floats(np.hypot(*(ends[1] - ends[0]).T) - spring.rest)
 
-    @property
-    def elastic_energy(self) -> FloatArray:
-        """Energy stored in the contacts of all joints in J, shape (n,)."""
-        return self._over_joints("elastic_energy")
-
     @cached_property
     def energy(self) -> FloatArray:
         """Energy stored and dissipated minus the drivers' work, which is constant, in J, (n,)."""
@@ -186,8 +187,7 @@ class Trajectory(Motion):
     def drift(self) -> FloatArray:
         """The largest |Φ| (m, rad) and |dΦ/dt| of the joints' constraints, shape (n, 2)."""
         q, v = map(np.ascontiguousarray, self._motion)
-        drift: FloatArray = largest_gaps(self.time, q, v, linkage_of(self.mechanism))
-        return drift
+        return as_floats(largest_gaps(self.time, q, v, linkage_of(self.mechanism)))
 
     @property
     def counts(self) -> pd.DataFrame:
@@ -242,11 +242,9 @@ class Trajectory(Motion):
 
         starts = np.searchsorted(self.rows.revolution, np.arange(self.revolutions + 1))
         origin = float(self.taken(slice(1), 0).energy[0])
-        records = [
-            # From the last row of the previous revolution.
-            self.taken(slice(max(int(starts[k]) - 1, 0), int(starts[k + 1])), k).numbers(origin)
-            for k in range(self.revolutions)
-        ]
+        # From the last row of the previous revolution.
+        spans = [slice(max(a - 1, 0), b) for a, b in itertools.pairwise(starts.tolist())]
+        records = [self.taken(span, k).numbers(origin) for k, span in enumerate(spans)]
         return pd.DataFrame(records, pd.RangeIndex(self.revolutions, name="revolution"))
 
     def statistics(self, first: int = 0) -> Statistics:
@@ -277,22 +275,18 @@ class Trajectory(Motion):
         pa = require_parquet(path)
         rows, mechanism = self.rows, self.mechanism
         columns: dict[str, Any] = {"time_s": rows.time, "revolution": rows.revolution}
-        for joint in self.joints.values():
-            columns[f"{joint.joint.name}.in_contact"] = joint.in_contact
-            columns[f"{joint.joint.name}.impact_rate_m_per_s"] = joint.impact_rate
-        columns |= {
-            f"state_{k}": np.ascontiguousarray(rows.values[:, k])
-            for k in range(rows.values.shape[1])
-        }
+        for name, joint in self.joints.items():
+            columns[f"{name}.in_contact"] = joint.in_contact
+            columns[f"{name}.impact_rate_m_per_s"] = joint.impact_rate
+        columns |= {f"state_{k}": column.copy() for k, column in enumerate(rows.values.T)}
+        origin = Path(mechanism.source).parent
         metadata = {
             "spec": mechanism.data,
             "source": mechanism.source,
             "settings": asdict(self.settings),
             "counts": rows.counts[:, :2].tolist(),  # times would differ from run to run
             "assumptions": mechanism.assumptions,
-            "provenance": made_with(
-                Path(mechanism.source).parent, {"mechanism": mechanism.data}, _LIBRARIES
-            ),
+            "provenance": made_with(origin, {"mechanism": mechanism.data}, _LIBRARIES),
         }
         text = json.dumps(marked(metadata))
         table = pa.table(columns).replace_schema_metadata({_METADATA: text})
@@ -317,19 +311,15 @@ class Trajectory(Motion):
             settings = Settings(**metadata["settings"])
             mechanism = mechanism_from(metadata["spec"], str(metadata["source"]))
             names = [joint.name for joint in mechanism.clearances]
-            rows = _rows_of(table, metadata["counts"], names)
+            return cls(mechanism, settings, _rows_of(table, metadata["counts"], names))
         except InputError:
             raise
         except (OSError, pa.ArrowInvalid) as error:
             reason = getattr(error, "strerror", None) or "not a Parquet file"
-            raise InputError(
-                str(path), "", None, f"cannot be read ({reason})", "check the path"
-            ) from error
-        except (KeyError, ValueError, TypeError, AttributeError, pa.ArrowException) as error:
-            raise InputError(
-                str(path), "", None, "holds no trajectory", "give what simulate -o has written"
-            ) from error
-        return cls(mechanism, settings, rows)
+            rule, remedy = f"cannot be read ({reason})", "check the path"
+        except (KeyError, ValueError, TypeError, AttributeError, pa.ArrowException):
+            rule, remedy = "holds no trajectory", "give what simulate -o has written"
+        raise InputError(str(path), "", None, rule, remedy)
 
     def plot(self, revolutions: float = 2.0, joint: str | None = None) -> Drawing:
         """Draw the path of a pin's centre in its bearing, and the force in the joint.
@@ -373,29 +363,21 @@ class Trajectory(Motion):
 def _rows_of(table: Any, counts: Any, joints: list[str]) -> StepHistory:
     """Return the rows that a table holds; an error of Python's if a column is missing or odd."""
     names = [name for name in table.column_names if name.startswith("state_")]
-    columns = [np.asarray(table[name].to_numpy(), float) for name in ("time_s", *names)]
-    values = np.column_stack(columns)
-    if not values.size or not np.isfinite(values).all():
+    time, *states = (np.asarray(table[name].to_numpy(), float) for name in ("time_s", *names))
+    values, revolution = np.column_stack(states), table["revolution"].to_numpy()
+    if not values.size or not (np.isfinite(values).all() and np.isfinite(time).all()):
         raise ValueError("the states are no finite numbers")
-    revolution = table["revolution"].to_numpy()
     if revolution.dtype.kind != "i":  # an empty cell makes them floats
         raise ValueError("the revolutions are no integers")
 
     def of_joints(column: str, kind: type) -> Any:
-        parts: list[Any] = [
-            np.asarray(table[f"{name}.{column}"].to_numpy(), kind) for name in joints
-        ]
-        return np.array(parts, kind).T.reshape(columns[0].size, len(joints)).copy()
+        parts = [np.asarray(table[f"{name}.{column}"].to_numpy(), kind) for name in joints]
+        return np.array(parts, kind).T.reshape(time.size, len(joints)).copy()
 
     known = np.array([row[:2] for row in counts], dtype=np.float64).reshape(-1, 2)
-    return StepHistory(
-        time=columns[0],
-        values=values[:, 1:],
-        in_contact=of_joints("in_contact", bool),
-        impact_rate=of_joints("impact_rate_m_per_s", float),
-        revolution=revolution.astype(np.int32),
-        counts=np.insert(known, 2, np.nan, axis=1),
-    )
+    touching, rates = of_joints("in_contact", bool), of_joints("impact_rate_m_per_s", float)
+    known = np.insert(known, 2, np.nan, axis=1)
+    return StepHistory(time, values, touching, rates, revolution.astype(np.int32), known)
 
 
 class Interrupted(KeyboardInterrupt):
@@ -473,13 +455,14 @@ def simulate(
     """
     if resume is None:
         settings = settings_for(mechanism, method, tolerance, beyond, allowed_penetration)
+        run, first = Run.start(mechanism, settings), 0
+        parts = [StepHistory.of(run.state)]
     else:
-        mechanism, settings = resume.mechanism, resume.settings
+        mechanism, settings, first = resume.mechanism, resume.settings, resume.revolutions
+        run, parts = Run.start(mechanism, settings, resume.end), [resume.rows]
     total = mechanism.integration.revolutions if revolutions is None else revolutions
-    run = Run.start(mechanism, settings, None if resume is None else resume.end)
-    parts = [StepHistory.of(run.state)] if resume is None else [resume.rows]
     try:
-        for rows in run.revolutions(total, progress, 0 if resume is None else resume.revolutions):
+        for rows in run.revolutions(total, progress, first):
             parts.append(rows)
     except (KeyboardInterrupt, RunError) as error:
         kept = concatenate(parts)
