@@ -119,6 +119,12 @@ class Fit:
         share = as_floats(share)
         return as_floats(low + share * (high - low)), as_floats(most - share * (most - least))
 
+    @property
+    def middle(self) -> tuple[float, float]:
+        """The radii of hole and pin in mm in the middle of the fit."""
+        hole, pin = self.radii(0.5)
+        return float(hole), float(pin)
+
     def require_clearance(self, source: str, key: str = "fit") -> None:
         """Raise `InputError` unless every pin within the limits fits in every hole."""
         low, high = self.clearance

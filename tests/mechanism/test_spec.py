@@ -43,8 +43,7 @@ MISTAKES = [
      "integration.period: is required without a driver of a given speed; add what counts as one"),
     ({"clearance": {"joint": "wrist-pin", "bearing": "slider", "radial": 0.5, "E": 207.0},
       "joints": {"wrist-pin": {"between": ["rod.eye", "slider.pin"]}}},
-     '[clearance]: is an entry of [[joint]] now; write [[joint]] with name = "wrist-pin", '
-     'between = ["slider.pin", "rod.eye"], clearance = 0.5, bearing = { R = 10.0, E = 207.0 }'),
+     '[clearance]: is an entry of [[joint]] now; write [[joint]] with name = "wrist-pin", '),
     ({"joints": {}}, "[joints]: is an entry of [[joint]] now; write [[joint]] with name"),
 ]  # fmt: skip
 

@@ -12,8 +12,8 @@ from scipy import stats
 from cylcontact import InputError, laws, limits
 from cylcontact.mechanism import Interrupted, long_run, simulate
 from cylcontact.mechanism.batch_means import BatchMeans
-from cylcontact.mechanism.joint_motion import Limits
-from cylcontact.mechanism.statistics import HELD, LONGEST, QUANTITIES, REPEATS, of_joint, period_of
+from cylcontact.mechanism.joint_motion import Limits, numbers_of
+from cylcontact.mechanism.statistics import HELD, LONGEST, QUANTITIES, REPEATS, period_of
 from tests.support.mechanism_cases import slider_crank, yields_at
 
 
@@ -339,7 +339,7 @@ class TestWarnings:
             eccentricity_rate=np.zeros((9, 2)), max_elastic_load=0.0,
             limits=Limits(2.5, np.inf, 1e-3),
         )  # fmt: skip
-        row = of_joint(joint)
+        row = numbers_of(joint)
         assert (row["impacts"], row["contacts"], row["contact_steps"]) == (3, 4, 4)
         assert (row["grazing"], row["grazing_s"]) == (2, 2.0)
         assert (row["above_yield"], row["above_yield_s"]) == (2, 0.0)

@@ -93,8 +93,8 @@ def _of_fit(code: str, clearance: list[str] | None) -> list[str]:
     require(not clearance, "sweep", "--fit", code, "conflicts with --clearance", "keep one of them")
     fit = Fit.read(code, "sweep", "--fit")
     fit.require_clearance("sweep", "--fit")
-    low, high = fit.clearance
-    return [repr(max(dR, SMALLEST_CLEARANCE)) for dR in (low, (low + high) / 2, high)]
+    (low, high), (hole, pin) = fit.clearance, fit.middle
+    return [repr(max(dR, SMALLEST_CLEARANCE)) for dR in (low, round(hole - pin, 9), high)]
 
 
 def simulate(

@@ -519,8 +519,7 @@ def build_joint(
     if spec.fit is not None:
         fit = Fit.read(spec.fit, source, "fit")
         fit.require_clearance(source)
-        R_i, R_j = map(float, fit.radii(0.5))
-        pair = CylinderPair.internal(R_i, R_j, length=spec.length, pin=pin, hole=hole)
+        pair = CylinderPair.internal(*fit.middle, length=spec.length, pin=pin, hole=hole)
     elif spec.pin.R is not None:
         pair = CylinderPair.internal(R_i, spec.pin.R, length=spec.length, pin=pin, hole=hole)
     else:

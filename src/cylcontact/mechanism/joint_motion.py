@@ -194,8 +194,9 @@ class JointMotion:
         for column, body in enumerate((self.joint.i, self.joint.j)):
             if body >= 0:
                 spins[:, column] = self.run.velocities[:, body, 2]
-        about = spins, self.in_contact, self.impact_rate, *self._compiled
-        return as_floats(_joint_forces(*self._contiguous, *about))
+        touching, rates = self.in_contact, self.impact_rate
+        forces = _joint_forces(*self._contiguous, spins, touching, rates, *self._compiled)
+        return as_floats(forces)
 
     @cached_property
     def force_within(self) -> FloatArray:
@@ -204,8 +205,9 @@ class JointMotion:
         Steps are long against the peaks of the force. The eccentricity is interpolated by Hermite's
         cubic; out of contact the force is 0.
         """
-        about = self.in_contact, self.impact_rate, *self._compiled
-        return as_floats(_force_within(self.run.time, *self._contiguous, *about))
+        touching, rates = self.in_contact, self.impact_rate
+        motion = self.run.time, *self._contiguous
+        return as_floats(_force_within(*motion, touching, rates, *self._compiled))
 
     @property
     def _contiguous(self) -> tuple[FloatArray, FloatArray]:
@@ -307,70 +309,72 @@ class JointMotion:
         within = self.force_within[span.start : span.stop - 1]
         return float(max(self.normal_force[span].max(), within.max(initial=0.0)))
 
-    def numbers(self) -> dict[str, float]:
-        """Return what the row of a revolution in `Statistics` has of the joint."""
-        touching, dt = self.in_contact, np.diff(self.run.time)
-        # A step has the mode of its last row; the second row of an onset has dt = 0.
-        inside, moving = touching[1:], dt > 0
-        contact_time, flight_time = float(dt[inside].sum()), float(dt[~inside].sum())
-        contact_steps = int(np.count_nonzero(inside & moving))
-        flight_steps = int(self.run.rows.counts[0, 0]) - contact_steps
-        force, within = self.normal_force, self.force_within
-        spent = {name: float(np.diff(self.ledger(name)[[0, -1]])[0]) for name in JOINT_LEDGERS}
-        percentiles = _percentiles(dt[inside], within[inside])
-        end = (*self.eccentricity[-1] * 1e6, *self.eccentricity_rate[-1], bool(touching[-1]))
-        return {
-            "contact_fraction": contact_time / (contact_time + flight_time),
-            "impacts": changes(touching)[0].size,
-            "mean_penetration_um": _ratio(spent["penetration_integral"], contact_time) * 1e6,
-            "max_penetration_um": float(self.penetration[touching].max(initial=0.0)) * 1e6,
-            "mean_force_N": _ratio(spent["impulse"], contact_time),
-            **{f"force_p{p}_N": x for p, x in zip(FORCE_PERCENTILES, percentiles, strict=True)},
-            "max_force_N": float(max(force.max(initial=0.0), within.max(initial=0.0))),
-            "normal_dissipation_J": spent["normal_dissipation"],
-            "friction_dissipation_J": spent["friction_dissipation"],
-            "mean_step_contact_us": _ratio(contact_time, contact_steps) * 1e6,
-            "mean_step_flight_us": _ratio(flight_time, flight_steps) * 1e6,
-            "contact_time_s": contact_time,
-            "flight_time_s": flight_time,
-            "penetration_integral_um_s": spent["penetration_integral"] * 1e6,
-            "impulse_N_s": spent["impulse"],
-            "contact_steps": contact_steps,
-            "impact_rate_m_per_s": float(self.impact_rate[-1]),
-            **self._passed(),
-            "max_load_N_per_mm": self.max_elastic_load,
-            **dict(zip(SECTION, end, strict=True)),
-        }
-
-    def _passed(self) -> dict[str, float]:
-        """Return the contacts of a revolution, and how many pass each limit and when first.
-
-        A contact under way at the start counts again, so that no revolution depends on another.
-        """
-        touching, time, limits = self.in_contact, self.run.time, self.limits
-
-        def first(rows: IndexArray) -> float:
-            return float(time[rows[0]]) if rows.size else float("nan")
-
-        begins, _ = changes(touching)
-        slow = begins[self.impact_rate[begins] < limits.floor]
-        if touching[0]:
-            begins = np.append(0, begins)
-        depth = np.where(touching, self.penetration, -np.inf)
-        deepest = np.maximum.reduceat(depth, begins) if begins.size else np.empty(0)
-        numbers = {"contacts": begins.size, "grazing": slow.size, "grazing_s": first(slow)}
-        for name, limit in (("above_yield", limits.first_yield), ("beyond_law", limits.law)):
-            numbers[name] = float(np.count_nonzero(deepest > limit))
-            numbers[f"{name}_s"] = first(np.flatnonzero(depth > limit))
-        if np.isnan(limits.first_yield):
-            numbers["above_yield"] = float("nan")
-        return numbers
-
 
 def changes(in_contact: BoolArray) -> tuple[IndexArray, IndexArray]:
     """Return the rows at which contacts begin and those at which they end."""
     step = np.diff(in_contact.astype(np.int8))
     return np.flatnonzero(step == 1) + 1, np.flatnonzero(step == -1)
+
+
+def numbers_of(joint: JointMotion) -> dict[str, float]:
+    """Return what the row of a revolution in `Statistics` has of the joint."""
+    touching, dt = joint.in_contact, np.diff(joint.run.time)
+    # A step has the mode of its last row; the second row of an onset has dt = 0.
+    inside, moving = touching[1:], dt > 0
+    contact_time, flight_time = float(dt[inside].sum()), float(dt[~inside].sum())
+    contact_steps = int(np.count_nonzero(inside & moving))
+    flight_steps = int(joint.run.rows.counts[0, 0]) - contact_steps
+    force, within = joint.normal_force, joint.force_within
+    spent = {name: float(np.diff(joint.ledger(name)[[0, -1]])[0]) for name in JOINT_LEDGERS}
+    percentiles = _percentiles(dt[inside], within[inside])
+    end = (*joint.eccentricity[-1] * 1e6, *joint.eccentricity_rate[-1], bool(touching[-1]))
+    return {
+        "contact_fraction": contact_time / (contact_time + flight_time),
+        "impacts": changes(touching)[0].size,
+        "mean_penetration_um": _ratio(spent["penetration_integral"], contact_time) * 1e6,
+        "max_penetration_um": float(joint.penetration[touching].max(initial=0.0)) * 1e6,
+        "mean_force_N": _ratio(spent["impulse"], contact_time),
+        **{f"force_p{p}_N": x for p, x in zip(FORCE_PERCENTILES, percentiles, strict=True)},
+        "max_force_N": float(max(force.max(initial=0.0), within.max(initial=0.0))),
+        "normal_dissipation_J": spent["normal_dissipation"],
+        "friction_dissipation_J": spent["friction_dissipation"],
+        "mean_step_contact_us": _ratio(contact_time, contact_steps) * 1e6,
+        "mean_step_flight_us": _ratio(flight_time, flight_steps) * 1e6,
+        "contact_time_s": contact_time,
+        "flight_time_s": flight_time,
+        "penetration_integral_um_s": spent["penetration_integral"] * 1e6,
+        "impulse_N_s": spent["impulse"],
+        "contact_steps": contact_steps,
+        "impact_rate_m_per_s": float(joint.impact_rate[-1]),
+        **_passed(joint),
+        "max_load_N_per_mm": joint.max_elastic_load,
+        **dict(zip(SECTION, end, strict=True)),
+    }
+
+
+def _passed(joint: JointMotion) -> dict[str, float]:
+    """Return the contacts of a revolution, and how many pass each limit and when first.
+
+    A contact under way at the start counts again, so that no revolution depends on another.
+    """
+    touching, time, limits = joint.in_contact, joint.run.time, joint.limits
+
+    def first(rows: IndexArray) -> float:
+        return float(time[rows[0]]) if rows.size else float("nan")
+
+    begins, _ = changes(touching)
+    slow = begins[joint.impact_rate[begins] < limits.floor]
+    if touching[0]:
+        begins = np.append(0, begins)
+    depth = np.where(touching, joint.penetration, -np.inf)
+    deepest = np.maximum.reduceat(depth, begins) if begins.size else np.empty(0)
+    numbers = {"contacts": begins.size, "grazing": slow.size, "grazing_s": first(slow)}
+    for name, limit in (("above_yield", limits.first_yield), ("beyond_law", limits.law)):
+        numbers[name] = float(np.count_nonzero(deepest > limit))
+        numbers[f"{name}_s"] = first(np.flatnonzero(depth > limit))
+    if np.isnan(limits.first_yield):
+        numbers["above_yield"] = float("nan")
+    return numbers
 
 
 def _ratio(numerator: float, denominator: float) -> float:

@@ -331,23 +331,18 @@ class Mechanism:
         places = [complex(*point) for point in self.data["ground"]["points"].values()]
         for body in self.bodies:
             x, y, angle = body.guess
-            centre, turn = complex(x, y), cmath.rect(1.0, angle)
-            points = self.data["bodies"][body.name]["points"].values()
-            places += [centre, *(centre + turn * complex(*point) for point in points)]
-        size = max((abs(a - b) for a, b in combinations(places, 2)), default=0.0)
+            arms = (0.0, 0.0), *self.data["bodies"][body.name]["points"].values()
+            places += [complex(x, y) + cmath.rect(1.0, angle) * complex(*arm) for arm in arms]
+        size = max(abs(a - b) for a, b in combinations(places, 2))
         texts = []
         for body in self.bodies:
+            has, of = f"{body.name} has", f"in a mechanism of {size:.3g} m"
             radius = math.sqrt(body.inertia / body.mass)
             if body.mass > _DENSITY * size**3:
-                texts.append(
-                    f"{body.name} has {body.mass:g} kg in a mechanism of {size:.3g} m; masses are "
-                    "in kg, not in g"
-                )
+                texts.append(f"{has} {body.mass:g} kg {of}; masses are in kg, not in g")
             elif not _SLIMMEST * size <= radius <= size:
-                texts.append(
-                    f"{body.name} has a radius of gyration of {radius:.3g} m in a mechanism of "
-                    f"{size:.3g} m; inertias are in kg m², not in g mm² or kg mm²"
-                )
+                text = f"{has} a radius of gyration of {radius:.3g} m {of}"
+                texts.append(f"{text}; inertias are in kg m², not in g mm² or kg mm²")
         return tuple(texts)
 
 
@@ -391,10 +386,9 @@ def mechanism_from(
     data: dict[str, Any], source: str = "mechanism", own: Path | None = None, **changes: Any
 ) -> Mechanism:
     """Return the mechanism of a spec's data; see `read_mechanism`."""
-    for former, replacement in (("clearance", _entry_for), ("joints", lambda _: "name = ...")):
-        if isinstance(data.get(former), dict):
-            remedy = f"write [[joint]] with {replacement(data)}"
-            raise InputError(source, f"[{former}]", None, "is an entry of [[joint]] now", remedy)
+    for former in ("clearance", "joints"):
+        rule = "is an entry of [[joint]] now"
+        require(not isinstance(data.get(former), dict), source, f"[{former}]", None, rule, _ENTRY)
     changed, law = copy.deepcopy(data), changes.get("law")
     _change(changed, source, changes)
     given = changed.get("joint")
@@ -444,6 +438,10 @@ def mechanism_from(
     )
 
 
+_ENTRY = (
+    'write [[joint]] with name = "wrist-pin", between = ["slider.pin", "rod.eye"], '
+    "clearance = 0.5, length = 10.0, law, bearing, pin, dissipation, friction"
+)
 _OF_CONTACT = frozenset(ClearanceJointSpec.model_fields)
 # The values that commands may set, with their places in an entry of a joint or in a table.
 _OF_JOINTS = {
@@ -461,27 +459,31 @@ def _has_clearance(entry: Any) -> bool:
 
 def _change(data: dict[str, Any], source: str, changes: dict[str, Any]) -> None:
     """Set the values of a command in a spec's data."""
+    entries = data.get("joint")
+    joints = [*filter(_has_clearance, entries if isinstance(entries, list) else [])]
     for key, value in changes.items():
-        if key not in (*_OF_JOINTS, *_OF_INTEGRATION):
-            remedy = f"choose {', '.join((*_OF_JOINTS, *_OF_INTEGRATION))}"
-            raise InputError(source, key, value, "cannot be set", remedy)
+        known = (*_OF_JOINTS, *_OF_INTEGRATION)
+        require(key in known, source, key, value, "cannot be set", f"choose {', '.join(known)}")
         if value is None:
             continue
-        if key in _OF_INTEGRATION:
-            if isinstance(data.get("integration"), dict):
-                data["integration"][key] = value
-            continue
-        *tables, last = _OF_JOINTS[key]
-        entries = data.get("joint")
-        for entry in filter(_has_clearance, entries if isinstance(entries, list) else []):
-            if key == "clearance" and isinstance(entry.get("pin"), dict):
-                entry["pin"].pop("R", None)
-            if key == "clearance" and isinstance(entry.get("bearing"), dict) and "fit" in entry:
-                fit = Fit.read(str(entry.pop("fit")), source, "fit")
-                entry["bearing"]["R"] = float(fit.radii(0.5)[0])
+        if key in _OF_INTEGRATION and isinstance(data.get("integration"), dict):
+            data["integration"][key] = value
+        for entry in joints if key in _OF_JOINTS else []:
+            if key == "clearance":
+                _forget_radii(entry, source)
+            *tables, last = _OF_JOINTS[key]
             table = entry.setdefault(tables[0], {}) if tables else entry
             if isinstance(table, dict):
                 table[last] = value if key != "law" or isinstance(value, str) else repr(value)
+
+
+def _forget_radii(entry: dict[str, Any], source: str) -> None:
+    """Let a clearance decide the pin's radius; of a fit, keep the hole of its middle."""
+    bearing, pin = entry.get("bearing"), entry.get("pin")
+    if isinstance(pin, dict):
+        pin.pop("R", None)
+    if isinstance(bearing, dict) and "fit" in entry:
+        bearing["R"] = Fit.read(str(entry.pop("fit")), source, "fit").middle[0]
 
 
 def _with_contact(
@@ -498,10 +500,9 @@ def _with_contact(
         )  # fmt: skip
         contact = build_joint(data, source, own, None if isinstance(law, str) else law)
         for body in ("bearing", "pin"):
-            require(
-                "point" not in data[body] or data[body]["point"] == [0.0, 0.0], source,
-                f"{body}.point", None, "is where `between` says", "remove it",
-            )  # fmt: skip
+            point = data[body].get("point", [0.0, 0.0])
+            rule, remedy = "is where `between` says", "remove it"
+            require(point == [0.0, 0.0], source, f"{body}.point", None, rule, remedy)
     except InputError as error:
         key = f"joint.{joint.name}.{error.key}"
         raise InputError(error.source, key, error.value, error.rule, error.remedy) from None
@@ -523,40 +524,3 @@ def _spring(about: SpringSpec, first: tuple[int, Point], second: tuple[int, Poin
     rest = math.radians(about.angle) if turning else about.length
     (i, point_i), (j, point_j) = first, second
     return Spring(turning, i, j, point_i, point_j, about.stiffness, about.damping, rest)
-
-
-def _entry_for(data: dict[str, Any]) -> str:
-    """Return the entry of a joint that takes the place of a table [clearance], on one line."""
-    old, joints = data["clearance"], data.get("joints")
-    name = str(old.get("joint", "NAME"))
-    about = joints.get(name) if isinstance(joints, dict) else None
-    between = about.get("between") if isinstance(about, dict) else None
-    ends = between if isinstance(between, list) else ["BODY.POINT", "BODY.POINT"]
-    ends = sorted(map(str, ends), key=lambda end: not end.startswith(f"{old.get('bearing')}."))
-    shared = ("E", "nu", "yield_stress")
-    bearing = {"R": old.get("R_bearing", 10.0)} | _taken(old, *shared, hole="material")
-    entry = {
-        "name": name,
-        "between": ends,
-        **_taken(old, "length", "law", radial="clearance"),
-        "bearing": bearing,
-        "pin": _taken(old, *shared, pin="material"),
-        "dissipation": _taken(old, "factor", "restitution"),
-        "friction": _taken(old, "v0", "v1", friction="coefficient"),
-    }
-    return ", ".join(f"{key} = {_toml(value)}" for key, value in entry.items())
-
-
-def _taken(old: dict[str, Any], *keys: str, **renamed: str) -> dict[str, Any]:
-    """Return what a table has of some keys, and of others under new names."""
-    names = {**dict(zip(keys, keys, strict=True)), **renamed}
-    return {new: old[key] for key, new in names.items() if key in old}
-
-
-def _toml(value: object) -> str:
-    """Return a text, number, list or table as TOML writes it on one line."""
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{key} = {_toml(each)}' for key, each in value.items())} }}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_toml, value))}]"
-    return f'"{value}"' if isinstance(value, str) else str(value)

@@ -20,7 +20,7 @@ from cylcontact.mechanism.joint_motion import JointMotion
 from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.run import Run, Settings, StepHistory, concatenate, settings_for
 from cylcontact.mechanism.statistics import Statistics
-from cylcontact.mechanism.trajectory import Interrupted, Trajectory, simulate
+from cylcontact.mechanism.trajectory import Interrupted, Trajectory, reduced, simulate
 from cylcontact.parallel import Call, Workers, call, call_for, run_recorded
 from cylcontact.progress import Progress, silent
 from cylcontact.provenance import spec_hash
@@ -119,7 +119,7 @@ def long_run(
     try:
         for rows in run.revolutions(revolutions, progress, len(records)):
             steps = concatenate([last, rows])
-            records.append(Trajectory(mechanism, settings, steps).numbers(origin))
+            records.append(reduced(Trajectory(mechanism, settings, steps), origin))
             last = steps.taken(slice(-1, None), 1)
     except KeyboardInterrupt:
         complete = gathered(min(first, len(records) - 1)) if records else None

@@ -16,7 +16,7 @@ from cylcontact.choices import Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_parquet
 from cylcontact.html_repr import table_html
-from cylcontact.mechanism.joint_motion import JointMotion, Motion
+from cylcontact.mechanism.joint_motion import JointMotion, Motion, numbers_of
 from cylcontact.mechanism.linkage import largest_gaps, linkage_of
 from cylcontact.mechanism.model import Mechanism, Spring, mechanism_from
 from cylcontact.mechanism.run import (
@@ -211,30 +211,6 @@ class Trajectory(Motion):
         """Return some rows and the counts of a revolution, as a trajectory."""
         return replace(self, rows=self.rows.taken(rows, index))
 
-    def numbers(self, origin: float) -> dict[str, Any]:
-        """Return the row of `Statistics.revolutions` for a run of one revolution.
-
-        Its first step is the last one of the revolution before. `origin` is the `energy` at the
-        start of the whole run in J.
-        """
-        row: dict[str, Any] = {}
-        for name, joint in self.joints.items():
-            prefix = f"{name}." if len(self.joints) > 1 else ""
-            row |= {f"{prefix}{key}": value for key, value in joint.numbers().items()}
-        end = self.taken(slice(-1, None), 0)
-        steps, evaluations, seconds = self.rows.counts[0]
-        row["drive_work_J"] = float(self.drive_work[-1] - self.drive_work[0])
-        if self.mechanism.springs:
-            row["damping_J"] = float(self.damping[-1] - self.damping[0])
-        return row | {
-            "steps": int(steps),
-            "evaluations": int(evaluations),
-            "seconds": float(seconds),
-            "kinetic_energy_J": float(self.kinetic_energy.max()),
-            "energy_error_J": float(end.energy[0]) - origin,
-            "drift": np.nan if self.settings.method == "minimal" else float(end.drift[0, 0]),
-        }
-
     @cached_property
     def _revolutions(self) -> pd.DataFrame:
         """The rows of `Statistics.revolutions`."""
@@ -244,7 +220,7 @@ class Trajectory(Motion):
         origin = float(self.taken(slice(1), 0).energy[0])
         # From the last row of the previous revolution.
         spans = [slice(max(a - 1, 0), b) for a, b in itertools.pairwise(starts.tolist())]
-        records = [self.taken(span, k).numbers(origin) for k, span in enumerate(spans)]
+        records = [reduced(self.taken(span, k), origin) for k, span in enumerate(spans)]
         return pd.DataFrame(records, pd.RangeIndex(self.revolutions, name="revolution"))
 
     def statistics(self, first: int = 0) -> Statistics:
@@ -360,6 +336,31 @@ class Trajectory(Motion):
         return table_html(f"Trajectory of {self.mechanism.name}", rows) + "".join(pictures)
 
 
+def reduced(run: Trajectory, origin: float) -> dict[str, Any]:
+    """Return the row of `Statistics.revolutions` for a run of one revolution.
+
+    Its first step is the last one of the revolution before. `origin` is the `energy` at the
+    start of the whole run in J.
+    """
+    row: dict[str, Any] = {}
+    for name, joint in run.joints.items():
+        prefix = f"{name}." if len(run.joints) > 1 else ""
+        row |= {f"{prefix}{key}": value for key, value in numbers_of(joint).items()}
+    end = run.taken(slice(-1, None), 0)
+    steps, evaluations, seconds = run.rows.counts[0]
+    row["drive_work_J"] = float(run.drive_work[-1] - run.drive_work[0])
+    if run.mechanism.springs:
+        row["damping_J"] = float(run.damping[-1] - run.damping[0])
+    return row | {
+        "steps": int(steps),
+        "evaluations": int(evaluations),
+        "seconds": float(seconds),
+        "kinetic_energy_J": float(run.kinetic_energy.max()),
+        "energy_error_J": float(end.energy[0]) - origin,
+        "drift": np.nan if run.settings.method == "minimal" else float(end.drift[0, 0]),
+    }
+
+
 def _rows_of(table: Any, counts: Any, joints: list[str]) -> StepHistory:
     """Return the rows that a table holds; an error of Python's if a column is missing or odd."""
     names = [name for name in table.column_names if name.startswith("state_")]
@@ -371,7 +372,7 @@ def _rows_of(table: Any, counts: Any, joints: list[str]) -> StepHistory:
         raise ValueError("the revolutions are no integers")
 
     def of_joints(column: str, kind: type) -> Any:
-        parts = [np.asarray(table[f"{name}.{column}"].to_numpy(), kind) for name in joints]
+        parts = [table[f"{name}.{column}"].to_numpy() for name in joints]
         return np.array(parts, kind).T.reshape(time.size, len(joints)).copy()
 
     known = np.array([row[:2] for row in counts], dtype=np.float64).reshape(-1, 2)
