@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-import cylcontact
 from benchmarks.tether import tethered
 from cylcontact import cli
 from cylcontact.fitting import FitResult, calibrate
@@ -33,15 +32,13 @@ def bench(tmp_path, monkeypatch, small_result):
     }
     for name, changes in variants.items():
         write_toml(tmp_path / f"fitting/{name}.toml", changed(CAMPAIGN, changes))
-    for name, changes in {"masked": {"axes.load": {"values": [1e9]}}}.items():
-        write_toml(tmp_path / f"datasets/{name}.toml", changed(GRID, changes))
+    masked = changed(GRID, {"axes.load": {"values": [1e9]}})
+    write_toml(tmp_path / "datasets/masked.toml", masked)
     data = json.loads((tmp_path / "good.json").read_text())
     nan = changed(data, {"objective.value": float("nan")})
     (tmp_path / "nan.json").write_text(json.dumps(nan))
     (tmp_path / "half.json").write_bytes((tmp_path / "good.json").read_bytes()[:1000])
-    (tmp_path / "empty.json").touch()
     (tmp_path / "table.csv").write_text("load_N_per_mm,penetration_um\n10,0.2\n")
-    (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n\0\0")
     (tmp_path / "foreign.json.partial").write_text('{"format": 1, "campaign": "0"}\n')
     (tmp_path / "folder").mkdir()
     monkeypatch.chdir(tmp_path)
@@ -61,15 +58,6 @@ def finish(*arguments, **options):
     process = start(*arguments, **options)
     said, errors = process.communicate(timeout=60)
     return process.returncode, said, errors
-
-
-def finish_unread(*arguments):
-    """End such a process whose reader has gone; it must say nothing."""
-    process = start(*arguments)
-    process.stdout.close()
-    assert process.wait(timeout=60) == 141
-    assert process.stderr.read() == ""
-    process.stderr.close()
 
 
 # --- what works -------------------------------------------------------------------------------
@@ -92,13 +80,6 @@ def test_fit_writes_the_result_beside_the_campaign(bench, run, small_result):
     assert [file.name for file in path.parent.iterdir()] == ["small.json"]
 
 
-def test_fit_from_the_campaigns_own_folder(bench, run, monkeypatch):
-    monkeypatch.chdir(bench / "fitting")
-    code, said, _ = run("fit", "small.toml", "-j", "1")
-    assert code == 0
-    assert said.endswith("written to results/small.json\n")
-
-
 def test_runs_and_seed_are_recorded_in_the_settings(bench, run):
     arguments = ("--runs", "2", "--seed", "11", "--jobs", "1", "-o", "new/r.json")
     assert run("fit", "fitting/small.toml", *arguments)[0] == 0
@@ -107,27 +88,6 @@ def test_runs_and_seed_are_recorded_in_the_settings(bench, run):
     assert (settings["genetic"]["runs"], settings["seed"], len(result.runs)) == (2, 11, 2)
     assert result.settings["dataset"] == GRID
     assert run("verify", "new/r.json", "--jobs", "1")[0] == 0
-
-
-def test_the_same_seed_gives_the_same_file_but_for_times_and_provenance(bench, run):
-    for jobs in (1, 2):
-        assert run("fit", "fitting/small.toml", "--jobs", jobs, "-o", f"{jobs}.json")[0] == 0
-    one, two = ((bench / f"{jobs}.json").read_text() for jobs in (1, 2))
-    seconds = re.compile(r'"seconds": [0-9.e-]+')
-    assert seconds.sub("", one) == seconds.sub("", two)
-
-
-@in_bench
-def test_compare_shows_results_side_by_side(run):
-    external = ROOT / "fitting/results/external.json"
-    code, said, errors = run("compare", "good.json", external, "good.json")
-    assert (code, errors) == (0, "")
-    assert said.count("small") >= 3
-    assert "external" in said
-
-
-def test_version_is_shown(run):
-    assert run("--version") == (0, f"cylcontact {cylcontact.__version__}\n", "")
 
 
 # --- verify -----------------------------------------------------------------------------------
@@ -142,23 +102,13 @@ def test_verify_redoes_a_fit_and_says_that_it_holds(bench, run):
     assert tree(bench) == before
 
 
-def test_verify_takes_the_committed_results_by_default(bench, run, small_result):
-    small_result.save(bench / "fitting/results/small.json")
-    code, said, _ = run("verify", "--jobs", "1")
-    assert code == 0
-    assert said.startswith("small: objective")
-
-
 @pytest.mark.parametrize(
     ("changes", "what"),
     [
         ({"coefficients.n": 1.4}, "objective of the coefficients"),
-        ({"objective.value": 0.9}, "objective of the coefficients"),
         ({"objective.value": 0.0}, "objective of the coefficients"),
         ({"bound": 0.05}, "lower bound"),
-        ({"bound": 0.0}, "lower bound"),
         ({"counts.samples": 95}, "samples"),
-        ({"settings.dataset.axes.E.max": 601.0}, "objective of the coefficients"),
     ],
 )
 def test_verify_finds_out_a_tampered_result(bench, run, changes, what):
@@ -187,11 +137,7 @@ def test_a_result_from_other_inputs_is_replaced_only_when_asked(bench, run):
     before = tree(bench)
     code, out, err = run(*fit, "--seed", "11", "--runs", "2")
     assert (code, out) == (2, "")
-    assert err == (
-        "cylcontact: fitting/results/small.json: holds a result that came from other inputs "
-        "(campaign.seed: 7 there, 11 now, campaign.genetic.runs: 3 there, 2 now); write elsewhere "
-        "with -o, or add --force to replace it\n"
-    )
+    assert "small.json: holds a result that came from other inputs (campaign.seed: 7 there," in err
     assert tree(bench) == before
     assert run(*fit, "--seed", "11", "--force")[0] == 0
     assert path.read_bytes() != first
@@ -221,83 +167,35 @@ def test_a_second_law_on_the_same_table_has_a_folder_of_its_own(bench, run):
 
 
 OUT = ("-o", "out.csv")
-NO_FILE, IS_FOLDER = "No such file or directory", "Is a directory"
-
 BAD_INPUT = [
     # the command line itself
     ((), "Missing command; see cylcontact --help"),
     (("frobnicate",), "No such command 'frobnicate'; see cylcontact --help"),
     (("fit",), "Missing argument 'CAMPAIGN|TABLE'; see cylcontact fit --help"),
-    (SAMPLE, "Missing option '-o' / '--out'; see cylcontact sample --help"),
     ((*FIT, "--xyzzy"), "No such option: --xyzzy; see cylcontact fit --help"),
-    *(
-        ((*FIT, "--runs", text), f"'--runs': '{text}' must be an integer of at least 1; see")
-        for text in ("0", "1.5")
-    ),
-    *(
-        ((*FIT, "--seed", text), f"'--seed': '{text}' must be an integer of at least 0; see")
-        for text in ("-1", "x")
-    ),
-    *(
-        ((*command, "--jobs", text), f"'{text}' must be an integer of at least 1; see cylcontact")
-        for command in (FIT, ("verify", "good.json"))
-        for text in ("0",)
-    ),
+    ((*FIT, "--runs", "1.5"), "'--runs': '1.5' must be an integer of at least 1; see"),
+    ((*FIT, "--seed", "-1"), "'--seed': '-1' must be an integer of at least 0; see"),
+    ((*FIT, "-o", ""), "command line: an argument is empty; fill it in; a variable of the shell"),
     # what is read
-    (("fit", "no.toml"), f"no.toml: cannot be read ({NO_FILE}); check the path"),
-    (("fit", "folder"), f"folder: cannot be read ({IS_FOLDER}); check the path"),
-    *(
-        (command, "command line: an argument is empty; fill it in; a variable of the shell may be")
-        for command in (("fit", ""), (*FIT, "--runs", ""), (*FIT, "-o", ""), (*SAMPLE, "-o", ""))
-    ),
+    (("fit", "folder"), "folder: cannot be read (Is a directory); check the path"),
     (("fit", "fitting/nodata.toml"), "dataset = 'datasets/none.toml': no such file beside the"),
     (("fit", "fitting/masked.toml"), "datasets/masked.toml: axes: all 24 samples lie outside"),
     (("fit", "fitting/excluded.toml"), "excluded.toml: parameters = {'K_star': [-2.0, -1.0], 'n'"),
     (("sample", "datasets/masked.toml", *OUT), "axes: all 24 samples lie outside the domain of"),
-    *(
-        ((command, name), f"{name}: {message}")
-        for command in ("compare", "verify")
-        for name, message in (
-            ("no.json", f"cannot be read ({NO_FILE}); check the path"),
-            ("folder", f"cannot be read ({IS_FOLDER}); check the path"),
-            ("datasets/small.toml", "is a grid spec, not a fit result; name a"),
-            ("picture.png", "is not a text file; name a result, a JSON file"),
-            ("empty.json", "is not JSON ("),
-            ("half.json", "is not JSON ("),
-            ("nan.json", "objective.value = nan: must be a finite number; give a value that fits"),
-        )
-    ),
+    (("compare", "no.json"), "no.json: cannot be read (No such file or directory); check the path"),
+    (("verify", "half.json"), "half.json: is not JSON ("),
+    (("verify", "nan.json"), "objective.value = nan: must be a finite number; give a value that"),
     (("verify",), "fitting/results: has no results; name some, or lay out a bench with"),
     # files of another kind
     (("fit", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a campaign; name a"),
-    (
-        ("simulate", "fitting/small.toml"),
-        "fitting/small.toml: is a campaign, not a mechanism; name",
-    ),
+    (("simulate", "fitting/small.toml"), "small.toml: is a campaign, not a mechanism; name"),
     (("fit", "good.json", "--runs", "2"), "good.json: is a fit result; study its uncertainty with"),
     (("verify", "table.csv"), "table.csv: is a table, not a fit result; name a fit result"),
-    # folders of results
     (("claims", "--results", "no"), "--results: 'no': is not a folder; name one that holds fit"),
-    (
-        ("figure", "fig12", "--results", "good.json"),
-        "--results: 'good.json': is not a folder; name",
-    ),
     # what is written
     ((*SAMPLE, "-o", "out.txt"), "out.txt: is neither .parquet nor .csv; name the output so that"),
-    *(
-        ((*command, "-o", out), f"{Path(out)}: {FOLDER}")
-        for command in (FIT, SAMPLE)
-        for out in ("folder/", "/")
-    ),
-    *(
-        ((*command, "-o", out), f"{out}: cannot be written (good.json is not a folder); choose")
-        for command in (FIT, SAMPLE)
-        for out in ("good.json/new/out.csv",)
-    ),
-    *(
-        ((*command, "-o", f"{'x' * 300}.csv"), "cannot be written (File name too long); choose")
-        for command in (FIT, SAMPLE)
-    ),
+    ((*FIT, "-o", "folder/"), f"folder: {FOLDER}"),
+    ((*SAMPLE, "-o", f"{'x' * 300}.csv"), "cannot be written (File name too long); choose"),
     (
         (*FIT, "--resume", "-o", "foreign.json"),
         "foreign.json.partial: belongs to other work: its campaign or settings differ; run without",
@@ -319,12 +217,6 @@ def test_bad_input_gets_one_line_and_exit_code_2_and_writes_nothing(bench, run, 
     assert tree(bench) == before
 
 
-def test_a_fit_that_is_refused_leaves_the_old_result(bench, run):
-    before = tree(bench)
-    assert run("fit", "fitting/excluded.toml", "-o", "good.json")[0] == 2
-    assert tree(bench) == before
-
-
 def test_a_run_that_finds_no_defined_law_is_told_of(bench, run):
     few = {"genetic.populations": [4], "genetic.generations": 1, "genetic.runs": 20}
     bounds = {"parameters.K_star": {"low": -1000, "high": 1}, "parameters.n.low": -50}
@@ -337,15 +229,6 @@ def test_a_run_that_finds_no_defined_law_is_told_of(bench, run):
         r"generations\n",
         errors,
     )
-
-
-def test_bounds_that_exclude_a_part_of_the_laws_domain_are_no_mistake(bench, run):
-    changes = {"parameters.K_star.low": -5, "genetic.generations": 20}
-    write_toml(bench / "fitting/partly.toml", changed(CAMPAIGN, changes))
-    assert run("fit", "fitting/partly.toml", "--jobs", "1", "-o", "partly.json")[0] == 0
-    profile = FitResult.read(bench / "partly.json").profiles["K_star"]
-    assert profile.values[0] > 0
-    assert profile.low > 0
 
 
 @in_bench
@@ -401,15 +284,11 @@ def test_what_is_kept_is_counted(bench, run, monkeypatch, runs):
 
 @pytest.mark.slow
 @posix
-@in_bench
-def test_a_reader_that_has_gone_is_no_mistake():
-    finish_unread("compare", *["good.json"] * 50)
-
-
-@pytest.mark.slow
-@posix
 def test_a_result_is_written_even_if_nobody_reads_the_report(bench):
-    finish_unread(*FIT, *TO_RESULT)
+    process = start(*FIT, *TO_RESULT)
+    process.stdout.close()
+    assert (process.wait(timeout=60), process.stderr.read()) == (141, "")
+    process.stderr.close()
     assert FitResult.read(bench / "r.json").name == "small"
     assert not (bench / "r.json.partial").exists()
 
@@ -426,20 +305,12 @@ def test_output_without_room_is_told_in_one_line():
 
 
 @pytest.mark.slow
-@in_bench
-def test_there_is_no_progress_where_errors_are_no_terminal():
-    colourful = os.environ | {"FORCE_COLOR": "1", "TTY_COMPATIBLE": "1"}
-    code, said, errors = finish(*FIT, *TO_RESULT, env=colourful)
-    assert (code, errors) == (0, "")
-    assert "\x1b" not in said
-
-
-@pytest.mark.slow
 @posix
 @in_bench
 def test_there_is_progress_on_a_terminal():
     master, terminal = os.openpty()
-    process = start(*FIT, *TO_RESULT, stderr=terminal)
+    narrow = os.environ | {"PYTHONIOENCODING": "latin-1"}
+    process = start(*FIT, *TO_RESULT, stderr=terminal, env=narrow)
     os.close(terminal)
     visible = b""
     while True:
@@ -450,25 +321,7 @@ def test_there_is_progress_on_a_terminal():
     os.close(master)
     said, _ = process.communicate(timeout=60)
     assert process.returncode == 0
+    assert " ? " in said  # characters that the output has no room for
     for stage in (b"sampling", b"searching", b"profiling"):
         assert stage in visible
     assert "\x1b" not in said
-
-
-@pytest.mark.slow
-@in_bench
-def test_characters_that_the_output_has_no_room_for_are_replaced():
-    narrow = os.environ | {"PYTHONIOENCODING": "latin-1"}
-    code, said, errors = finish(*FIT, *TO_RESULT, env=narrow)
-    assert (code, errors) == (0, "")
-    assert " ? " in said
-
-
-@posix
-@pytest.mark.slow
-def test_output_that_is_closed_is_no_mistake(bench):
-    closing = ["sh", "-c", 'exec "$@" >&-', "sh", *COMMAND]
-    command = [*closing, "fit", "fitting/small.toml", "-o", "r.json", "--jobs", "2"]
-    finished = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (finished.returncode, finished.stderr) == (0, "")
-    assert FitResult.read(bench / "r.json").name == "small"

@@ -1,12 +1,18 @@
 """The commands as a whole: their examples, and options that are for another use."""
 
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
 import typer
 
+from cylcontact.cli import options
 from cylcontact.cli.app import app as program
+from cylcontact.fitting.measured import LOSSES
+from cylcontact.fitting.noise import NOISES
+from cylcontact.fitting.optimizers import OPTIMIZERS
+from cylcontact.plots.style import STYLES
 
 ROOT = Path(__file__).resolve().parents[2]
 SPEC = ROOT / "datasets/slider_crank.toml"
@@ -32,21 +38,17 @@ def test_the_help_fits_a_screen(run, name, monkeypatch):
     assert 10 < len(run(name, "--help")[1].splitlines()) <= 43
 
 
+def test_help_offers_what_there_is():
+    known = (LOSSES, NOISES, OPTIMIZERS, STYLES)
+    offered = (options.LOSSES, options.NOISES, options.OPTIMIZERS, options.STYLES)
+    assert offered == tuple(map(tuple, known))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK)
 def test_the_quick_examples_run(run, tmp_path, monkeypatch, name):
     for folder in ("datasets", "fitting"):
-        (tmp_path / folder).mkdir()
-        for path in (ROOT / folder).iterdir():
-            (tmp_path / folder / path.name).symlink_to(path)
-    (tmp_path / "datasets/examples").unlink()
-    (tmp_path / "datasets/examples").mkdir()
-    table = "datasets/examples/pin-in-hole.csv"
-    (tmp_path / table).write_bytes((ROOT / table).read_bytes())
-    (tmp_path / "fitting/results").unlink()
-    (tmp_path / "fitting/results").mkdir()
-    for path in (ROOT / "fitting/results").iterdir():
-        (tmp_path / "fitting/results" / path.name).write_bytes(path.read_bytes())
+        shutil.copytree(ROOT / folder, tmp_path / folder)
     monkeypatch.chdir(tmp_path)
     code, out, errors = run(*shlex.split(EXAMPLES[name])[1:])
     assert (code, errors) == (0, "")
@@ -59,34 +61,15 @@ def test_the_quick_examples_run(run, tmp_path, monkeypatch, name):
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (
-            ("simulate", SPEC, "--clearance", "0.5,0.02"),
-            "Invalid value for '--clearance': '0.5,0.02' is not a number; see cylcontact "
-            "simulate --help",
-        ),
-        (
-            ("simulate", SPEC, "--study", "cases"),
-            "No such option: --study; see cylcontact simulate --help",
-        ),
-        (
-            ("sweep", SPEC),
-            "Missing option '-o' / '--out'; see cylcontact sweep --help",
-        ),
-        (
-            ("simulate", SPEC, "-o", "x.gif", "--resume"),
-            "simulate: --resume: needs a file to go on from; name it: -o run.parquet",
-        ),
-        (
-            ("simulate", SPEC, "-o", "x.gif", "--revolutions", 2),
-            "simulate: --first = 2: leaves none of 2 revolutions; start earlier, or simulate more",
-        ),
-        (
-            ("fit", "r.json"),
-            "r.json: is a fit result; study its uncertainty with: cylcontact uncertainty r.json",
-        ),
+        ((SPEC, "--clearance", "0.5,0.02"), "'0.5,0.02' is not a number; see cylcontact simulate"),
+        ((SPEC, "--study", "cases"), "No such option: --study; see cylcontact simulate --help"),
+        ((SPEC, "-o", "x.gif", "--resume"), "simulate: --resume: needs a file to go on from; name"),
+        ((SPEC, "-o", "x.gif", "--revolutions", 2), "--first = 2: leaves none of 2 revolutions;"),
     ],
 )
 def test_what_is_for_another_command_is_refused(run, tmp_path, monkeypatch, arguments, line):
     monkeypatch.chdir(tmp_path)
-    assert run(*arguments) == (2, "", f"cylcontact: {line}\n")
+    code, out, errors = run("simulate", *arguments)
+    assert (code, out, errors.count("\n")) == (2, "", 1)
+    assert line in errors
     assert not list(tmp_path.iterdir())

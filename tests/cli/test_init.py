@@ -1,12 +1,10 @@
 """A bench laid out by `cylcontact init`: all that git holds of it, and over nothing."""
 
-import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
-from cylcontact import InputError
 from cylcontact.cli import init
 from tests.support.spec_files import tree
 
@@ -67,24 +65,6 @@ def test_a_bench_is_completed_where_its_files_are_as_they_ship(tmp_path, run):
     (tmp_path / "reports/maps.py").unlink()
     assert run("init", tmp_path)[0] == 0
     assert tree(tmp_path) == before
-
-
-def test_a_file_in_place_of_the_folder_is_refused(tmp_path, run):
-    (tmp_path / "file").write_text("mine")
-    code, _, err = run("init", tmp_path / "file")
-    assert code == 2
-    assert "file is not a folder" in err
-    assert len(err.splitlines()) == 1
-
-
-def test_a_copy_that_fails_leaves_nothing(tmp_path, monkeypatch):
-    def fail(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(shutil, "copyfile", fail)
-    with pytest.raises(InputError, match=r"cannot be written \(No space left on device\)"):
-        init.copy_files(ROOT, tmp_path / "new", init.shipped_files(ROOT))
-    assert not any(path.is_file() for path in tmp_path.rglob("*"))
 
 
 @pytest.mark.parametrize("command", [("figure", "fig12"), ("verify",)])

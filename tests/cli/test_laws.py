@@ -1,5 +1,6 @@
 """The commands that print laws: `cylcontact laws` and `cylcontact export`."""
 
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -16,12 +17,6 @@ def test_laws_lists_every_law_and_the_explicit_laws_error(run):
     assert (code, err) == (0, "")
     assert all(f"\n{name} " in out for name in laws.LAWS)
     assert "internal load: 0.1156 % of persson's" in out
-
-
-def test_laws_leaves_out_what_is_not_for_rollers(run):
-    code, out, _ = run("laws", "--contact", "external")
-    assert code == 0
-    assert "johnson" in out
 
 
 def test_laws_advises_on_a_pin_and_a_hole_of_different_materials(run):
@@ -69,116 +64,55 @@ def test_laws_finds_a_clearance(run):
     assert out == f"dR = {dR:.6g} mm gives 200000 N/mm² under 500 N/mm\n"
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--fit", "20H7/k6"), "laws: --fit = '20H7/k6': is a transition fit: ΔR is -7.5 to 9.5"),
-        (("--fit", "20H7/g6", "--dR", ".1"), "laws: --dR = 0.1: is given by the fit 20H7/g6"),
-        (("--fit", "8H7/g6", "--contact", "external"), "--contact = 'external': has no fit"),
-        (("--stiffness", "1"), "laws: --stiffness = 1.0: is for --find"),
-        (("--find", "R"), "laws: --find = 'R': cannot be found; dR, E or length"),
-        (("--find", "dR"), "laws: --stiffness: is missing; give stiffness or penetration"),
-        (("--temperature", "hot"), "laws: --temperature = 'hot': must be one number or two"),
-    ],
-)
-def test_laws_refuses_what_a_designer_may_mistake(run, options, message):
-    code, _, err = run("laws", *options)
-    assert code == 2
-    assert message in err
+REFUSED = [
+    "--fit 20H7/k6 | laws: --fit = '20H7/k6': is a transition fit: ΔR is -7.5 to 9.5",
+    "--fit 20H7/g6 --dR .1 | laws: --dR = 0.1: is given by the fit 20H7/g6",
+    "--fit 8H7/g6 --contact external | --contact = 'external': has no fit",
+    "--stiffness 1 | laws: --stiffness = 1.0: is for --find",
+    "--find R | laws: --find = 'R': cannot be found; dR, E or length",
+    "--find dR | laws: --stiffness: is missing; give stiffness or penetration",
+    "--temperature hot | laws: --temperature = 'hot': must be one number or two",
+    "--pin ceramics | laws: --hole: is missing beside --pin; name the hole's material",
+    "--pin PTFE --hole 2e5, | laws: --hole = '2e5,': is no material; write its",
+    "--pin PTFE --hole 210,.3 | --hole = '210': a bare number is in MPa; did you",
+    "--pin ceramics --hole soap | laws: --hole = 'soap': is not in the tables of materials; choose",
+    "--material '110 GPa, .34' --nu .3 | laws: --nu = 0.3: is given by --material already; leave",
+    "--contact external --material-i PTFE | --material-j: is missing beside --material-i; name the",
+    "--hole-diameter 20 --Ri 10 | --hole-diameter = 20.0: says the same as --Ri",
+    "--dR .1 --Ri 10 --Rj 9 | laws: --dR = 0.1: follows from the radii",
+    "--pin PTFE --hole PTFE --contact external | has no pin and no hole; leave out --pin",
+    "--pin PTFE --hole bronze --nu 0.46 | --nu = 0.46: is of both bodies, and --hole is of one",
+    "--nu 30 | laws: --nu = 30.0: Poisson's ratio must lie in [0, 0.5]",
+    "--dR -1 | dR = -1.0: must be positive",
+    "--contact sideways | must be 'internal' or 'external'",
+    "--load many | Invalid value for '--load'",
+    "--E 207e9 | laws: --E = '207e9': is beyond any material",
+    "--E 210 | laws: --E = '210': a bare number is in MPa; did you mean \"210 GPa\"? For a",
+]
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--pin", "ceramics"), "laws: --hole: is missing beside --pin; name the hole's material"),
-        (("--hole", "2e5, .3"), "laws: --pin: is missing beside --hole; name the pin's material"),
-        (("--pin", "PTFE", "--hole", "2e5,"), "laws: --hole = '2e5,': is no material; write its"),
-        (("--pin", "PTFE", "--hole", "210,.3"), "--hole = '210': a bare number is in MPa; did you"),
-        (
-            ("--pin", "ceramics", "--hole", "soap"),
-            "laws: --hole = 'soap': is not in the tables of materials; choose ceramics, "
-            "high-strength steel, low-carbon steel, titanium alloy, aluminium alloy, bronze, PEEK, "
-            "PTFE, or name a table of your own with --materials",
-        ),
-        (
-            ("--material", "110 GPa, .34", "--nu", ".3"),
-            "laws: --nu = 0.3: is given by --material already; leave it out",
-        ),
-        (
-            ("--contact", "external", "--material-i", "PTFE"),
-            "laws: --material-j: is missing beside --material-i; name the roller j's material",
-        ),
-        (("--hole-diameter", "20", "--Ri", "10"), "--hole-diameter = 20.0: says the same as --Ri"),
-        (("--dR", ".1", "--Ri", "10", "--Rj", "9"), "laws: --dR = 0.1: follows from the radii"),
-        (
-            ("--pin", "ceramics", "--hole", "ceramics", "--contact", "external"),
-            "laws: --contact = 'external': has no pin and no hole; leave out --pin",
-        ),
-        (
-            ("--pin", "PTFE", "--hole", "bronze", "--E", "110e3"),
-            "laws: --E = 110000.0: is of both bodies, and --hole is of one; give each its own",
-        ),
-        (
-            ("--pin", "PTFE", "--hole", "bronze", "--nu", "0.46"),
-            "laws: --nu = 0.46: is of both bodies, and --hole is of one; give each its own",
-        ),
-    ],
-)
-def test_laws_refuses_half_a_pair_in_one_line(run, options, message):
-    code, out, err = run("laws", *options)
+@pytest.mark.parametrize("case", REFUSED)
+def test_laws_refuses_what_one_may_mistake_in_one_line(run, case):
+    options, _, message = case.partition(" | ")
+    code, out, err = run("laws", *shlex.split(options))
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert message in err
 
 
-@pytest.mark.parametrize(
-    ("option", "value", "message"),
-    [
-        ("--nu", "0.7", "nu = 0.7: Poisson's ratio must lie in [0, 0.5]"),
-        ("--dR", "-1", "dR = -1.0: must be positive"),
-        ("--contact", "sideways", "must be 'internal' or 'external'"),
-        ("--load", "many", "Invalid value for '--load'"),
-        ("--nu", "30", "laws: --nu = 30.0: Poisson's ratio must lie in [0, 0.5]"),
-        ("--E", "207e9", "laws: --E = '207e9': is beyond any material"),
-        ("--Rj", "-1", "laws: --Rj = -1.0: must be positive"),
-    ],
-)
-def test_laws_refuses_a_bad_pair_in_one_line(run, option, value, message):
-    code, out, err = run("laws", option, value)
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert message in err
-
-
-def test_export_prints_a_function(run):
+def test_export_prints_a_law_and_writes_a_refit_to_a_file(run, tmp_path):
     code, out, err = run("export", "explicit", "--contact", "internal", "--to", "c")
     assert (code, err) == (0, "")
     assert "double cylcontact_explicit_internal_load(" in out
-
-
-def test_export_writes_a_refit_to_a_file(run, tmp_path):
     result, out = ROOT / "fitting/results/external.json", tmp_path / "new" / "law.c"
-    code, message, err = run("export", result, "--to", "c", "-o", out)
-    assert (code, err) == (0, "")
-    assert message == f"{result} written to {out}\n"
+    message = f"{result} written to {out}\n"
+    assert run("export", result, "--to", "c", "-o", out) == (0, message, "")
     assert "double cylcontact_enhanced_external" in out.read_text(encoding="ascii")
 
 
-@pytest.mark.parametrize("modulus", ["200000", "2e5", "200 GPa", "200000 MPa"])
-def test_a_modulus_is_in_mpa_or_has_a_unit(run, modulus):
-    asked = run("laws", "--E", modulus)
-    assert asked == run("laws", "--E", "200e3")
-    assert asked[0] == 0
-    assert asked != run("laws")
-
-
-def test_a_modulus_below_1000_needs_its_unit(run):
-    message = (
-        "cylcontact: laws: --E = '210': a bare number is in MPa; did you mean \"210 GPa\"? "
-        'For a material as soft as that write "210 MPa"\n'
-    )
-    assert run("laws", "--E", "210") == (2, "", message)
-    code, out, err = run("laws", "--E", "210 MPa", "--load", "0.1")
-    assert (code, err) == (0, "")
-    assert "\n\ninternal contact, ΔR = " in out
+def test_a_modulus_is_in_mpa_or_has_a_unit(run):
+    asked = [run("laws", "--E", modulus) for modulus in ("200e3", "200 GPa", "200000 MPa")]
+    assert asked[0] == asked[1] == asked[2] != run("laws")
+    assert (asked[0][0], run("laws", "--E", "210 MPa", "--load", "0.1")[0]) == (0, 0)
 
 
 @pytest.mark.slow
@@ -224,14 +158,9 @@ def test_a_pair_may_be_given_in_several_ways(run, tmp_path, monkeypatch):
     ("options", "warning"),
     [
         (("--hole-diameter", "20", "--Rj", "5"), "the radial clearance over the hole's radius is"),
-        (("--Ri", "11", "--Rj", "9.97"), "the radial clearance over the hole's radius is 0.0936"),
-        (("--Ri", "0.01", "--dR", "3e-5", "--length", "0.02"), "the radius of the hole in mm is"),
         (("--Ri", "10", "--dR", "0.00005"), "is a radius a diameter, or the clearance in metres?"),
         (("--length", "0.15"), "the axial length over the radius of the hole is 0.015"),
         (("--Ri", "10", "--Rj", "9.5"), ""),
-        (("--length", "1"), ""),
-        (("--length", "200"), ""),
-        (("--Ri", "10", "--Rj", "9.9965"), ""),
         (("--contact", "external", "--Ri", "3", "--Rj", "300"), ""),
     ],
 )

@@ -21,8 +21,6 @@ from cylcontact.laws.logarithmic import adjusted_logarithmic
 from cylcontact.laws.user import user_law
 from cylcontact.materials import material_in_MPa
 from tests.support.export_runners import RUNNERS, module_of, require_jax, run_octave
-from tests.support.fmu_masters import started
-from tests.support.programs import require_package, require_program
 
 RESULTS = Path(__file__).parents[2] / "fitting" / "results"
 INTERNAL, EXTERNAL = RESULTS / "internal.json", RESULTS / "external.json"
@@ -270,39 +268,6 @@ def test_jax_outside_the_domain_and_at_the_second_derivative():
     assert float(jax.grad(slope)(1e-3, 1e5, 0.05)) == pytest.approx(bend, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["johnson-external", "parametric-internal"])
-def test_the_fmu_of_a_law_is_the_law(name, tmp_path):
-    fmpy = require_package("fmpy")
-    from fmpy.validation import validate_fmu
-
-    require_program("gcc")
-    case = case_of(name)
-    path = tmp_path / "law.fmu"
-    path.write_bytes(export(case.law, case.contact, "fmu"))
-    assert validate_fmu(str(path)) == []
-    description = fmpy.read_model_description(path)
-    kinds = {v.name: v.causality for v in description.modelVariables}
-    assert kinds["penetration"] == "input"
-    assert kinds["dR"] == "parameter"
-    rows = [
-        row
-        for k, row in enumerate(
-            zip(*case.arguments.values(), *case.answers, *case.conditions, strict=True)
-        )
-        if k % 97 == 0
-    ]
-    for kind in ("ModelExchange", "CoSimulation"):
-        unit = started(path, tmp_path / kind, kind)
-        for *given, f, k, of_f, of_k in rows:
-            unit.setReal(range(len(given)), given)
-            answers = unit.getReal([len(given), len(given) + 1])
-            for answer, wanted, condition in zip(answers, (f, k), (of_f, of_k), strict=True):
-                allowed = ROUNDINGS * EPS * condition
-                np.testing.assert_allclose(answer, wanted, rtol=allowed, err_msg=kind)
-        unit.terminate()
-        unit.freeInstance()
-
-
 @pytest.mark.parametrize("path", sorted(RESULTS.glob("*.json")), ids=lambda path: path.stem)
 def test_every_committed_result_can_be_exported(path):
     result = FitResult.read(path)
@@ -316,8 +281,6 @@ def test_every_committed_result_can_be_exported(path):
 
 ERRORS = {
     "unknown law": (lambda: export_named("hertz", None, "c"), "neither a law that can be exported"),
-    "name of no file": (lambda: export_named("x" * 5000, None, "c"), "x…: is neither a law"),
-    "folder": (lambda: export_named(str(RESULTS), None, "c"), "cannot be read (Is a directory)"),
     "unknown target": (lambda: export_named("johnson", None, "rust"), "is not a known target"),
     "unknown contact": (lambda: export_named("johnson", "conformal", "c"), "is not a contact"),
     "contact missing": (
@@ -327,20 +290,10 @@ ERRORS = {
     "contact contradicts result": (
         lambda: export_named(str(INTERNAL), "external", "c"), "contradicts --contact external",
     ),
-    "contact contradicts coefficients": (
-        lambda: export(laws.Enhanced(coefficients(INTERNAL)), "external", "c"),
-        "the coefficients are for internal contact",
-    ),
     "law not for the contact": (
         lambda: export_named("liu", "external", "c"), "the law 'liu' is for a pin in a hole",
     ),
-    "power without a result": (
-        lambda: export_named("power", None, "c"), "has no coefficients of its own",
-    ),
     "no formula": (lambda: export_named("persson", None, "c"), "has no closed form to write"),
-    "scaled without a formula": (
-        lambda: export(ScaledLaw(laws.Persson()), None, "c"), "has no closed form to write",
-    ),
     "on a plane": (
         lambda: export(laws.Johnson(datum=5.0), None, "c"), "is for a plane, which has no dR",
     ),
@@ -348,7 +301,6 @@ ERRORS = {
         lambda: export(user_law("own_laws:untranslatable", FOLDER), None, "c"),
         "line 29 = 'abs(penetration)': is not known in other languages",
     ),
-    "no such result": (lambda: export_named("nothing.json", None, "c"), "No such file"),
 }  # fmt: skip
 
 
@@ -357,7 +309,6 @@ def test_what_is_refused_is_refused_in_a_line(act, message):
     with pytest.raises(InputError) as caught:
         act()
     assert message in str(caught.value)
-    assert len(str(caught.value).splitlines()) == 1
 
 
 @pytest.mark.parametrize(
@@ -376,14 +327,11 @@ def test_coefficients_that_define_no_law_are_not_exported(law, contact, own, rul
         export(model.build({**usual, **own}), contact, "c")
 
 
-@pytest.mark.parametrize("falls", [False, True])
-def test_a_load_that_is_negative_or_falls_is_refused_with_its_penetration(falls):
+def test_a_load_that_falls_is_refused_with_its_penetration():
     class Odd(laws.Johnson):
         def load(self, penetration, pair):
             load = super().load(penetration, pair)
-            return np.where(penetration > 0.01, load / 1e3 if falls else -load, load)
+            return np.where(penetration > 0.01, load / 1e3, load)
 
-    with pytest.raises(
-        InputError, match=f"its load {'decreases' if falls else 'is negative'} at 0.0"
-    ):
+    with pytest.raises(InputError, match=r"its load decreases at 0\.0"):
         require_contact_law(Odd(), "internal")

@@ -62,35 +62,25 @@ def spread(ratio):
     return float(np.sqrt(np.mean(np.log(ratio) ** 2)))
 
 
-@pytest.mark.parametrize("code", ["adams", "exudyn"])
-def test_no_power_is_closer_than_the_fitted_one(code):
-    force = np.geomspace(LOW, HIGH, 200)
-    depth = law_at(force) * (1.0 if code == "adams" else 1e-3)
-    best = minimize(
-        lambda p: spread(np.exp(p[0]) * depth ** p[1] / force), (15.0, 1.0),
-        method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-14, "maxiter": 4000},
-    ).x  # fmt: skip
-    names = ("K", "e") if code == "adams" else ("contactStiffness", "contactStiffnessExponent")
-    fitted = [parameters_of(code).values[name] for name in names]
-    assert fitted == pytest.approx([np.exp(best[0]), best[1]], rel=1e-6)
-
-
 @pytest.mark.parametrize(
-    ("code", "name", "factor"),
+    ("code", "name", "unit", "power"),
     [
-        ("chrono", "kn", 1.0),
-        ("drake", "point_contact_stiffness", 0.5),
-        ("simscape", "stiffness", 1),
+        ("adams", "K", 1.0, "e"),
+        ("exudyn", "contactStiffness", 1e-3, "contactStiffnessExponent"),
+        ("chrono", "kn", 1e-3, None),
+        ("simscape", "stiffness", 1e-3, None),
     ],
 )
-def test_no_line_is_closer_than_the_fitted_one(code, name, factor):
+def test_no_power_or_line_is_closer_than_the_fitted_one(code, name, unit, power):
     force = np.geomspace(LOW, HIGH, 200)
-    x = 1e-3 * law_at(force)
+    depth = law_at(force) * unit
     best = minimize(
-        lambda p: spread(np.exp(p[0]) * x / force), [20.0], method="Nelder-Mead",
-        options={"xatol": 1e-10, "fatol": 1e-14},
+        lambda p: spread(np.exp(p[0]) * depth ** (p[1] if power else 1.0) / force), (15.0, 1.0),
+        method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-14, "maxiter": 4000},
     ).x  # fmt: skip
-    assert factor * parameters_of(code).values[name] == pytest.approx(np.exp(best[0]), rel=1e-6)
+    values = parameters_of(code).values
+    assert values[name] == pytest.approx(np.exp(best[0]), rel=1e-6)
+    assert power is None or values[power] == pytest.approx(best[1], rel=1e-6)
 
 
 def impedance(x, d_0, d_width, width, midpoint, power):
@@ -281,40 +271,25 @@ def test_exudyns_own_contact_has_the_bounce_at_each_speed(restitution):
 # --- the command ---
 
 
-@EACH
-def test_the_command_prints_the_parameters(run, tmp_path, code):
-    command = ("export", "--joint", JOINT, "--to", code, "--range", "100:5000")
-    expected = f"{contact_parameters(read_joint(JOINT), code, 100, 5000)}\n"
-    assert run(*command) == (0, expected, "")
-    lines = expected.splitlines()[: expected.splitlines().index("")]
-    assert all(line.split(" = ")[0].isidentifier() for line in lines)
+def test_the_command_prints_the_parameters(run, tmp_path):
+    command = ("export", "--joint", JOINT, "--to", "adams", "--range", "100:5000")
+    assert run(*command) == (
+        0,
+        f"{contact_parameters(read_joint(JOINT), 'adams', 100, 5000)}\n",
+        "",
+    )
     out = tmp_path / "new" / "contact.txt"
     options = ("--mass", "0.5", "--speed", "0.4", "-o", out)
     assert run(*command, *options) == (0, f"wrist-pin written to {out}\n", "")
-    at_speed = contact_parameters(read_joint(JOINT), code, 100, 5000, 0.5, 0.4)
+    at_speed = contact_parameters(read_joint(JOINT), "adams", 100, 5000, 0.5, 0.4)
     assert out.read_text(encoding="ascii") == f"{at_speed}\n"
-    assert "at 0.4 m/s of 0.5 kg" in str(at_speed)
-
-
-def test_the_command_warns_of_yield(run, tmp_path):
-    hard = JOINT.read_text(encoding="utf-8").replace(
-        'material = "bronze"', "E = 207.0\nnu = 0.3\nyield_stress = 250.0"
-    )
-    (tmp_path / "steel.toml").write_text(hard, encoding="utf-8")
-    command = ("export", "--joint", tmp_path / "steel.toml", "--to", "adams", "--range")
-    assert run(*command, "100:500")[2] == ""
-    code, _, errors = run(*command, "100:50000")
-    assert (code, "first yield is at" in errors) == (0, True)
 
 
 REFUSALS = {
     "no range": (("--to", "adams"), "--range: must be the smallest and the largest total force"),
-    "one number": (("--to", "adams", "--range", "100"), "--range = '100': must be the smallest"),
     "reversed": (("--to", "adams", "--range", "9:1"), "--range = '9:1': is no range of force; gi"),
-    "nothing": (("--to", "drake", "--range", "0:9"), "--range = '0:9': is no range of force; giv"),
     "not finite": (("--to", "drake", "--range", "1:inf"), "--range = '1:inf': must be the small"),
     "no mass": (("--to", "mujoco", "--range", "1:9", "--mass", "0"), "--mass = 0.0: must be posit"),
-    "no speed": (("--to", "chrono", "--range", "1:9", "--speed", "-1"), "--speed = -1.0: must be"),
     "source": (("--to", "c", "--range", "1:9"), "--range = '1:9': is for a code's own contact; le"),
 }  # fmt: skip
 
@@ -326,11 +301,6 @@ def test_the_command_refuses_in_one_line(run, arguments, message):
     assert message in errors
 
 
-def test_a_joint_and_a_law_that_reaches_are_needed(run):
-    code, _, errors = run("export", "--to", "adams", "--range", "100:5000")
-    assert (code, errors.count("\n")) == (2, 1)
-    assert "export: --joint: is missing for adams; name its file" in errors
+def test_a_range_ends_before_the_law():
     with pytest.raises(InputError, match=r"goes beyond the law 'johnson', which ends at \d"):
         contact_parameters(joint_from(changed(PIN, {"law": "johnson"})), "adams", 100, 1e6)
-    with pytest.raises(InputError, match="is not known; choose adams, chrono"):
-        contact_parameters(joint_from(PIN), "odin", 100, 1000)

@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cylcontact.export import EXPORTABLE
+from cylcontact.export import EXPORTABLE, export
 from cylcontact.export.exported_law import exported
 from cylcontact.laws import LAWS
 from tests.support.export_runners import RUNNERS, run_octave
+from tests.support.fmu_masters import started
+from tests.support.programs import require_package, require_program
 from tests.support.write_vectors import COLUMNS, FOLDER, pair_of
 
 FILES = sorted(path.stem for path in Path(FOLDER).glob("*.json"))
@@ -70,6 +72,22 @@ def test_an_export_gives_the_vectors(language, stem, tmp_path):
     case = Case(stem)
     for answer, wanted in zip(RUNNERS[language](case, tmp_path), case.answers, strict=True):
         np.testing.assert_allclose(answer, wanted, rtol=CLOSE)
+
+
+@pytest.mark.parametrize("stem", EXPORTED)
+def test_an_fmu_gives_the_vectors(stem, tmp_path):
+    fmpy, case = require_package("fmpy"), Case(stem)
+    require_program("gcc")
+    path = tmp_path / "law.fmu"
+    path.write_bytes(export(case.law, case.contact, "fmu"))
+    variables = fmpy.read_model_description(path, validate=True).modelVariables
+    assert [v.name for v in variables] == [*case.arguments, "load", "stiffness"]
+    assert [v.causality for v in variables[:2]] == ["input", "parameter"]
+    unit, given = started(path, tmp_path / "unpacked"), range(len(case.arguments))
+    for row, answers in zip(case.each_row(), case.answers.T, strict=True):
+        unit.setReal(given, row)
+        results = unit.getReal([len(row), len(row) + 1])
+        np.testing.assert_allclose(results, answers, rtol=CLOSE)
 
 
 def test_octave_gives_the_vectors(tmp_path):

@@ -1,4 +1,4 @@
-"""Masters for FMUs of clearance joints, and what they move: a journal, and the slider-crank."""
+"""Masters for FMUs of clearance joints, and what they move: a journal under load."""
 
 from ctypes import c_double
 from pathlib import Path
@@ -11,7 +11,6 @@ from cylcontact.export.fmu import model_of
 from cylcontact.export.joint import element_of
 from cylcontact.mechanism import read_joint
 from cylcontact.mechanism.joint import JointState
-from cylcontact.mechanism.linkage import assemble, closure, constraint_table
 
 JOINT = Path(__file__).resolve().parents[2] / "datasets/joint.toml"
 REALS = [v.name for v in model_of(element_of(read_joint(JOINT))).variables if v.unit]
@@ -146,24 +145,36 @@ class Library:
             self.state = JointState(max(float(wrench.penetration_rate), self.joint.rate_floor))
 
 
-def integrate(system, element, end, tolerance=1e-11):
-    """Model exchange: integrate a system to a time, with an event wherever the contact changes.
+# A journal of a mass, with a spin, in a bearing at rest, under a constant force.
+MASS, FORCE, SPIN = 0.5, np.array([30.0, -200.0]), 50.0  # kg, N, rad/s
+
+
+def motion(t, y):
+    return np.array([*(0.0,) * 6, y[0], y[1], SPIN * t, y[2], y[3], SPIN])
+
+
+def acceleration(wrench):
+    return (FORCE + wrench[3:5]) / MASS
+
+
+def integrate(element, end, tolerance=1e-11):
+    """Model exchange: integrate to a time, with an event wherever the contact changes.
 
     Returns times and states at every accepted step and event, and the times of the onsets.
     """
-    times, states, onsets = [0.0], [system.start], []
-    touching = element.indicator(system.motion(0.0, system.start)) > 0
+    times, states, onsets, touching = [0.0], [np.zeros(4)], [], False
 
     def derivative(t, y):
-        return system.derivative(t, y, element.wrench(system.motion(t, y)))
+        return np.concatenate([y[2:], acceleration(element.wrench(motion(t, y)))])
 
     def indicator(t, y):
-        return element.indicator(system.motion(t, y))
+        return element.indicator(motion(t, y))
 
     while times[-1] < end:
         solver = DOP853(
-            derivative, times[-1], states[-1], end, rtol=tolerance, atol=system.scale * tolerance
-        )
+            derivative, times[-1], states[-1], end, rtol=tolerance,
+            atol=tolerance * np.array([1e-5, 1e-5, 1.0, 1.0]),
+        )  # fmt: skip
         while solver.status == "running":
             solver.step()
             t, y = solver.t, solver.y
@@ -176,84 +187,24 @@ def integrate(system, element, end, tolerance=1e-11):
                     onsets.append(t)
             times.append(t)
             states.append(y)
-            again = element.completed(system.motion(t, y))
+            again = element.completed(motion(t, y))
             if changes or again:
-                element.at_event(system.motion(t, y))
+                element.at_event(motion(t, y))
                 break
     return np.array(times), np.array(states), np.array(onsets)
 
 
-def cosimulate(system, element, end, size):
+def cosimulate(element, end, size):
     """Co-simulation: positions at the steps, velocities half a step later (leapfrog).
 
-    Returns times, states and penetrations at the ends of the steps. The element moves the bodies
+    Returns times, positions and penetrations at the ends of the steps. The element moves the bodies
     on by a step at the velocities it is given, to where they are then.
     """
-    half = system.start.size // 2
-    x = system.start[:half].copy()
-    none = np.zeros(6)
-    v = system.start[half:] + size / 2 * system.derivative(0.0, system.start, none)[half:]
-    rows = []
+    x, v, rows = np.zeros(2), size / 2 * acceleration(np.zeros(6)), []
     for k in range(round(end / size)):
-        out = element.step(k * size, size, system.motion(k * size, np.concatenate([x, v])))
+        out = element.step(k * size, size, motion(k * size, np.concatenate([x, v])))
         x = x + size * v
-        t = (k + 1) * size
-        acceleration = system.derivative(t, np.concatenate([x, v]), out[:6])[half:]
-        rows.append(np.concatenate([[t], x, v + size / 2 * acceleration, out[6:]]))
-        v = v + size * acceleration
+        v = v + size * acceleration(out)
+        rows.append([(k + 1) * size, *x, out[6]])
     rows = np.array(rows)
-    return rows[:, 0], rows[:, 1:-1], rows[:, -1]
-
-
-def onsets_of(times, penetration):
-    """The times of the first touches, by straight lines between the steps."""
-    k = np.flatnonzero((penetration[:-1] <= 0) & (penetration[1:] > 0))
-    rise = penetration[k + 1] - penetration[k]
-    return times[k] - penetration[k] / rise * (times[k + 1] - times[k])
-
-
-class Journal:
-    """A journal with a mass and a spin in a bearing at rest, under a constant force."""
-
-    def __init__(self, mass=0.5, force=(0.0, 0.0), spin=0.0, start=(0.0, 0.0, 0.0, 0.0)):
-        self.mass, self.force, self.spin = mass, np.array(force), spin
-        self.start = np.array(start)
-        self.scale = np.array([1e-5, 1e-5, 1.0, 1.0])
-
-    def motion(self, t, y):
-        return np.array([*(0.0,) * 6, y[0], y[1], self.spin * t, y[2], y[3], self.spin])
-
-    def derivative(self, _t, y, wrench):
-        return np.concatenate([y[2:], (self.force + wrench[3:5]) / self.mass])
-
-
-class SliderCrank:
-    """A mechanism's own equations of motion, its constraint forces as multipliers.
-
-    All but the contact: that comes as the wrench of the element.
-    """
-
-    def __init__(self, mechanism):
-        self.table = constraint_table([j for j in mechanism.joints if j.clearance is None])
-        self.bearing, self.pin = mechanism.clearance.i, mechanism.clearance.j
-        self.mass = np.array([x for b in mechanism.bodies for x in (b.mass, b.mass, b.inertia)])
-        self.alpha, self.beta = mechanism.integration.alpha, mechanism.integration.beta
-        q, v = assemble(mechanism)
-        self.start = np.concatenate([q, v])
-        self.scale = np.array([1e-4] * q.size + [1.0] * q.size)
-
-    def motion(self, _t, y):
-        q, v = y.reshape(2, -1, 3)
-        return np.concatenate([q[self.bearing], v[self.bearing], q[self.pin], v[self.pin]])
-
-    def derivative(self, t, y, wrench):
-        q, v = y.reshape(2, -1)
-        value, rate, jacobian, gamma = closure(self.table, t, q, v)
-        force = np.zeros((q.size // 3, 3))
-        force[self.bearing] += wrench[:3]
-        force[self.pin] += wrench[3:]
-        gamma = gamma - 2 * self.alpha * rate - self.beta**2 * value
-        zero = np.zeros((gamma.size, gamma.size))
-        matrix = np.block([[np.diag(self.mass), jacobian.T], [jacobian, zero]])
-        acceleration = np.linalg.solve(matrix, np.concatenate([force.ravel(), gamma]))[: q.size]
-        return np.concatenate([v, acceleration])
+    return rows[:, 0], rows[:, 1:3], rows[:, 3]

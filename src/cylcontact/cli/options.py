@@ -19,7 +19,7 @@ from cylcontact.files import require_apart
 from cylcontact.reading import plain_number
 
 RESULTS = Path("fitting/results")
-# Keys of tables of functions, which are slow to import; tests/cli/test_choices.py compares them.
+# Keys of tables of functions, which are slow to import; tests/cli/test_commands.py compares them.
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 NOISES = ("constant", "proportional", "both")
 OPTIMIZERS = ("genetic", "differential-evolution", "least-squares", "descents", "cma")
