@@ -33,9 +33,6 @@ def pytest_addoption(parser):
         action="store_true",
         help="run only slow tests, and those that skipped in the last run; none may skip",
     )
-    parser.addoption(
-        "--trials", type=int, default=1, help="how often tests of killed commands repeat each case"
-    )
 
 
 def pytest_configure(config):

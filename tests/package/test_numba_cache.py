@@ -7,11 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numba
 import pytest
 
 import cylcontact
-from cylcontact.numba_cache import PARTS, compiled, source_hash
+from cylcontact.numba_cache import PARTS
 
 pytestmark = pytest.mark.slow
 
@@ -50,19 +49,6 @@ def test_a_changed_callee_and_a_changed_constant_are_noticed(tmp_path):
     assert load() != first
 
 
-@pytest.mark.parametrize("part", PARTS)
-def test_every_part_counts(part, tmp_path):
-    shutil.copytree(
-        PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__", "html")
-    )
-    before = source_hash(tmp_path / "package")
-    assert before == source_hash(PACKAGE)
-    file = tmp_path / "package" / part
-    file = file / "__init__.py" if file.is_dir() else file.with_suffix(".py")
-    file.write_text("# changed", encoding="utf-8")
-    assert source_hash(tmp_path / "package") != before
-
-
 def test_all_compiled_functions_are_in_those_parts():
     assert COMPILED
     assert {path.relative_to(PACKAGE).parts[0] for path in COMPILED} <= set(PARTS)
@@ -78,9 +64,3 @@ def test_their_constants_are_in_those_parts_too(path):
             for alias in node.names:
                 value = getattr(module, alias.asname or alias.name)
                 assert node.module.split(".")[1] in PARTS or callable(value), alias.name
-
-
-def test_numbas_own_setting_is_left_as_it_was():
-    before = numba.config.CACHE_DIR
-    compiled(lambda x: x)
-    assert before == numba.config.CACHE_DIR

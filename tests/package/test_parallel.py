@@ -3,7 +3,6 @@
 import os
 import signal
 import sys
-import threading
 import time
 from contextlib import closing
 
@@ -41,14 +40,6 @@ def test_no_more_workers_are_started_than_there_are_calls(monkeypatch):
     for jobs, count in ((5000, 3), (2, 3), (2, 0)):
         list(run_calls(calls(abs, *range(count)), jobs))
     assert asked == [3, 2, 1]
-
-
-def test_another_thread_may_start_workers():
-    actual = []
-    thread = threading.Thread(target=lambda: actual.extend(run_calls(calls(abs, -1, -2), 2)))
-    thread.start()
-    thread.join()
-    assert actual == [1, 2]
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

@@ -6,8 +6,6 @@ import sys
 
 import pytest
 
-import cylcontact
-
 FACES = (
     "cylcontact",
     "cylcontact.datasets",
@@ -40,10 +38,3 @@ def test_the_parts_of_the_package_need_no_import_of_their_own():
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert printed.stdout.split() == ["True"] * 5
-
-
-def test_an_unknown_name_is_no_attribute():
-    with pytest.raises(AttributeError, match="no attribute 'mechanisms'"):
-        _ = cylcontact.mechanisms
-    with pytest.raises(AttributeError, match="no attribute 'finite_elements'"):
-        _ = cylcontact.datasets.finite_elements

@@ -20,9 +20,6 @@ from benchmarks.tether import tethered
 
 ROOT = Path(__file__).resolve().parents[2]
 
-AUDITED = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "os.chmod"}
-WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_APPEND
-
 
 def context():
     """Processes forked from one that has imported everything already."""
@@ -31,33 +28,18 @@ def context():
     return forkserver
 
 
-def start(folder, *arguments, kill_at=None, file_size=None):
-    """Start a command in a folder; its errors go to a file there that `said` reads.
-
-    `kill_at` is the number of the operation on a file before which it kills itself, and
-    `file_size` the largest file that it may write, in bytes.
-    """
-    process = context().Process(target=_run, args=(folder, arguments, kill_at, file_size))
+def start(folder, *arguments):
+    """Start a command in a folder; its errors go to a file there that `said` reads."""
+    process = context().Process(target=_run, args=(folder, arguments))
     process.start()
     return process
 
 
-def run(folder, *arguments, **limits):
-    """Run a command to its end and return its exit code, -9 where it was killed."""
-    process = start(folder, *arguments, **limits)
+def run(folder, *arguments):
+    """Run a command to its end and return its exit code."""
+    process = start(folder, *arguments)
     process.join()
     return process.exitcode
-
-
-def run_and_kill(folder, *arguments, seconds):
-    """Run a command, kill -9 it after some seconds, and tell whether that was before its end."""
-    process = start(folder, *arguments)
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline and process.is_alive():
-        time.sleep(0.001)
-    process.kill()
-    process.join()
-    return process.exitcode == -signal.SIGKILL
 
 
 def said(folder):
@@ -73,7 +55,7 @@ def wait_until(holds, why=lambda: ""):
         time.sleep(0.02)
 
 
-def _run(folder, arguments, kill_at, file_size):
+def _run(folder, arguments):
     from joblib.externals.loky import process_executor
 
     from cylcontact import cli
@@ -88,12 +70,6 @@ def _run(folder, arguments, kill_at, file_size):
         contextlib.redirect_stderr(errors),
         contextlib.redirect_stdout(None),
     ):
-        if kill_at is not None:
-            _kill_at(folder, kill_at)
-        if file_size is not None:
-            import resource
-
-            resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
         cli.main()
 
 
@@ -101,32 +77,6 @@ def _end_with_the_tests():
     """End this process when the one that asked for it is killed; its parent only forked it."""
     multiprocessing.parent_process().join()
     os._exit(1)
-
-
-def _kill_at(folder, number):
-    """Kill this process before its operation of this number on a file in the folder."""
-    waiting = number
-
-    def count():
-        nonlocal waiting
-        if waiting == 0:
-            os.kill(os.getpid(), signal.SIGKILL)
-        waiting -= 1
-
-    def hook(event, arguments):
-        path = arguments[0] if arguments else ""
-        inside = str(path).startswith((str(folder), "fitting")) or isinstance(path, int)
-        if (event in AUDITED and inside) or (event == "open" and inside and arguments[2] & WRITING):
-            count()
-
-    to_disk = os.fsync
-
-    def fsync(handle):
-        count()  # written, and not yet on the disk
-        to_disk(handle)
-
-    os.fsync = fsync
-    sys.addaudithook(hook)
 
 
 # --- with everything that descends from it ------------------------------------------------------
@@ -139,7 +89,7 @@ class Family:
     parents, process groups and sessions, or by having been seen as a child of one of them.
     """
 
-    def __init__(self, command, said, folder=ROOT, terminal=False, **environment):
+    def __init__(self, command, said, terminal=False, **environment):
         name, value = "CYLCONTACT_TEST_FAMILY", str(uuid.uuid4())
         self._mark = f"{name}={value}"
         self._seen, self.said = set(), said
@@ -152,7 +102,7 @@ class Family:
         with said.open("w") as errors:
             self.process = subprocess.Popen(
                 tethered(command),
-                cwd=folder,
+                cwd=ROOT,
                 env={**os.environ, **environment, name: value},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
@@ -192,11 +142,9 @@ class Family:
         self._terminals = ()
 
     def wait_until_gone(self):
-        """Wait until nobody is left, and return how many seconds that took."""
-        begun = time.monotonic()
+        """Wait until nobody is left."""
         self.process.wait(60)
         wait_until(lambda: not self.members(), self.members)
-        return time.monotonic() - begun
 
 
 def processes():
@@ -213,9 +161,9 @@ def processes():
 
 
 @contextlib.contextmanager
-def family(command, said, folder=ROOT, **options):
+def family(command, said, **options):
     """Start a command; whatever it leaves is killed in the end."""
-    started = Family(command, said, folder, **options)
+    started = Family(command, said, **options)
     try:
         yield started
     finally:
