@@ -1,8 +1,5 @@
 """Figures restyled without touching code: styles, formats, fonts, and many at once."""
 
-import hashlib
-import subprocess
-import sys
 from pathlib import Path
 
 import matplotlib as mpl
@@ -63,10 +60,6 @@ class TestStyles:
         for file in files:
             assert round(page_mm(file)[0], 1) in style.widths_mm
 
-    def test_fonts_are_embedded(self, sheet) -> None:
-        _, _, files = sheet
-        assert all(map(embedded_fonts, files))
-
     def test_texts_are_inside_the_page_and_have_the_styles_sizes(self, sheet) -> None:
         style, drawings, _ = sheet
         with figure_style(style):
@@ -103,18 +96,6 @@ class TestFormats:
         assert "<dc:date>" not in svg
         with Image.open(folder / "fig99.png") as png:
             assert png.size[0] / 300 * 25.4 == pytest.approx(84, abs=0.1)
-
-    @pytest.mark.slow
-    def test_same_bytes_again_and_in_other_processes(self, small: Path) -> None:
-        (small / "reports" / "fig98.py").write_text(SIMPLE)
-        hashes = []
-        for number, jobs in enumerate((1, 1, 2)):
-            options = FigureOptions(STYLES["slides"], ("png", "pdf", "svg"))
-            figures = build(Bench(small, jobs=jobs), (), small / f"out{number}", options)
-            files = [path for figure in figures for path in figure.paths]
-            hashes.append({path.name: hashlib.sha256(path.read_bytes()).digest() for path in files})
-        assert len(hashes[0]) == 8
-        assert hashes[0] == hashes[1] == hashes[2]
 
 
 class TestStyleFile:
@@ -166,15 +147,3 @@ class TestCommand:
         folder = small / "reports" / "figures"
         assert page_mm(folder / "fig99.pdf")[0] == pytest.approx(84, abs=0.01)
         assert page_mm(folder / "single-column" / "fig99.pdf")[0] == pytest.approx(90, abs=0.01)
-
-    @pytest.mark.slow
-    def test_a_recipes_mistake_is_told_after_the_others_are_drawn(self, small: Path) -> None:
-        (small / "reports" / "fig98.py").write_text("def draw(bench):\n    return None.x\n")
-        command = [sys.executable, "-m", "cylcontact.cli", "figure", "--jobs", "1"]
-        done = subprocess.run(command, cwd=small, capture_output=True, text=True, check=False)
-        assert done.returncode == 2
-        assert done.stderr == (
-            "cylcontact: reports/fig98.py: draw: failed with AttributeError ('NoneType' object "
-            "has no attribute 'x'); correct the recipe\n"
-        )
-        assert (small / "reports" / "figures" / "fig99.pdf").is_file()

@@ -9,19 +9,17 @@ import tomllib
 from functools import cache
 
 import numpy as np
-import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from cylcontact import CylinderPair, laws
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.manuscript import fill, number, plain, table_text, typeset, words
+from cylcontact.reports.manuscript import fill, number, typeset
 from tests.reports.test_bench import RECIPE
 from tests.support.drawn_figures import BENCH
-from tests.support.manuscript_files import FOLDER, HEAD, SHARED, write_manuscript
-from tests.support.programs import require_package, require_program
-from tests.support.small_bench import CACHES
+from tests.support.manuscript_files import FOLDER, HEAD, write_manuscript
+from tests.support.programs import require_program
 from tests.support.spec_files import tree
 
 ROOT = BENCH.root
@@ -70,10 +68,6 @@ def test_a_printed_number_is_the_number_to_its_digits(value, digits):
     assert printed == pytest.approx(value, rel=0.500001 * 10 ** (1 - digits), abs=1e-300)
 
 
-def test_small_integers_are_words():
-    assert [words(3), words(13)] == ["three", "13"]
-
-
 def test_a_changed_result_changes_the_text(bench):
     source = bench.root / "reports/mine/a.md"
     text = 'a = {{ fit("internal").coefficients.a | number(digits=6) }}'
@@ -118,15 +112,6 @@ def test_a_manuscript_is_typeset(bench, run):
         assert part in latex, part
 
 
-def test_the_same_inputs_give_the_same_bytes(bench):
-    made = [
-        typeset(bench, bench.root / "reports/mine/a.md", bench.root / name).parent
-        for name in ("one", "two")
-    ]
-    first, second = ({k: v for k, v in tree(one).items() if v is not None} for one in made)
-    assert first == second
-
-
 def test_a_recipe_with_arguments_and_a_picture_are_figures(bench):
     recipe = RECIPE.replace("def draw(bench)", "def draw(bench, *, load='7')")
     (bench.root / "reports/fig99.py").write_text(recipe)
@@ -138,49 +123,17 @@ def test_a_recipe_with_arguments_and_a_picture_are_figures(bench):
     assert "{figures/my map.png}" in latex
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        '<img src=x><b>&amp; "quoted"',
-        "[a](https://x.y) ![b](x) `c` **d** | e |",
-        r"\input{/etc/passwd} & % # _ ^^5c ~ $x^2_3$ $ @fig:a",
-        "Prüfstück Ελ ΔR² −3.5",
-    ],
-)
-def test_a_text_of_others_stays_text(text):
-    pypandoc = require_package("pypandoc")
-    shown = pypandoc.convert_text(
-        plain(text), "plain", "markdown-smart", extra_args=["--wrap=none"]
-    )
-    assert "".join(shown.split()) == "".join(text.split())
-    table = table_text(pd.DataFrame({plain(text): [plain(text)]}))
-    (block,) = json.loads(pypandoc.convert_text(table, "json", "markdown"))["blocks"]
-    assert block["t"] == "Table"
-
-
 # --- what is refused ----------------------------------------------------------------------------
 
 LINE = "a.md, line 8"
 REFUSED = {
-    "no group": ("a.md", "{{wear.depth}}", "{{wera.depth}}", "values.py: wera: is no function"),
     "no value": ("a.md", "{{wear.depth}}", "{{wear.deep}}", f"{LINE}: .*'deep'"),
     "no fit": ("a.md", "{{wear.depth}}", '{{ fit("none").bound }}', "none.json: this fit result"),
-    "no figure": ("a.md", "(fig99)", "(fig98)", "fig98"),
     "a filter": ("a.md", "| words", "| wrods", "a.md, line 9: .*wrods"),
-    "an open brace": ("a.md", "{{wear.depth}}", "{{wear.depth", "a.md, line .*cannot be filled in"),
     "no label": ("a.md", "@fig:one", "@fig:two", "cannot be set by Typst .*fig:two"),
-    "no reference": (
-        "a.md",
-        "@johnson1985",
-        "@johnson1885",
-        "cannot be set by Typst .*johnson1885",
-    ),
     "no bibliography": ("a.md", "bibliography: references.bib\n", "", "bibliography: is missing"),
-    "another": ("a.md", "references.bib", "refs.bib", "refs.bib: cannot be read"),
     "a head": ("a.md", "title: A test", "title: [", "is not what pandoc can set"),
     "an assertion": ("values.py", "DEPTH = 2.5", "DEPTH = 1.5", r"not .* any more \(more than two"),
-    "a mistake": ("values.py", "    assert", "    1 / 0\n    assert", "wear: failed with Zero"),
-    "an exit": ("values.py", "    assert", "    raise SystemExit\n    assert", "wear: failed"),
     "an import": ("values.py", "import pandas", "import pandsa", "values.py.*pandsa"),
     "a template": ("article.typ", "#set page(", "#set pgae(", "cannot be set by Typst"),
     "the other": ("article.tex", "$title$", "$title", "is not what pandoc can set"),
@@ -203,12 +156,6 @@ def refused(bench, run, message):
     assert (code, out, len(err.splitlines())) == (2, "", 1), err
     assert re.search(message, err), err
     assert tree(bench.root) == before
-
-
-@pytest.mark.parametrize("name", [*SHARED, "values.py"])
-def test_a_missing_part_is_told_in_one_line(bench, run, name):
-    (bench.root / "reports/mine" / name).unlink()
-    refused(bench, run, f"{name}: cannot be read")
 
 
 @pytest.mark.parametrize(("module", "name"), [("pypandoc", "pandoc"), ("typst", "typst")])
@@ -360,25 +307,3 @@ def test_metadata_agree_with_the_project():
     for own in (meta["version"], meta["name"], meta["license"].rsplit("/", 1)[1]):
         assert own in (project["version"], project["name"], project["license"])
         assert f": {own}\n" in cff
-
-
-CHANGES = {
-    "recovered-internal": ("coefficients", "a", "{{made.off}}"),
-    "recovered-external": ("coefficients", "b", "{{made.coefficients}}"),
-    "internal": ("objective", "value", "{{made.internal_ratio}}"),
-}
-
-
-@pytest.mark.parametrize("name", CHANGES)
-def test_a_changed_result_changes_our_supplement(name, tmp_path):
-    group, key, named = CHANGES[name]
-    assert named in text_of("supplement")
-    for folder in ("datasets", "fitting", "reports"):
-        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=CACHES)
-    source = tmp_path / "reports/manuscript/supplement.md"
-    before = fill(named, Bench(tmp_path), source)
-    file = tmp_path / f"fitting/results/{name}.json"
-    result = json.loads(file.read_text("utf-8"))
-    result[group][key] *= 1.05
-    file.write_text(json.dumps(result), encoding="utf-8")
-    assert fill(named, Bench(tmp_path), source) != before

@@ -16,7 +16,7 @@ from cylcontact.reports.pages import build_site
 from cylcontact.reports.pages.content import FORMULAS, answer
 from tests.support.browser import opened
 from tests.support.programs import require_package
-from tests.support.small_bench import EVIL, EVIL_RECIPE, PAPER, ROOT, build_small_site
+from tests.support.small_bench import EVIL, ROOT, build_small_site
 
 pytestmark = pytest.mark.slow
 
@@ -106,34 +106,11 @@ def test_texts_of_users_stay_text(texts, page):
     assert ("img", {"src": "x", "onerror": "alert(1)"}) not in actual.tags
 
 
-def test_another_site_is_replaced_and_other_files_are_not(site, tmp_path):
-    bench = Bench(site.index.parents[2])
-    (tmp_path / "letter.txt").write_text("mine")
-    with pytest.raises(InputError, match="holds files that are no site"):
-        build_site(bench, tmp_path)
-    assert (tmp_path / "letter.txt").read_text() == "mine"
-    before = site.index.read_bytes()
-    assert build_site(bench, site.index.parent).missing == site.missing
-    assert site.index.read_bytes() == before
-
-
 def test_without_the_libraries_one_line_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "mkdocs", None)
     with pytest.raises(InputError, match=r"mkdocs.*pip install 'cylcontact\[docs\]'"):
         build_site(Bench(tmp_path), tmp_path / "site")
     assert not any(tmp_path.iterdir())
-
-
-def test_a_folder_with_broken_materials_still_has_a_site(tmp_path):
-    for folder in ("datasets", "reports"):
-        (tmp_path / folder).mkdir()
-    (tmp_path / "datasets" / "materials.csv").write_bytes(b"\xff")
-    (tmp_path / "reports" / "paper.py").write_text(PAPER)
-    (tmp_path / "reports" / "fig_evil.py").write_text(EVIL_RECIPE)
-    require_package("mkdocs")
-    site = build_site(Bench(tmp_path), tmp_path / "site")
-    assert "none of the main fits exists" in site.index.read_text("utf-8")
-    assert any("practical.json: this fit result does not exist" in line for line in site.missing)
 
 
 def test_laws_are_not_compared_without_the_times_of_the_benchmarks(tmp_path):
