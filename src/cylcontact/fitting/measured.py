@@ -13,7 +13,7 @@ Weights multiply the squares, scaled to a mean of 1.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,7 +23,7 @@ from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.errors import InputError
 from cylcontact.fitting.noise import FittedNoise, Likelihood, NoiseModel, estimate
-from cylcontact.fitting.problem import Minimum, ParameterSpace
+from cylcontact.fitting.problem import Minimum, ParameterSpace, built
 from cylcontact.laws.law import ContactLaw
 
 OBJECTIVES = ("rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load")
@@ -140,22 +140,17 @@ class Fit(ParameterSpace):
 
     def law(self, point: FloatArray) -> ContactLaw | None:
         """Return the law of free parameters, with its rig; None for those that define none."""
-        return self._built(self.complete(point[None, :])[0])
-
-    def _built(self, values: Sequence[float] | FloatArray) -> ContactLaw | None:
-        try:
-            return self.model.build(dict(zip(self.model.names, map(float, values), strict=True)))
-        except InputError:
-            return None
+        return built(self.model, self.complete(point[None, :])[0])
 
     def differences(self, points: FloatArray) -> FloatArray:
         """Return the predicted less the measured values in mm or N/mm, shape (P, N)."""
-        laws = map(self._built, self.complete(points))
+        laws = (built(self.model, values) for values in self.complete(points))
         return as_floats(np.array([self._predicted(law) for law in laws]) - self.observed)
 
     def raw(self, points: FloatArray) -> FloatArray:
         """Return the residuals with weights and σ, before the loss, shape (P, N)."""
-        return np.array([self._raw(self._built(values)) for values in self.complete(points)])
+        every = self.complete(points)
+        return np.array([self._raw(built(self.model, values)) for values in every])
 
     def residuals(self, points: FloatArray) -> FloatArray:
         """Return residuals whose squares add up to the objective's, shape (P, N)."""
@@ -167,7 +162,7 @@ class Fit(ParameterSpace):
 
     def value_of(self, coefficients: Mapping[str, float]) -> float:
         """Return the objective of coefficients by name, which may be outside the bounds."""
-        law = self._built([coefficients[name] for name in self.model.names])
+        law = built(self.model, [coefficients[name] for name in self.model.names])
         return float(_norm(self._scaled(self._raw(law)[None, :]))[0])
 
     def _scaled(self, raw: FloatArray) -> FloatArray:

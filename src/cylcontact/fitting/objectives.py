@@ -13,11 +13,10 @@ holds candidates of any law.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from functools import cached_property
-from typing import ClassVar
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.optimize import least_squares, linprog
@@ -26,8 +25,7 @@ from cylcontact.arrays import FloatArray, IndexArray, as_floats
 from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Block, Counts, blocks, reduce_grid
-from cylcontact.errors import InputError
-from cylcontact.fitting.problem import ParameterSpace
+from cylcontact.fitting.problem import ParameterSpace, built
 from cylcontact.laws.law import ContactLaw, LawModel
 from cylcontact.materials import material_in_MPa
 from cylcontact.pair import Contact, CylinderPair
@@ -158,10 +156,13 @@ class LawForm:
         return as_floats(np.log(law.load(rows.penetration, rows.pair)) - rows.s)
 
 
+Form = PowerForm | LawForm
+
+
 def form_of(model: LawModel, candidates: FloatArray, dR: FloatArray) -> Form:
     """Return candidates of a model, shape (P, k), at clearances ΔR in mm, shape (m,)."""
     if model.power_form is None:
-        return law_form_of(model, candidates)
+        return LawForm(tuple(built(model, row) for row in candidates))
     K_star, n = model.power_form(candidates, dR)
     K_star = np.where(K_star > 0, K_star, np.nan)
     return PowerForm(
@@ -169,25 +170,10 @@ def form_of(model: LawModel, candidates: FloatArray, dR: FloatArray) -> Form:
     )
 
 
-def law_form_of(model: LawModel, candidates: FloatArray) -> LawForm:
-    """Return the laws of candidates, shape (P, k); None for one that defines none."""
-    return LawForm(tuple(_law_or_none(model, row) for row in candidates))
-
-
-def _law_or_none(model: LawModel, row: FloatArray) -> ContactLaw | None:
-    try:
-        return model.build(dict(zip(model.names, map(float, row), strict=True)))
-    except InputError:
-        return None
-
-
 # The polish of a largest magnitude sees the extremes of at least this many groups of samples.
 _GROUPS = 400
 # Step of the log ratio for the derivative of a deviation.
 _STEP = 1e-6
-
-
-Form = PowerForm | LawForm
 
 
 @dataclass(frozen=True)
@@ -205,10 +191,6 @@ class RmsLogPenetration:
     def size(self) -> int:
         """The number of residuals, q."""
         return 2 * self.dR.size
-
-    def form(self, model: LawModel, candidates: FloatArray) -> Form:
-        """Return P candidates of a law at the clearances."""
-        return form_of(model, candidates, self.dR)
 
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""
@@ -257,66 +239,59 @@ class RmsLogPenetration:
 
 
 @dataclass(frozen=True)
-class _RowObjective(ABC):
+class OnRows(ABC):
     """An objective on rows, evaluated for one candidate after the other."""
 
     rows: Samples
     # Whether loads are compared at equal penetration rather than penetrations at equal load.
-    of_load: ClassVar[bool] = False
+    of_load: bool = False
 
     @property
     def dR(self) -> FloatArray:
         """The clearances in mm, shape (m,)."""
         return self.rows.dR
 
-    def form(self, model: LawModel, candidates: FloatArray) -> Form:
-        """Return P candidates of a law at the clearances."""
-        return form_of(model, candidates, self.dR)
-
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""
         with np.errstate(over="ignore"):
-            return _or_inf(
-                np.array([self._value(self._log_ratio(form, k)) for k in range(len(form))])
-            )
+            return _or_inf(np.array([self._value(ratio) for ratio in self.log_ratios(form)]))
 
     def residuals(self, form: Form) -> FloatArray:
         """Return the residuals for the polish, shape (P, q)."""
         with np.errstate(over="ignore"):
-            return np.array([self._residuals(self._log_ratio(form, k)) for k in range(len(form))])
+            return np.array([self._residuals(ratio) for ratio in self.log_ratios(form)])
 
     @property
     @abstractmethod
     def bound(self) -> float:
         """The per-clearance lower bound for power laws."""
 
-    def _log_ratio(self, form: Form, candidate: int) -> FloatArray:
-        """Return the log of the ratio of loads or penetrations, shape (N,)."""
+    def log_ratios(self, form: Form) -> Iterator[FloatArray]:
+        """Yield the log of the ratio of loads or penetrations of each candidate, shape (N,)."""
         log_ratio = form.log_load_ratio if self.of_load else form.log_penetration_ratio
-        return log_ratio(candidate, self.rows)
+        return (log_ratio(candidate, self.rows) for candidate in range(len(form)))
 
     @abstractmethod
-    def _value(self, log_ratio: FloatArray) -> float:
-        """Return the objective of one candidate."""
+    def _value(self, log_ratio: FloatArray) -> float: ...
 
     @abstractmethod
-    def _residuals(self, log_ratio: FloatArray) -> FloatArray:
-        """Return the residuals of one candidate, shape (q,)."""
+    def _residuals(self, log_ratio: FloatArray) -> FloatArray: ...
 
 
 @dataclass(frozen=True)
-class RootMeanSquare(_RowObjective):
-    """Root mean square of a deviation."""
+class RootMeanSquare(OnRows):
+    """Root mean square of a deviation: of the log ratio, or of `factor` times Eq 9."""
+
+    factor: float | None = None
 
     @property
     def size(self) -> int:
         """The number of residuals, q."""
         return self.rows.s.size
 
-    @staticmethod
-    @abstractmethod
-    def deviation(log_ratio: FloatArray) -> FloatArray:
+    def deviation(self, log_ratio: FloatArray) -> FloatArray:
         """Return the deviation that is squared."""
+        return log_ratio if self.factor is None else as_floats(self.factor * np.expm1(log_ratio))
 
     @cached_property
     def bound(self) -> float:
@@ -339,7 +314,7 @@ class RootMeanSquare(_RowObjective):
             level, tilt, at = d_log_K, dn, rows.j
         else:
             level, tilt, at = form.c[:, None] * du - d_log_K * u[:, None], du, rows.s
-        log_ratio = np.array([self._log_ratio(form, k) for k in range(len(form))])
+        log_ratio = np.array(list(self.log_ratios(form)))
         ahead, behind = (self.deviation(log_ratio + step) for step in (_STEP, -_STEP))
         weight = (ahead - behind) / (2 * _STEP * np.sqrt(at.size))
         return as_floats(weight[:, None] * (level[..., rows.index] + tilt[..., rows.index] * at))
@@ -359,39 +334,7 @@ class RootMeanSquare(_RowObjective):
 
 
 @dataclass(frozen=True)
-class RmsLogPenetrationOnRows(RootMeanSquare):
-    """Root mean square of ln(δ_law/δ_reference), for laws other than power laws."""
-
-    @staticmethod
-    def deviation(log_ratio: FloatArray) -> FloatArray:
-        """Return r itself."""
-        return log_ratio
-
-
-@dataclass(frozen=True)
-class RmsDifference(RootMeanSquare):
-    """Root mean square of Eq 9, in percent."""
-
-    @staticmethod
-    def deviation(log_ratio: FloatArray) -> FloatArray:
-        """Return Eq 9 in percent."""
-        return as_floats(100 * np.expm1(log_ratio))
-
-
-@dataclass(frozen=True)
-class RmsRelativeForce(RootMeanSquare):
-    """Root mean square of (f_law − f_reference)/f_reference at equal penetration."""
-
-    of_load: ClassVar[bool] = True
-
-    @staticmethod
-    def deviation(log_ratio: FloatArray) -> FloatArray:
-        """Return the relative deviation of the load."""
-        return as_floats(np.expm1(log_ratio))
-
-
-@dataclass(frozen=True)
-class Largest(_RowObjective):
+class Largest(OnRows):
     """Largest magnitude of a relative deviation, in percent."""
 
     @cached_property
@@ -415,26 +358,13 @@ class Largest(_RowObjective):
         return np.concatenate(extremes)
 
     @cached_property
-    def _groups(self) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    def _groups(self) -> IndexArray:
         """Start indices of groups of neighbouring samples, each within one clearance."""
         even = np.linspace(0, self.rows.s.size, _GROUPS, endpoint=False).astype(np.intp)
         return np.union1d(even, self.rows.starts)
 
 
-@dataclass(frozen=True)
-class MaxDifference(Largest):
-    """Largest magnitude of Eq 9, in percent."""
-
-
-@dataclass(frozen=True)
-class MaxRelativeForce(Largest):
-    """Largest magnitude of (f_law − f_reference)/f_reference at equal penetration, in percent."""
-
-    of_load: ClassVar[bool] = True
-
-
 def _or_inf(values: FloatArray) -> FloatArray:
-    """Replace what is not finite by inf."""
     return np.where(np.isfinite(values), values, np.inf)
 
 
@@ -458,13 +388,13 @@ def _strip_width(s: FloatArray, j: FloatArray) -> float:
     return float(solution.x[2])
 
 
-Objective = RmsLogPenetration | _RowObjective
+Objective = RmsLogPenetration | OnRows
 
 ON_ROWS: dict[str, Callable[[Samples], Objective]] = {
-    "rms-difference-percent": RmsDifference,
-    "max-difference-percent": MaxDifference,
-    "rms-relative-force": RmsRelativeForce,
-    "max-relative-force-percent": MaxRelativeForce,
+    "rms-difference-percent": partial(RootMeanSquare, factor=100.0),
+    "max-difference-percent": Largest,
+    "rms-relative-force": partial(RootMeanSquare, of_load=True, factor=1.0),
+    "max-relative-force-percent": partial(Largest, of_load=True),
 }
 OBJECTIVES = ("rms-log-penetration", *ON_ROWS)
 
@@ -473,7 +403,7 @@ def make_objective(objective: str, data: Moments | Samples) -> Objective:
     """Return the named objective on its data; moments are for rms-log-penetration only."""
     if isinstance(data, Moments):
         return RmsLogPenetration(data)
-    return (ON_ROWS | {OBJECTIVES[0]: RmsLogPenetrationOnRows})[objective](data)
+    return ON_ROWS.get(objective, RootMeanSquare)(data)
 
 
 def max_abs_difference_percent(
@@ -540,9 +470,9 @@ class Problem(ParameterSpace):
     def form(self, points: FloatArray) -> Form:
         """Return the laws at P points of the free parameters, shape (P, k)."""
         with np.errstate(all="ignore"):  # what is not finite lies outside the law
-            return self.objective.form(self.model, self.complete(points))
+            return form_of(self.model, self.complete(points), self.objective.dR)
 
     def value_of(self, coefficients: Mapping[str, float]) -> float:
         """Return the objective of coefficients by name, which may be outside the bounds."""
-        form = self.objective.form(self.model, self.model.candidates(coefficients))
+        form = form_of(self.model, self.model.candidates(coefficients), self.objective.dR)
         return float(self.objective.values(form)[0])

@@ -10,7 +10,7 @@ import ast
 import math
 import operator
 import warnings
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import NamedTuple, Self
@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
-from cylcontact.laws.law import LawModel, Parameter
+from cylcontact.laws.law import ContactLaw, LawModel, Parameter
 
 # The elite that a genetic search does not evaluate again, a part of every budget.
 ELITE = 2
@@ -32,6 +32,14 @@ class Minimum(NamedTuple):
     point: FloatArray
     value: float
     evaluations: int
+
+
+def built(model: LawModel, values: Sequence[float] | FloatArray) -> ContactLaw | None:
+    """Return the law of values of all parameters; None for those that define none."""
+    try:
+        return model.build(dict(zip(model.names, map(float, values), strict=True)))
+    except InputError:
+        return None
 
 
 @dataclass(frozen=True, eq=False)
