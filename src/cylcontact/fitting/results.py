@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from html import escape
@@ -29,6 +29,7 @@ from cylcontact.fitting.records import (
     SAME_BASIN,
     TOLERANCE,
     WELL,
+    Estimate,
     MaxDifference,
     ObjectiveValue,
     Profile,
@@ -38,12 +39,12 @@ from cylcontact.fitting.records import (
     Uncertainty,
     same_basin,
 )
-from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of, require_increasing
 from cylcontact.fitting.words import (
     OBJECTIVE_UNITS,
     WIDTH,
     Rows,
+    axis_label,
     item,
     label_of,
     noise_verdicts,
@@ -54,7 +55,7 @@ from cylcontact.fitting.words import (
 from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.plain_text import brief
+from cylcontact.plain_text import as_label, brief
 from cylcontact.reading import marked, read_text, unmarked
 from cylcontact.spec import Spec, parse_spec, require_other_kind
 from cylcontact.text_tables import Table
@@ -94,6 +95,7 @@ class FitResult(Spec):
 
     # The objective below which the law follows the samples exactly.
     round_off: ClassVar[float]
+    searched_key: ClassVar[str]
 
     @classmethod
     def read(cls, path: Path | str) -> Self:
@@ -144,8 +146,7 @@ class FitResult(Spec):
     def require_consistent(self, source: str) -> None:
         """Raise `InputError` if the parts of a result contradict each other."""
         campaign = campaign_of(self.name, self.settings, source)
-        names, spec = campaign.model.names, campaign.spec
-        model = campaign.model
+        model, names = campaign.model, campaign.model.names
         expected = {"law": model.law, "contact": model.contact, "reference": campaign.reference}
         for key, value in expected.items():
             if getattr(self, key) != value:
@@ -159,19 +160,11 @@ class FitResult(Spec):
             if set(coefficients) != set(names):
                 rule = f"must be the coefficients of its campaign: {', '.join(names)}"
                 raise InputError(source, key, sorted(coefficients), rule, "redo the fit")
-        for name, table in spec.parameters.items():
-            self._require_within(name, table, source)
+        if not {*self.searched} <= {*names}:
+            rule = f"must be those of coefficients of its campaign: {', '.join(names)}"
+            raise InputError(source, self.searched_key, None, rule, "redo the fit")
         if not self.runs:
             raise InputError(source, "runs", [], "must hold at least one run", "redo the fit")
-
-    def _require_within(self, name: str, table: ParameterSpec, source: str) -> None:
-        """Refuse a coefficient that the campaign could not have reached."""
-        value = self.coefficients[name]
-        rule = f"lies outside the bounds of its campaign, {table.low} to {table.high}"
-        if table.fixed:
-            rule = f"must be the value that its campaign fixes, {table.value}"
-        if not table.allows(value) or (table.fixed and value != table.value):
-            raise InputError(source, f"coefficients.{name}", value, rule, "redo the fit")
 
     def to_law(self, source: str = "") -> ContactLaw:
         """Return the fitted law of the contact, without the offset and compliance of the rig.
@@ -224,9 +217,17 @@ class FitResult(Spec):
                 counts.append((record.objective, 1))
         return counts
 
+    @property
     @abstractmethod
+    def searched(self) -> Mapping[str, object]:
+        """What is known of each coefficient that was searched."""
+
     def identification(self, name: str) -> str:
         """Return "well", "fairly", "poorly", "not", "at a bound", "fixed", a tie, or "-"."""
+        return f"= {self.ties[name]}" if name in self.ties else self._verdict(name)
+
+    @abstractmethod
+    def _verdict(self, name: str) -> str: ...
 
     @property
     @abstractmethod
@@ -342,13 +343,12 @@ class LawFit(FitResult):
 
     round_off: ClassVar[float] = 1e-6  # moments have half of the digits
 
-    def require_consistent(self, source: str) -> None:
-        """Raise `InputError` if the parts of a result contradict each other."""
-        super().require_consistent(source)
-        for name, curve in self.profiles.items():
-            if name not in self.coefficients or len(curve.values) != len(curve.objective):
-                rule = "must be that of a coefficient, with as many values as objectives"
-                raise InputError(source, f"profiles.{name}", None, rule, "redo the fit")
+    searched_key: ClassVar[str] = "profiles"
+
+    @property
+    def searched(self) -> Mapping[str, Profile]:
+        """The profile of each coefficient that was searched."""
+        return self.profiles
 
     def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
         """Draw how much worse the fit gets when a coefficient moves and all others follow.
@@ -364,12 +364,16 @@ class LawFit(FitResult):
 
         if name not in self.profiles:
             raise without_profile(self.name, name, self.profiles)
-        return pictures.plot_profile_of_law(self, name, ax)
+        curve, quantity = self.profiles[name], f"best {as_label(self.objective.name)}"
+        return pictures.plot_profile(
+            (curve.values, curve.objective),
+            (1 + TOLERANCE) * self.objective.value,
+            self.coefficients[name],
+            (axis_label(name, self.units), quantity),
+            ax=ax,
+        )
 
-    def identification(self, name: str) -> str:
-        """Return "well", "fairly", "poorly", "at a bound", "fixed", a tie, or "-"."""
-        if name in self.ties:
-            return f"= {self.ties[name]}"
+    def _verdict(self, name: str) -> str:
         if name not in self.profiles:
             return "fixed" if self.profiles or name in self.fixed else "-"
         return self.profiles[name].verdict(self.coefficients[name])
@@ -503,12 +507,12 @@ class DataFit(FitResult):
 
     round_off: ClassVar[float] = 1e-12
 
-    def require_consistent(self, source: str) -> None:
-        """Raise `InputError` if the parts of a result contradict each other."""
-        super().require_consistent(source)
-        if not {*self.uncertainty.estimates} <= {*self.coefficients}:
-            rule = f"must be those of coefficients of its campaign: {', '.join(self.coefficients)}"
-            raise InputError(source, "uncertainty.estimates", None, rule, "redo the fit")
+    searched_key: ClassVar[str] = "uncertainty.estimates"
+
+    @property
+    def searched(self) -> Mapping[str, Estimate]:
+        """The estimate of each coefficient that was searched."""
+        return self.uncertainty.estimates
 
     # --- the fit itself -----------------------------------------------------------------------
 
@@ -811,13 +815,14 @@ class DataFit(FitResult):
         """
         from cylcontact.fitting import pictures
 
-        return pictures.plot(self, ax)
+        return pictures.plot(self.optimum, self.law, self.level, ax)
 
     def plot_residuals(self, ax: Axes | None = None) -> Axes:
         """Draw the residuals over the load; `ax` as for `plot`."""
         from cylcontact.fitting import pictures
 
-        return pictures.plot_residuals(self, ax)
+        data, outliers = self.optimum.fit.data, self.uncertainty.outliers
+        return pictures.plot_residuals(data, self.residuals, outliers, ax)
 
     def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
         """Draw how much worse the fit gets when a coefficient moves and all others follow.
@@ -831,17 +836,32 @@ class DataFit(FitResult):
         """
         from cylcontact.fitting import pictures
 
-        estimates = self.uncertainty.estimates
-        estimate = estimates.get(name)
+        estimate = self.searched.get(name)
         if estimate is None or estimate.profile is None:
-            raise without_profile(self.name, name, estimates)
-        return pictures.plot_profile_of_data(self, name, estimate.profile, ax)
+            raise without_profile(self.name, name, self.searched)
+        ends = estimate.profile
+        values, root, limit = self.optimum.profile(name, ends, self.level)
+        labels = axis_label(name, self.units), "rise of the objective (std. dev.)"
+        best = self.coefficients[name]
+        return pictures.plot_profile((values, root), limit, best, labels, (ends.low, ends.high), ax)
 
     def drawing(self) -> Drawing:
-        """Return a figure of the data with the law and its band, the residuals beneath."""
-        from cylcontact.fitting import pictures
+        """Return a figure of the data with the law and its band, the residuals beneath.
 
-        return pictures.fit_drawing(self)
+        Its table is that of the residuals, its headline the free coefficients.
+        """
+        from cylcontact.fitting import pictures
+        from cylcontact.plots.figure import Drawing
+
+        figure = pictures.two_panels(96.0, 2.4, self.plot, self.plot_residuals)
+        values = ", ".join(f"{name} = {value:.4g}" for name, value in self.free.items())
+        residuals = self.residuals
+        caption = (
+            f"{brief(self.name)}: {len(residuals)} measurements, the {brief(self.law)} law fitted "
+            f"to them ({values}), and the band of {100 * self.level:g} % of new readings; beneath, "
+            "measured less fitted in standard deviations."
+        )
+        return Drawing(figure, residuals, self.free, caption)
 
     def _repr_html_(self) -> str:
         from cylcontact.plots.style import figure_style
@@ -859,10 +879,7 @@ class DataFit(FitResult):
         """The coefficients that were searched."""
         return {name: self.coefficients[name] for name in self.uncertainty.estimates}
 
-    def identification(self, name: str) -> str:
-        """Return "well", "fairly", "poorly", "not", "at a bound", "fixed", or a tie."""
-        if name in self.ties:
-            return f"= {self.ties[name]}"
+    def _verdict(self, name: str) -> str:
         estimate = self.uncertainty.estimates.get(name)
         return "fixed" if estimate is None else estimate.verdict
 
