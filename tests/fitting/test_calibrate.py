@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from cylcontact import laws
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.comparison import compare_results
@@ -34,12 +33,6 @@ def test_best_known_objective_is_reached(results, name):
     assert result.objective.value <= BEST[name] * 1.001
     assert result.published.objective == pytest.approx(PUBLISHED[name], abs=5e-5)
     assert result.bound < result.objective.value
-
-
-def test_external_a_and_n_are_the_published_ones(results):
-    coefficients = results["external-E1000"].coefficients
-    assert coefficients["a"] == pytest.approx(0.39, rel=0.01)
-    assert coefficients["n"] == pytest.approx(1.094, rel=0.002)
 
 
 def test_external_optimum_is_the_one_known(results):
@@ -79,12 +72,6 @@ def test_profiles_rise_one_percent_at_the_ends_of_their_intervals(results, name)
             assert is_bound or near == pytest.approx(1.01 * result.objective.value, rel=0.02), key
 
 
-def test_fitted_coefficients_go_straight_into_the_law(results):
-    for result in results.values():
-        law = laws.Enhanced(coefficients=result.coefficients)
-        assert law.coefficients.contact == result.contact
-
-
 def small(name, **genetic):
     """A campaign with a short search."""
     campaign = read_campaign(ROOT / f"fitting/{name}.toml")
@@ -115,14 +102,6 @@ def test_a_tampered_result_is_found_out(results, name):
     value = fresh.objective.model_copy(update={"value": fresh.objective.value * 0.99})
     tampered = fresh.model_copy(update={"objective": value})
     assert [c.what for c in compare_results(tampered, fresh) if not c.holds] == ["objective"]
-
-
-def test_round_off_is_not_compared_digit_by_digit():
-    committed = FitResult.read(ROOT / "fitting/results/synthetic-external.json")
-    for objective, holds in ((3e-8, True), (1e-5, False)):
-        value = committed.objective.model_copy(update={"value": objective})
-        checks = compare_results(committed, committed.model_copy(update={"objective": value}))
-        assert checks[0].holds == holds
 
 
 @pytest.mark.long

@@ -7,7 +7,6 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.fitting import read_campaign
-from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.table_campaign import campaign_of
@@ -129,42 +128,26 @@ def test_a_campaign_is_redone_from_its_settings(tmp_path):
 
 # --- bad input --------------------------------------------------------------------------------
 
-TABLE, INTEGER = "must be a table", "must be an integer"
 EITHER = "give low and high, or value with fixed = true"
-SIZES = "a list of population sizes"
 HELD = {"value": 1.1, "fixed": True}
 
 # What no schema says; tests/cli/test_malformed.py has the rest.
 # Changes to a good campaign; the key, value, rule and remedy of the error.
 BAD_INPUT = [
-    # missing and unknown keys
     ({"parameters.n.low": DROP}, "parameters.n.low", None, "is required", EITHER),
     ({"parameters.n.high": DROP}, "parameters.n.high", None, "is required", EITHER),
-    (
-        {"parameters.n.high": DROP, "parameters.n.hgh": 2},
-        *("parameters.n.hgh", 2, "is not a known key", "low, high, value"),
-    ),
-    # wrong types
-    ({"genetic.populations": [8, True]}, "genetic.populations.1", True, INTEGER, SIZES),
-    # values
     ({"law": "hertz"}, "law", "hertz", "is not a law that can be fitted", "enhanced or"),
     ({"objective": "rms"}, "objective", "rms", "is not a known objective", OBJECTIVES[0]),
+    ({"optimizer": "luck"}, "optimizer", "luck", "is not a known optimiser", "genetic"),
     *(
-        (
-            {"genetic.populations": sizes},
-            *("genetic.populations", sizes, "sizes from 4 to 100000", "e.g. [60, 120]"),
-        )
-        for sizes in ([], [3], [8, -8], [100_001])
+        ({"genetic.populations": sizes}, "genetic.populations", sizes, "sizes from 4", "e.g. [60")
+        for sizes in ([], [3], [100_001])
     ),
     *(
-        (
-            {"genetic.crossovers": names},
-            *("genetic.crossovers", names, "known crossovers", ", ".join(CROSSOVERS)),
-        )
+        ({"genetic.crossovers": names}, "genetic.crossovers", names, "known crossovers", "blend")
         for names in ([], ["blend", "two-points"])
     ),
     ({"parameters.n.high": 1}, "parameters.n.low", 1.0, "below high = 1.0", "fixed = true"),
-    ({"parameters.n.high": 0.5}, "parameters.n.low", 1.0, "below high = 0.5", "exchange them"),
     ({"parameters.n.value": 1.1}, "parameters.n.value", 1.1, "only with fixed = true", EITHER),
     ({"parameters.n.fixed": True}, "parameters.n.value", None, "is required when", EITHER),
     *(
@@ -172,11 +155,7 @@ BAD_INPUT = [
             {"parameters.n": {**HELD, **bounds}},
             *("parameters.n.value", 1.1, "lies outside its own bounds", "leave low and high out"),
         )
-        for bounds in ({"low": 1.2, "high": 2.0}, {"low": 1.2}, {"high": 1.0})
-    ),
-    (
-        {"parameters.n": {**HELD, "low": 2.0, "high": 1.0}},
-        *("parameters.n.low", 2.0, "must be below high = 1.0", "exchange them"),
+        for bounds in ({"low": 1.2}, {"high": 1.0})
     ),
     (
         {"parameters": {"K_star": HELD, "n": HELD}},
@@ -186,13 +165,9 @@ BAD_INPUT = [
         {"parameters.m": {"low": 1, "high": 2}},
         *("parameters.m", None, "not a parameter of power for internal", "K_star, n"),
     ),
-    (
-        {"law": "enhanced"},
-        *("parameters.K_star", None, "not a parameter of enhanced", ", ".join(INTERNAL)),
-    ),
     *(
         ({"dataset": name}, "dataset", name, "no such file beside the campaign or above", "e.g.")
-        for name in ("datasets/none.toml", "datasets", "", "x" * 300, "a\0b")
+        for name in ("datasets/none.toml", "datasets", "a\0b")
     ),
 ]
 
@@ -207,13 +182,6 @@ def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     with pytest.raises(InputError) as caught:
         read_campaign(path)
     assert_told(caught, path, key, value, rule, remedy)
-
-
-def test_the_places_where_a_dataset_was_looked_for_are_named(tmp_path, monkeypatch):
-    write_bench(tmp_path, {"dataset": "none.toml"})
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError, match=r"\(fitting/none\.toml, none\.toml\)"):
-        read_campaign("fitting/small.toml")
 
 
 @pytest.mark.parametrize(
@@ -231,14 +199,6 @@ def test_clearances_that_the_law_is_not_stated_for_are_refused(tmp_path, values,
     assert_told(caught, path, "dataset", limits, rule, "narrow the dR axis of the grid")
 
 
-def test_a_mistake_in_the_grid_names_the_grids_file(tmp_path):
-    path = write_bench(tmp_path)
-    dataset = write_toml(tmp_path / "datasets/small.toml", changed(GRID, {"axes.E.points": 1}))
-    with pytest.raises(InputError) as caught:
-        read_campaign(path)
-    assert_told(caught, dataset, "axes.E.points", 1, "must be at least 2", "values = [...]")
-
-
 def test_a_grid_is_no_campaign_and_a_campaign_no_grid(tmp_path):
     write_bench(tmp_path)
     path = tmp_path / "datasets/small.toml"
@@ -247,22 +207,13 @@ def test_a_grid_is_no_campaign_and_a_campaign_no_grid(tmp_path):
     assert_told(caught, path, "", None, "is a grid spec, not a campaign", "name a campaign")
 
 
-@pytest.mark.parametrize(("runs", "seed", "key"), [(0, None, "genetic.runs"), (None, -1, "seed")])
-def test_replacements_are_checked_like_the_files_own(tmp_path, runs, seed, key):
-    path = write_bench(tmp_path)
-    with pytest.raises(InputError) as caught:
-        read_campaign(path, runs=runs, seed=seed)
-    assert_told(caught, path, key, runs if seed is None else seed, "must be at least", "integer")
-
-
 @pytest.mark.parametrize(
     ("changes", "source", "key", "rule"),
     [
         ({"campaign": DROP}, "r.json", "settings", "lacks the campaign or the dataset"),
         ({"dataset": []}, "r.json", "settings", "lacks the campaign or the dataset"),
-        ({"campaign.seed": "1"}, "r.json, settings.campaign", "seed", INTEGER),
+        ({"campaign.seed": "1"}, "r.json, settings.campaign", "seed", "must be an integer"),
         ({"dataset.axes.E": DROP}, "r.json, settings.dataset", "axes.E", "is required"),
-        ({"campaign.parameters.n": DROP}, "r.json", "parameters.n", "is required"),
     ],
 )
 def test_settings_that_are_no_campaign_are_refused(tmp_path, changes, source, key, rule):
@@ -270,14 +221,3 @@ def test_settings_that_are_no_campaign_are_refused(tmp_path, changes, source, ke
     with pytest.raises(InputError) as caught:
         campaign_of("small", changed(settings, changes), "r.json")
     assert_told(caught, source, key, DROP, rule, caught.value.remedy)
-
-
-def test_a_value_of_several_types_is_named_by_its_own_key(tmp_path):
-    path = tmp_path / "own.toml"
-    path.write_text(
-        'data = "m.csv"\nlaw = "johnson"\ncontact = "internal"\nconstants = {nu = [1]}\n'
-    )
-    with pytest.raises(InputError) as caught:
-        read_campaign(path)
-    assert_told(caught, path, "constants.nu", [1], "must be a number", "[constants]")
-    assert "more mistake" not in str(caught.value)

@@ -184,15 +184,6 @@ def test_a_law_that_cannot_be_cross_validated_sets_nothing_for_the_others(monkey
         cc.choose(data, pair, laws=["explicit"], noise="both")
 
 
-@pytest.mark.slow
-def test_the_best_law_is_fitted_with_all_its_starts(frame, choice):
-    fit = cc.fit(frame, "johnson", PAIR, free=["offset", "compliance"])
-    assert choice.fit("johnson").coefficients == fit.coefficients
-    assert len(choice.fit().runs) > 3
-    with pytest.raises(InputError, match="hooke"):
-        choice.fit("hooke")
-
-
 def test_the_command_ranks_and_writes(tmp_path, run, frame):
     table = tmp_path / "mine.csv"
     frame.to_csv(table, index=False)
@@ -222,9 +213,3 @@ def test_a_bad_command_line_is_told_and_leaves_nothing(tmp_path, run, frame, arg
     assert (code, said, len(errors.splitlines())) == (2, "", 1)
     assert message in errors
     assert tree(tmp_path) == before
-
-
-def test_a_campaign_is_not_a_table(run):
-    code, _, errors = run("choose", "fitting/internal.toml")
-    assert code == 2
-    assert "name a table of measurements" in errors

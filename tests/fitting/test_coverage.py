@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 from scipy.stats import binom
 
-from benchmarks.coverage import KINDS, PAGE, RESULT, coverage_of, page
+from benchmarks.coverage import KINDS, RESULT, coverage_of
 
 pytestmark = pytest.mark.slow
 
@@ -39,10 +39,6 @@ def test_what_is_left_out_is_warned_of(study):
         harmful = (unnamed["coverage_percent"] < 85).any()
         if harmful and "load" not in kind:  # errors of the load leave no trace
             assert (unnamed["warned_percent"] >= 75).all(), kind
-
-
-def test_the_page_says_what_was_measured(study):
-    assert PAGE.read_text(encoding="utf-8") == page(study)
 
 
 @pytest.mark.parametrize("kind", ["8 series", "errors of the load, a share"])

@@ -76,12 +76,6 @@ def test_what_cannot_be_left_out_is_refused(small_result, axis, rule):
         study_discrepancy(changed, leave_out=axis)
 
 
-def test_a_law_carries_no_noise_to_resample(tmp_path, small_result, run):
-    small_result.save(tmp_path / "r.json")
-    errors = run("uncertainty", tmp_path / "r.json", "--bootstrap", 9)[2]
-    assert "carry no noise to resample" in errors
-
-
 def test_coefficients_that_define_no_law_are_refused(tmp_path, small_result):
     wrong = small_result.model_copy(update={"coefficients": {"K_star": -1.0, "n": 1.1}})
     with pytest.raises(InputError, match="leave the law undefined for some of its samples"):

@@ -95,18 +95,6 @@ def test_residuals_of_series_say_what_the_series_adds(series):
     assert (table["standardised"] ** 2).mean() == pytest.approx(result.objective.value**2)
 
 
-def test_residuals_of_loads_are_in_their_unit(plain):
-    frame, _ = plain
-    result = cc.fit(frame, "explicit", PAIR, objective="rms-load", starts=2)
-    table = result.residuals
-    assert {"fitted_N_per_mm", "residual_N_per_mm"} <= {*table}
-    law = result.to_law()
-    depth = 1e-3 * frame["penetration_um"].to_numpy() - result.coefficients["offset"]
-    assert table["fitted_N_per_mm"].to_numpy() == pytest.approx(law.load(depth, PAIR), rel=1e-9)
-    residual = frame["load_N_per_mm"] - table["fitted_N_per_mm"]
-    assert table["residual_N_per_mm"].to_numpy() == pytest.approx(residual, abs=1e-9)
-
-
 def test_the_table_of_coefficients_has_their_units_and_intervals(plain):
     _, result = plain
     table = result.to_frame()
@@ -233,15 +221,6 @@ def test_the_law_of_a_fit_leaves_the_rig_out(plain):
     expected = fitted_reading(result, load) - rig
     assert law.penetration(load, PAIR) == pytest.approx(expected, rel=1e-12)
     assert law.load(expected, PAIR) == pytest.approx(load, rel=1e-9)
-
-
-def test_the_law_of_a_fit_without_a_rig_is_the_law_fitted(pairs):
-    _, result = pairs
-    load = np.array([20.0, 700.0])
-    assert result.to_law().penetration(load, PAIR) == pytest.approx(fitted_reading(result, load))
-
-
-# --- text -------------------------------------------------------------------------------------
 
 
 # --- pictures ---------------------------------------------------------------------------------

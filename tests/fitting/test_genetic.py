@@ -9,7 +9,6 @@ from cylcontact.fitting.genetic import CROSSOVERS, OPERATORS, WholePopulations, 
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import Problem, Samples, form_of, make_objective
 from cylcontact.fitting.polish import polish
-from cylcontact.fitting.runs import plan_runs
 from cylcontact.laws.law import Parameter
 
 BOUNDS = {
@@ -114,9 +113,3 @@ def test_a_fixed_parameter_stays_where_it_is_held():
     point, _ = polish(problem, search(problem, 20, 10, "uniform", 1).point)
     assert point.size == 2
     assert problem.coefficients(point)["b"] == 0.5
-
-
-def test_every_run_has_a_seed_of_its_own_and_all_combinations_come_up():
-    plans = plan_runs(6, (60, 120), ("uniform", "blend", "single_point"), 10, seed=5)
-    assert len({plan.seed for plan in plans}) == 6
-    assert len({(plan.population, plan.crossover) for plan in plans}) == 6

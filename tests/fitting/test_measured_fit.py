@@ -2,7 +2,6 @@
 
 import json
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +16,8 @@ from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.measured import LOSSES, Loss
 from cylcontact.fitting.study import study_noise
 from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
-from cylcontact.fitting.table_fit import fit, fit_table
+from cylcontact.fitting.table_fit import fit_table
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
-from cylcontact.laws.logarithmic import adjusted_logarithmic
 from tests.support.measured_files import (
     CONSTANTS,
     LOADS,
@@ -52,29 +50,6 @@ def test_exact_points_of_a_law_give_its_coefficients_back(tmp_path, law, contact
     assert result.uncertainty.estimates.keys() == free
     assert result.objective.value < 1e-9
     assert "no noise to estimate" in result.verdicts[0]
-
-
-@pytest.mark.slow
-def test_the_enhanced_internal_law_comes_back_from_many_clearances(tmp_path):
-    # Seven coefficients of two branches need clearances on both sides of the switch.
-    truth = {p.name: p.nominal for p in MODELS["enhanced", "internal"].parameters}
-    law = MODELS["enhanced", "internal"].build(truth)
-    lines = ["dR_mm,load_N_per_mm,penetration_mm"]
-    for dR in np.geomspace(0.006, 5.0, 25).tolist():
-        pair = CylinderPair.from_dR("internal", dR, STEEL)
-        depth = law.penetration(LOADS, pair)
-        points = zip(LOADS.tolist(), depth.tolist(), strict=True)
-        lines += [f"{dR!r},{f!r},{d!r}" for f, d in points]
-    table = tmp_path / "measured.csv"
-    table.write_text("\n".join(lines))
-    constants = {"E_GPa": 207.0, "nu": 0.3}
-    searched = all_free("enhanced", "internal")
-    campaign = campaign_of_table(table, "enhanced", "internal", constants, **searched, starts=40)
-    unnamed = tuple(replace(p, nominal=None) for p in campaign.parameters)
-    result = fit_table(replace(campaign, parameters=unnamed))  # no start at the truth
-    assert result.coefficients == pytest.approx(
-        truth | {"stiffness_factor": 1.0, "offset": 0.0}, rel=1e-6
-    )
 
 
 @pytest.mark.parametrize(
@@ -188,40 +163,6 @@ def test_stiffness_and_offset_are_free_and_the_shape_is_held(tmp_path, law, cont
     assert held == {p.name: p.nominal for p in own if p.name not in free}
 
 
-@pytest.mark.parametrize("law", ["johnson", "explicit", "persson", "lankarani-nikravesh"])
-def test_stiffness_and_offset_come_back_from_exact_readings(tmp_path, law):
-    # Readings of the law as it stands at a share of the load, from 2 µm before first touch.
-    share, offset = 1.25, -2e-3
-    lines = ["dR_um,load_N_per_mm,penetration_um"]
-    for dR in (0.05, 0.3):
-        pair = CylinderPair.from_dR("internal", dR, STEEL, length=12.0, R_i=10.0)
-        depth = 1e3 * (laws.LAWS[law]().penetration(LOADS / share, pair) + offset)
-        points = zip(LOADS.tolist(), depth.tolist(), strict=True)
-        lines += [f"{1e3 * dR!r},{f!r},{d!r}" for f, d in points]
-    table = tmp_path / "t.csv"
-    table.write_text("\n".join(lines))
-    fixed = {} if law in ("explicit", "lankarani-nikravesh") else {STIFFNESS.get(law, "kappa"): 1.0}
-    free = ["stiffness_factor"] if fixed else []
-    result = fit(
-        table,
-        law,
-        contact="internal",
-        constants=CONSTANTS,
-        fixed=fixed,
-        free=free,
-        noise="constant",
-        starts=4,
-    )
-    factor = "factor" if law == "lankarani-nikravesh" else "stiffness_factor"
-    assert result.coefficients[factor] == pytest.approx(share, rel=1e-6)
-    assert result.coefficients["offset"] == pytest.approx(offset, rel=1e-6)
-    assert result.uncertainty.estimates.keys() == {factor, "offset"}
-    # The law of the contact is without the offset of its readings.
-    assert result.to_law().penetration(LOADS, pair) == pytest.approx(
-        laws.LAWS[law]().penetration(LOADS / share, pair), rel=1e-6
-    )
-
-
 def test_an_offset_is_searched_over_twice_the_largest_reading(tmp_path):
     columns = {"load_N_per_mm": [1, 2, 3], "penetration_um": [-3.0, 1.0, 2.0]}
     table = write_table(tmp_path / "t.csv", columns)
@@ -239,28 +180,6 @@ def test_a_held_constant_is_freed_with_its_default_bounds(tmp_path):
     assert free["c"] == (default.low, default.high)
 
 
-@pytest.mark.parametrize(
-    ("settings", "rule", "remedy"),
-    [
-        (
-            {"free": ["d"]},
-            "is not a parameter of johnson for internal contact",
-            "its parameters: kappa, c, Lambda_factor, stiffness_factor, offset, compliance",
-        ),
-        (
-            {"free": ["c"], "parameters": {"c": {"low": -2.0, "high": 0.0}}},
-            "is bounded, fixed or tied as well",
-            "keep one of them",
-        ),
-    ],
-)
-def test_what_cannot_be_freed_is_told(tmp_path, settings, rule, remedy):
-    with pytest.raises(InputError) as caught:
-        default_campaign(tmp_path, "johnson", "internal", **settings)
-    (name,) = settings["free"]
-    assert_told(caught, tmp_path / "measured.csv", "free", name, rule, remedy)
-
-
 # --- laws -------------------------------------------------------------------------------------
 
 
@@ -275,14 +194,6 @@ def test_a_scaled_law_answers_consistently(pair):
     assert law.name == "johnson"
     with pytest.raises(InputError, match="load_factor = 0"):
         ScaledLaw(laws.Johnson(), load_factor=0)
-
-
-def test_an_adjusted_logarithmic_law_is_the_formula(pair):
-    kappa, c, factor, f = 1.3, -0.4, 2.5, 80.0
-    law = adjusted_logarithmic(laws.Goldsmith(), kappa, c, factor)
-    reach = factor * np.pi * pair.R
-    expected = kappa * f / (np.pi * pair.E_star) * (np.log(reach * pair.E_star / f) + c)
-    assert law.penetration(f, pair) == pytest.approx(expected, rel=1e-13)
 
 
 # --- a law of the user's own ------------------------------------------------------------------
@@ -373,18 +284,15 @@ def test_a_result_is_saved_loaded_compared_and_verified(tmp_path, example):
     [
         ({"uncertainty": None}, "uncertainty", "must be a table"),
         ({"settings.measurements.numbers.load": [1.0, 2.0]}, "numbers.load", "1 or 61 rows"),
-        ({"settings.measurements.numbers.load": "x"}, "numbers.load", "must be a list"),
         ({"settings.measurements.colour": 1}, "colour", "is not a known key"),
-        ({"settings.campaign.law": "hooke"}, "law", "is not a law that can be fitted"),
-        ({"uncertainty.level": "high"}, "uncertainty.level", "must be a number"),
-        ({}, "uncertainty.estimates", "must be those of coefficients"),  # an estimate of m
+        ({"uncertainty.estimates.m": "c"}, "uncertainty.estimates", "must be those of coeff"),
     ],
 )
 def test_a_damaged_result_is_told(tmp_path, example, changes, key, rule):
     path = tmp_path / "r.json"
     example.save(path)
     data = changed(json.loads(path.read_text("utf-8")), changes)
-    if not changes:
+    if "m" in (data["uncertainty"] or {}).get("estimates", ()):
         data["uncertainty"]["estimates"]["m"] = data["uncertainty"]["estimates"]["c"]
     path.write_text(json.dumps(data))
     with pytest.raises(InputError) as caught:
@@ -393,45 +301,22 @@ def test_a_damaged_result_is_told(tmp_path, example, changes, key, rule):
     assert rule in caught.value.rule
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"uncertainty.estimates": {}, "uncertainty.correlation": {}},  # nothing may be free
-        {"settings.measurements.numbers.load": [1.0]},  # a column of one row is a constant
-    ],
-)
-def test_a_result_may_lack_what_it_needs_not_have(tmp_path, example, changes):
-    example.save(tmp_path / "r.json")
-    data = changed(json.loads((tmp_path / "r.json").read_text("utf-8")), changes)
-    (tmp_path / "r.json").write_text(json.dumps(data))
-    assert FitResult.read(tmp_path / "r.json").coefficients == example.coefficients
-
-
 # --- campaign files ---------------------------------------------------------------------------
 
 
-def write_campaign(folder, **changes):
-    write_measured(folder / "measured.csv", "johnson", "internal", noise=0.01)
-    return write_toml(folder / "c.toml", changed(SPEC, changes))
-
-
+# What no schema says; tests/cli/test_malformed.py has the rest.
 BAD_CAMPAIGNS = [
     ({"dataset": "x.toml"}, "data", "conflicts with dataset"),
     ({"data": "absent.csv"}, "data", "no such file beside the campaign"),
     ({"law": "hooke"}, "law", "is not a law that can be fitted"),
     ({"law": "liu", "contact": "external"}, "law", "is for internal contact only"),
-    ({"loss": "l7"}, "loss", "is not a known loss"),
     ({"loss_scale": 1.0}, "loss_scale", "is used only with a robust loss"),
-    ({"loss": "huber", "loss_scale": 0.0}, "loss_scale", "must be greater than 0"),
-    ({"optimizer": "luck"}, "optimizer", "is not a known optimiser"),
-    ({"starts": 0}, "starts", "must be at least 1"),
     ({"objective": "rms-luck"}, "objective", "is not an objective for measurements"),
     ({"materials": "absent.csv"}, "materials", "no such file"),
     ({"parameters": {"K": {"low": 0.0, "high": 1.0}}}, "parameters.K", "is not a parameter of"),
     (
         {"parameters": {n: {"value": 1.0, "fixed": True} for n in ("kappa", "offset")}},
-        "parameters",
-        "all are fixed",
+        *("parameters", "all are fixed"),
     ),
     ({"ignore": ["colour"]}, "ignore", "is not a column of the table"),
 ]
@@ -439,7 +324,8 @@ BAD_CAMPAIGNS = [
 
 @pytest.mark.parametrize(("changes", "key", "rule"), BAD_CAMPAIGNS, ids=lambda c: str(c)[:40])
 def test_a_bad_campaign_is_told(tmp_path, changes, key, rule):
-    path = write_campaign(tmp_path, **changes)
+    write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.01)
+    path = write_toml(tmp_path / "c.toml", changed(SPEC, changes))
     with pytest.raises(InputError) as caught:
         read_campaign(path)
     assert caught.value.key == key
@@ -471,23 +357,6 @@ def test_rows_that_no_coefficients_reach_are_named(tmp_path):
 # --- the command line -------------------------------------------------------------------------
 
 
-def test_a_table_is_fitted_from_the_command_line(tmp_path, run):
-    table = write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.01)
-    out = tmp_path / "out" / "mine.json"
-    code, said, errors = run(
-        *("fit", table, "--law", "johnson", "--contact", "internal", "--E", 207e3, "--nu", 0.3),
-        *("--Ri", 10, "--length", 12, "--bound", "c=-2:0", "--fix", "Lambda_factor=1"),
-        *("--runs", 2, "--seed", 3, "-j", 1, "-o", out),
-    )
-    assert (code, errors) == (0, "")
-    result = FitResult.read(out)
-    assert result.settings["campaign"]["seed"] == 3
-    searched = {"low": -2.0, "high": 0.0, "fixed": False}
-    assert result.settings["campaign"]["parameters"]["c"] == searched
-    assert len(result.runs) == 2
-    assert "36 measurements" in said
-
-
 JOHNSON = ("--law", "johnson", "--contact", "internal")
 
 
@@ -495,8 +364,9 @@ JOHNSON = ("--law", "johnson", "--contact", "internal")
 def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, given):
     monkeypatch.chdir(tmp_path)
     table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
-    options = ("--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--free", "c", "--fix", "offset=0")
-    code, said, errors = run("fit", table, *JOHNSON, *options, "--runs", 2, "-j", 1, *given)
+    options = ("--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--bound", "c=-2:0", "--fix", "offset=0")
+    command = ("fit", table, *JOHNSON, *options, "--runs", 2, "--seed", 3, "-j", 1)
+    code, said, errors = run(*command, *given)
     assert (code, errors) == (0, "")
     folder = tmp_path / (given[1] if given else "results/mine")
     assert "result.json, residuals.csv, fit.png, fit.pdf" in said
@@ -505,6 +375,8 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     }
     result = FitResult.read(folder / "result.json")
     assert result.uncertainty.estimates.keys() == {"kappa", "c"}
+    settings = result.settings["campaign"]
+    assert (settings["seed"], settings["parameters"]["c"]["low"], len(result.runs)) == (3, -2, 2)
     rows = pd.read_csv(folder / "residuals.csv")
     # The measured less the fitted values, from the table and the law anew.
     read = pd.read_csv(table)
@@ -539,7 +411,6 @@ def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
         (("--contact", "internal"), "--law: is required for a table"),
         (("--law", "johnson"), "--contact: is required for a table"),
         ((*JOHNSON, "--bound", "c=1"), "--bound = 'c=1': is not valid"),
-        ((*JOHNSON, "--bound", "c=x:2"), "--bound = 'c=x:2': is not valid"),
         ((*JOHNSON, "--fix", "=1"), "--fix = '=1': is not valid"),
         ((*JOHNSON, "--fix", "c=1", "--bound", "c=1:2"), "c is given twice"),
         (
@@ -547,20 +418,8 @@ def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
             "--pin = 'PEEK': says the same as --material-j; keep one of them",
         ),
         (
-            (*JOHNSON, "--hole", "bronze", "--material-i", "bronze"),
-            "--hole = 'bronze': says the same as --material-i; keep one of them",
-        ),
-        (
             ("--law", "johnson", "--contact", "external", "--pin", "PEEK", "--hole", "bronze"),
             "--contact = 'external': has no pin and no hole; leave out --pin; rollers have",
-        ),
-        (
-            (*JOHNSON, "--pin", "PEEK"),
-            "material of the hole: is not given; give --hole, or columns material_i",
-        ),
-        (
-            (*JOHNSON, "--pin", "PEEK", "--hole", "soap"),
-            "--hole = 'soap': is not in the table that ships; choose ceramics, high-strength",
         ),
         ((*JOHNSON, "--E", "207"), "--E = '207': a bare number is in MPa; did you mean"),
         (
@@ -583,19 +442,6 @@ def test_options_for_tables_are_refused_beside_a_campaign(run):
         code, _, errors = run("fit", EXAMPLE, option, value)
         assert code == 2
         assert f"toml: {option}: is an option for tables of measurements" in errors
-
-
-def test_the_fitted_law_is_exported_with_its_constants(tmp_path, example, run):
-    example.save(tmp_path / "r.json")
-    code, said, _ = run("export", tmp_path / "r.json", "--to", "python")
-    assert code == 0
-    names = {}
-    exec(said, names)
-    kappa, c = (example.coefficients[name] for name in ("kappa", "c"))
-    f = names["load"](1e-3, 1e5, 0.05)  # Johnson's law with both of its constants
-    assert kappa * f / (np.pi * 1e5) * (np.log(4 * np.pi * 1e5 * 0.05 / f) + c) == pytest.approx(
-        1e-3, rel=1e-12
-    )
 
 
 def test_what_cannot_be_exported_says_so(tmp_path, run):
@@ -719,13 +565,6 @@ def test_a_reading_of_0_is_fitted_and_drawn(noise):
     assert (result.predict(load)["high_mm"] > result.predict(load)["low_mm"]).all()
 
 
-def test_a_mounting_that_cannot_be_is_refused():
-    with pytest.raises(InputError, match="compliance = nan"):
-        RigCompliance(laws.Johnson(), compliance=float("nan"))
-    with pytest.raises(InputError, match="offset = inf"):
-        RigCompliance(laws.Johnson(), offset=float("inf"))
-
-
 # --- loads above first yield --------------------------------------------------------------------
 
 YIELDING = """dR_um,load_N_per_mm,penetration_um
@@ -762,28 +601,3 @@ def test_loads_above_first_yield_are_told(run, tmp_path, words, count):
     options = tuple(word for word in options if word not in ("--Ri", "10"))
     _, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "s.json")
     assert "first yield" not in said
-
-
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        (("--length", 0), "--length = 0.0: must be positive"),
-        (("--length", -1), "--length = -1.0: must be positive"),
-        (("--length", "nan"), "'nan' is not a number"),
-        (("--length", 10, "--E", "1e9"), "--E = '1e9': is beyond any material"),
-        (("--length", 10, "--nu", "nan"), "'nan' is not a number"),
-        (("--length", 10, "--nu", 0.51), "--nu = 0.51: must lie in [0, 0.5]"),
-        (("--length", 10, "--dR", -1), "dR = -1.0: must be positive"),
-    ],
-)
-def test_a_number_that_is_no_length_or_constant_is_told(tmp_path, run, options, told):
-    (tmp_path / "t.csv").write_text("load_N,penetration_um\n10,0.2\n20,0.4\n40,0.7\n80,1.3\n")
-    given = {"--E": "207 GPa", "--nu": 0.3, "--dR": 0.05}
-    given |= dict(zip(options[::2], options[1::2], strict=True))
-    named = [part for option in given.items() for part in option]
-    code, said, errors = run(
-        *("fit", tmp_path / "t.csv", "--law", "johnson", "--contact", "internal", *named)
-    )
-    assert (code, said, errors.count("\n")) == (2, "", 1)
-    assert told in errors
-    assert not (tmp_path / "results" / "t").exists()

@@ -220,26 +220,6 @@ def test_whitened_residuals_have_the_norm_of_the_full_covariance(rows):
     assert W @ V @ W.T == pytest.approx(np.eye(rows), abs=1e-11)
 
 
-def test_few_series_are_fixed_effects_of_least_squares_with_their_columns():
-    covariance, likelihood, slopes = likelihood_and_design(3)
-    assert not covariance.is_random
-    assert covariance.names == ("constant", "proportional")
-    scatter = {name: DEVIATIONS[name] for name in covariance.names}
-    _, single, Z = dense(covariance, DEVIATIONS)
-    y = likelihood.residuals
-    # The gains sum to zero; offsets take the place of the law's constant column.
-    gains = [Z[:, 3 * k + 1] - Z[:, 1] for k in (1, 2)]
-    columns = np.column_stack([Z[:, [0, 3, 6]], *gains, Z[:, [2, 5, 8]]])
-    X = np.column_stack([slopes[:, 1], columns])
-    whiten = covariance.whitening(scatter)
-    beta, normal, _, squares = least_squares(X, y, np.diag(single))
-    own, rest, _, _ = np.linalg.lstsq(whiten(slopes[:, 1:].T).T, whiten(y), rcond=None)
-    assert own[0] == pytest.approx(beta[0], rel=1e-9)
-    assert rest[0] == pytest.approx(squares, rel=1e-9)
-    held = Likelihood(covariance, y, slopes[:, 1:])
-    assert held.parameter_covariance(scatter)[0, 0] == pytest.approx(normal[0, 0], rel=1e-9)
-
-
 def test_fixed_offsets_sum_to_zero_beside_the_laws_own():
     model = NoiseModel("both", "group", drift=True, has_offset=True)
     covariance, likelihood, slopes = likelihood_and_design(3, model)
@@ -279,26 +259,6 @@ def test_the_restricted_likelihood_is_that_of_the_full_covariance():
     without = {**DEVIATIONS, "constant": 0.0, "drift": 0.0}
     expected = restricted(slopes, y, dense(covariance, without)[0]) + differences[0]
     assert likelihood(without) == pytest.approx(expected, rel=1e-11)
-
-
-def test_the_restricted_likelihood_counts_fixed_effects_among_the_parameters():
-    model = NoiseModel("both", "group", drift=True, has_offset=True)
-    covariance, likelihood, slopes = likelihood_and_design(4, model)
-    X, differences = np.hstack([slopes, covariance.fixed]), []
-    assert X.shape[1] == 2 + 3 + 3 + 4
-    for factor in (1.0, 0.5, 2.0):
-        scatter = {name: DEVIATIONS[name] * factor for name in covariance.names}
-        _, single, _ = dense(covariance, {**DEVIATIONS, **scatter})
-        expected = restricted(X, likelihood.residuals, np.diag(single))
-        differences.append(likelihood(scatter) - expected)
-    assert np.ptp(differences) == pytest.approx(0.0, abs=1e-9)
-
-
-def test_no_deviation_at_all_is_no_likelihood():
-    model = NoiseModel("constant")
-    none, one = np.zeros(6), np.ones(6)
-    covariance = Covariance(model, one, none, one, one, np.zeros(6, dtype=int), none)
-    assert np.isinf(Likelihood(covariance, one, one[:, None])({"constant": 0.0}))
 
 
 def test_errors_and_the_likelihood_of_the_readings_are_those_of_the_full_covariance():
@@ -478,38 +438,8 @@ def ungrouped(frame):
     return frame.drop(columns="group")
 
 
-@pytest.mark.slow
-def test_series_that_differ_are_found_and_random_effects_allow_for_them():
-    frame = readings(1, offset=1e-4, gain=0.02)
-    findings = found(frame)
-    assert set(findings) == {"series"}  # the sequence is an echo of it
-    assert findings["series"].p < 1e-10
-    assert "the 8 series of the column group differ" in findings["series"].says
-    assert findings["series"].remedy == "allow for it with --group group"
-    assert found(frame, group="group") == {}
-
-
-@pytest.mark.slow
-def test_series_without_a_name_are_found_by_their_sequence():
-    frame = ungrouped(readings(1, offset=1e-4, gain=0.02))
-    finding = found(frame)["sequence"]
-    residuals = cc.fit(frame, "explicit", PAIR, noise="constant", starts=2).residuals["residual_mm"]
-    correlation = np.corrcoef(residuals[1:], residuals[:-1])[0, 1]
-    assert f"correlation {correlation:.1f}" in finding.says
-    assert "--group COLUMN" in finding.remedy
-    named = frame.assign(run=np.repeat(np.arange(8), 12).astype(str))
-    assert found(named, group="run") == {}
-
-
-def test_a_single_sweep_of_a_wrong_law_is_a_sequence_that_asks_for_another_order():
-    frame = ungrouped(readings(1, 1, 40, compliance=2e-6))
-    finding = found(frame, "winkler")["sequence"]
-    assert finding.remedy.startswith("repeat some loads, in another order")
-    assert "sequence" not in found(frame, free=["compliance"])
-
-
-@pytest.mark.slow
-def test_series_of_pairs_are_found_and_named_by_a_column():
+def of_pairs():
+    """Relative scatter at three clearances, of which each has a stiffness of its own."""
     parts = []
     for number, (dR, factor) in enumerate(((0.03, 1.0), (0.1, 1.15), (0.3, 0.9))):
         pair = CylinderPair.from_dR("internal", dR, STEEL, R_i=10.0, length=20.0)
@@ -518,71 +448,100 @@ def test_series_of_pairs_are_found_and_named_by_a_column():
         depth *= 1 + 0.01 * np.random.default_rng(number).normal(size=12)
         columns = {"load_N_per_mm": load, "penetration_um": 1e3 * depth, "dR_um": 1e3 * dR}
         parts.append(pd.DataFrame({**columns, "pin": f"p{number}"}))
-    frame = pd.concat(parts, ignore_index=True)
-    of_data = {"contact": "internal", "constants": CONSTANTS, "noise": None}
-    finding = found(frame, pair=None, ignore=["pin"], **of_data)["pairs"]
-    assert "differ between the 3 pairs" in finding.says
-    assert "--group COLUMN" in finding.remedy
-    assert found(frame, pair=None, group="pin", **of_data) == {}
+    return pd.concat(parts, ignore_index=True)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("series", "rows"), [(1, 40), (8, 12)])
-def test_a_drift_is_found_where_loads_are_in_random_order(series, rows):
-    frame = readings(7, series, rows, drift=4e-4, shuffled=True)
-    group = {"group": "group"} if series > 1 else {"ignore": ["group"]}
-    finding = found(frame, **group)["drift"]
-    assert finding.p < 1e-4
-    assert finding.remedy == "allow for it with --drift"
-    assert found(frame, drift=True, **group) == {}
+def two_branches():
+    loading, unloading = readings(5, 1, 20), readings(6, 1, 20)[::-1]
+    unloading["penetration_um"] += 0.15
+    return ungrouped(pd.concat([loading, unloading], ignore_index=True))
 
 
-def test_a_drift_follows_the_time_of_the_readings():
-    frame = ungrouped(readings(7, 1, 40, drift=4e-4, shuffled=True)).assign(time_s=np.arange(40.0))
-    by_load = frame.sort_values("load_N_per_mm")
-    assert "drift" in found(by_load)
-    assert "drift" not in found(by_load.drop(columns="time_s"))
-    assert found(by_load, drift=True) == {}
+def by_load(**columns):
+    """Readings that drift, in the order of their loads."""
+    frame = ungrouped(readings(7, 1, 40, drift=4e-4, shuffled=True)).assign(**columns)
+    return frame.sort_values("load_N_per_mm")
+
+
+def unnamed():
+    """Series that no column names."""
+    frame = ungrouped(readings(1, offset=1e-4, gain=0.02))
+    return frame.assign(run=np.repeat(np.arange(8), 12).astype(str))
+
+
+PAIRS = {"pair": None, "contact": "internal", "constants": CONSTANTS, "noise": None}
+SLOW = pytest.mark.slow
+# Readings, how they are fitted, the finding, what its remedy names, and what allows for it.
+FINDINGS = {
+    "series": (
+        *(lambda: readings(1, offset=1e-4, gain=0.02), {}),
+        *("series", "--group group", {"group": "group"}),
+    ),
+    "series without a name": (
+        *(unnamed, {"ignore": ["run"]}, "sequence", "--group COLUMN"),
+        {"group": "run", "ignore": []},
+    ),
+    "pairs": (
+        *(of_pairs, {"ignore": ["pin"], **PAIRS}, "pairs", "--group COLUMN"),
+        {"group": "pin", "ignore": []},
+    ),
+    "a drift": (
+        *(lambda: readings(7, 1, 40, drift=4e-4, shuffled=True), {"ignore": ["group"]}),
+        *("drift", "--drift", {"drift": True}),
+    ),
+    "drifts": (
+        *(lambda: readings(7, 8, 12, drift=4e-4, shuffled=True), {"group": "group"}),
+        *("drift", "--drift", {"drift": True}),
+    ),
+    "a drift in time": (
+        *(lambda: by_load(time_s=np.arange(40.0)), {}, "drift", "--drift", {"drift": True}),
+    ),
+    "scatter that grows": (
+        *(lambda: ungrouped(readings(3, 4, proportional=0.03, constant=1e-5)), {}),
+        *("spread", "--noise both", {"noise": "both"}),
+    ),
+    "relative scatter that falls": (
+        *(lambda: ungrouped(readings(3, 4)), {"noise": None}),
+        *("spread", "--noise both", {"noise": "both"}),
+    ),
+    "more than assumed": (
+        *(lambda: ungrouped(readings(3, 4)), {"noise": "proportional"}),
+        *("spread", "--noise both", {"noise": "both"}),
+    ),
+    "branches": (
+        *(two_branches, {}, "branches", "--branch loading"),
+        {"branch": "loading"},
+    ),
+    "a single sweep of a wrong law": (
+        *(lambda: ungrouped(readings(1, 1, 40, compliance=2e-6)), {"law": "winkler"}),
+        *("sequence", "repeat some loads", {"law": "explicit", "free": ["compliance"]}),
+    ),
+    "means that are missed": (
+        *(lambda: ungrouped(readings(4, 6, compliance=1e-6)), {"law": "winkler"}),
+        *("repeats", "cylcontact choose", {"law": "explicit", "free": ["compliance"]}),
+    ),
+}
+QUICK = ("a drift in time", "scatter that grows", "branches", "means that are missed")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in QUICK else SLOW) for name in FINDINGS]
+)
+def test_noise_other_than_assumed_is_found_and_what_is_advised_allows_for_it(name):
+    frame, settings, test, remedy, allowed = FINDINGS[name]
+    findings = found(frame(), **settings)
+    assert findings[test].p < 0.01
+    assert remedy in findings[test].remedy
+    assert test not in found(frame(), **settings | allowed)
+
+
+def test_echoes_of_a_finding_are_left_out():
+    assert set(found(two_branches())) == {"branches"}  # a drift and a sequence as well
 
 
 def test_a_drift_along_one_sweep_cannot_be_told_from_the_law():
     assert "drift" not in found(ungrouped(readings(7, 1, 40, drift=4e-4)))
-
-
-def test_scatter_that_grows_is_found_and_both_kinds_allow_for_it():
-    frame = ungrouped(readings(3, 4, proportional=0.03, constant=1e-5))
-    finding = found(frame)["spread"]
-    assert finding.says == "the scatter of the readings grows with them"
-    assert "--noise both" in finding.remedy
-    assert found(frame, noise="both") == {}
-
-
-def test_relative_scatter_that_falls_is_found_and_both_kinds_allow_for_it():
-    frame = ungrouped(readings(3, 4, constant=5e-5))
-    finding = found(frame, noise=None)["spread"]
-    assert finding.says == "the scatter of the readings relative to it falls with them"
-    of_model = found(frame, noise="proportional")["spread"]
-    assert of_model.says == "the scatter of the readings relative to that assumed falls with them"
-    assert "--noise both" in finding.remedy
-    assert found(frame, noise="both") == {}
-
-
-def test_branches_that_differ_are_found_and_one_of_them_agrees():
-    loading, unloading = readings(5, 1, 20), readings(6, 1, 20)[::-1]
-    unloading["penetration_um"] += 0.15
-    frame = ungrouped(pd.concat([loading, unloading], ignore_index=True))
-    findings = found(frame)
-    assert set(findings) == {"branches"}  # the drift and the sequence are echoes of it
-    assert findings["branches"].remedy == "fit one of them with --branch loading, and compare"
-    assert found(frame, branch="loading") == {}
-
-
-def test_a_law_that_misses_the_means_of_repeated_loads_is_found():
-    frame = ungrouped(readings(4, 6, compliance=1e-6))
-    finding = found(frame, "winkler")["repeats"]
-    assert "misses the means of repeated loads" in finding.says
-    assert "cylcontact choose" in finding.remedy
-    assert found(frame, free=["compliance"]) == {}
+    assert "drift" not in found(by_load())  # nor where no time is given
 
 
 CLEAN = {
@@ -615,86 +574,41 @@ def with_column(name, value):
     return readings(0, 2, 6).assign(**{name: value})
 
 
-@pytest.mark.parametrize(
-    ("frame", "settings", "message"),
-    [
-        (
-            readings(0, 2, 6),
-            {"group": "group", "objective": "rms-penetration"},
-            "objective = 'rms-penetration': conflicts with group, which has a likelihood of its own"
-            "; keep one",
-        ),
-        (
-            readings(0, 2, 6),
-            {"drift": True, "objective": "rms-load"},
-            "objective = 'rms-load': conflicts with drift, which has a likelihood of its own",
-        ),
-        (
-            readings(0, 2, 6),
-            {"group": "group", "loss": "huber"},
-            "loss = 'huber': conflicts with group, whose noise is Gaussian; keep one of them",
-        ),
-        (
-            readings(0, 2, 6),
-            {"load_error": 0.01, "loss": "cauchy"},
-            "loss = 'cauchy': conflicts with load_error, whose noise is Gaussian",
-        ),
-        (
-            readings(0, 2, 6),
-            {"noise": "both", "loss": "cauchy"},
-            "loss = 'cauchy': conflicts with noise, whose noise is Gaussian",
-        ),
-        (
-            readings(0, 2, 6),
-            {"noise": "both", "objective": "rms-load"},
-            "objective = 'rms-load': conflicts with noise, which has a likelihood of its own",
-        ),
-        (
-            with_column("penetration_std_um", 0.05),
-            {"noise": "constant"},
-            "noise = 'constant': conflicts with penetration_std, which says the same",
-        ),
-        (
-            with_column("penetration_std_um", 0.05),
-            {"noise": "both"},
-            "noise = 'both': conflicts with the column penetration_std, which gives the noise",
-        ),
-        (
-            with_column("penetration_std_um", 0.05).assign(load_std_N_per_mm=1.0),
-            {"objective": "rms-penetration"},
-            "objective = 'rms-penetration': conflicts with load_std, which has a likelihood",
-        ),
-        (
-            readings(0, 2, 6),
-            {"noise": "constant", "objective": "rms-load"},
-            "noise = 'constant': conflicts with objective, which says the same; keep one of them",
-        ),
-        (readings(0, 2, 6), {"noise": "white"}, "noise = 'white': is not a known noise"),
-        (readings(0, 2, 6), {"load_error": 1.5}, "load_error = 1.5"),
-        (
-            readings(0, 2, 6),
-            {"free": ["c"], "fixed": {"c": 1.4}},
-            "free = 'c': is bounded, fixed or tied as well; keep one of them",
-        ),
-        (
-            readings(0, 2, 6),
-            {"free": ["kappa"]},
-            "free = 'kappa': is not a parameter of explicit for internal contact",
-        ),
-        (
-            readings(0, 4, 2),
-            {"group": "group", "noise": "constant"},
-            "group = '8 rows': are not more than 2 parameters and 6 effects of the series; measure",
-        ),
-        (readings(0, 2, 6), {"group": "date"}, "group = 'date'"),
-    ],
-)
-def test_what_contradicts_itself_is_told_in_a_line(frame, settings, message):
+GIVEN = {"penetration_std_um": 0.05}
+# Columns beside the readings, settings, the key that is blamed, and the rule.
+CONFLICTS = [
+    ({}, {"group": "group", "objective": "rms-penetration"}, "objective", "conflicts with group"),
+    ({}, {"drift": True, "objective": "rms-load"}, "objective", "conflicts with drift"),
+    ({}, {"group": "group", "loss": "huber"}, "loss", "conflicts with group, whose noise is"),
+    ({}, {"load_error": 0.01, "loss": "cauchy"}, "loss", "conflicts with load_error"),
+    ({}, {"noise": "both", "loss": "cauchy"}, "loss", "conflicts with noise"),
+    (GIVEN, {"noise": "constant"}, "noise", "conflicts with penetration_std, which says the same"),
+    (GIVEN, {"noise": "both"}, "noise", "conflicts with the column penetration_std"),
+    (
+        GIVEN | {"load_std_N_per_mm": 1.0},
+        {"objective": "rms-penetration"},
+        *("objective", "conflicts with load_std, which has a likelihood of its own"),
+    ),
+    ({}, {"noise": "constant", "objective": "rms-load"}, "noise", "conflicts with objective"),
+    ({}, {"noise": "white"}, "noise", "is not a known noise"),
+    ({}, {"free": ["c"], "fixed": {"c": 1.4}}, "free", "is bounded, fixed or tied as well"),
+    ({}, {"free": ["kappa"]}, "free", "is not a parameter of explicit for internal contact"),
+    ({}, {"group": "date"}, "group", ""),
+]
+
+
+@pytest.mark.parametrize(("columns", "settings", "key", "rule"), CONFLICTS)
+def test_what_contradicts_itself_is_told(columns, settings, key, rule):
     kept = {} if "group" in settings else {"ignore": ["group"]}
     with pytest.raises(InputError) as caught:
-        cc.fit(frame, "explicit", PAIR, **settings, **kept)
-    assert message in str(caught.value)
-    assert len(str(caught.value).splitlines()) == 1
+        cc.fit(readings(0, 2, 6).assign(**columns), "explicit", PAIR, **settings, **kept)
+    assert caught.value.key == key
+    assert rule in caught.value.rule
+
+
+def test_too_few_readings_for_the_effects_of_their_series_are_refused():
+    with pytest.raises(InputError, match="2 parameters and 6 effects of the series"):
+        cc.fit(readings(0, 4, 2), "explicit", PAIR, group="group", noise="constant")
 
 
 @pytest.fixture(scope="module")

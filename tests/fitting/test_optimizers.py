@@ -7,15 +7,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from _cylcontact_bench.fig_optimizers import optimizer_runs
 
 from cylcontact import InputError
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.optimizer_comparison import as_text, compare_optimizers
+from cylcontact.fitting.optimizer_comparison import compare_optimizers
 from cylcontact.fitting.optimizers import OPTIMIZERS, BudgetSpentError, EvaluationBudget, budget_of
 from cylcontact.fitting.polish import polish
-from cylcontact.reports.bench import Bench
 from tests.support.spec_files import assert_told, tree, write_bench
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -79,13 +77,6 @@ def test_the_same_seed_gives_the_same_bits_whatever_the_global_generator(problem
     assert search(problem, optimizer, 12, 20, "blend", seed=6).value != actual[0].value
 
 
-def test_the_value_is_that_of_the_point_which_lies_within_the_bounds(problem, optimizer):
-    actual = search(problem, optimizer, 12, 20, "blend", seed=5)
-    assert actual.value == problem.value(actual.point)
-    assert (actual.point >= problem.low).all()
-    assert (actual.point <= problem.high).all()
-
-
 def test_candidates_for_which_the_law_is_undefined_are_survived(problem, optimizer):
     """With a and b also negative, K* is undefined over most of the box."""
     wide = tuple(
@@ -107,15 +98,6 @@ def test_a_budget_is_spent_to_the_last_candidate_and_the_best_is_kept(problem):
 
 
 # --- campaigns --------------------------------------------------------------------------------
-
-
-def test_an_unknown_optimiser_is_refused(tmp_path):
-    path = write_bench(tmp_path, {"optimizer": "simplex"})
-    with pytest.raises(InputError) as caught:
-        read_campaign(path)
-    assert_told(
-        caught, path, "optimizer", "simplex", "is not a known optimiser", ", ".join(OPTIMIZERS)
-    )
 
 
 def test_a_missing_extra_is_named(small_campaign, monkeypatch):
@@ -150,14 +132,6 @@ def test_all_optimisers_share_seeds_and_polish(compared, small_result):
         assert list(own["seed"]) == [run.seed for run in runs]
 
 
-def test_the_table_counts_runs_in_the_best_basin(compared):
-    lines = as_text(compared).splitlines()[1:]
-    assert [line.split()[0] for line in lines] == list(OPTIMIZERS)[:3]
-    for line in lines:
-        own = compared[compared["optimizer"] == line.split()[0]]["polished"]
-        assert line.split()[-1] == f"{(own <= 1.001 * compared['polished'].min()).sum()}/3"
-
-
 def test_the_command_writes_the_file_and_shows_the_table(tmp_path, monkeypatch, run):
     write_bench(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -182,17 +156,6 @@ def test_the_figures_headline(figures):
     assert headline == {f"{name}: share of runs in the best basin": 1.0 for name in OPTIMIZERS}
     assert "seconds" not in drawing.table.columns
     assert (drawing.table.groupby(["optimizer", "step"])["objective"].diff().dropna() >= 0).all()
-
-
-@pytest.mark.parametrize("contents", [None, "", "a,b\n1,2\n", "\0\0"])
-def test_a_comparison_that_is_not_there_is_asked_for(tmp_path, contents):
-    path = tmp_path / "optimizers-internal.csv"
-    if contents is not None:
-        path.write_text(contents)
-    with pytest.raises(InputError) as caught:
-        optimizer_runs(Bench(ROOT, tmp_path), "internal")
-    rule = "does not exist" if contents is None else "is not a comparison"
-    assert_told(caught, path, "", None, rule, "make it with: cylcontact optimizers")
 
 
 @pytest.mark.long

@@ -20,14 +20,6 @@ ROOT = Path(__file__).resolve().parents[2]
 # The runs of sixteen that reach the best.
 ENOUGH = 14
 FEW_POINTS = "the same, few points"
-# Grids on which neither the ladder nor its starts were chosen.
-OTHERS = {
-    "tight": ((70, 210, 3), (0.3, 0.34, 2), (0.006, 0.6, 17, "log"), (1, 300, 8, "log")),
-    "bronze": ((90, 120, 3), (0.3, 0.35, 2), (0.02, 0.15, 9), (5, 200, 12)),
-    "coarse": ((3, 210, 6), (0.25, 0.4, 3), (0.03, 9.5, 9, "log"), (0.5, 50, 9, "log")),
-    "fine": ((200, 210, 2), (0.28, 0.3, 2), (0.1, 3, 80), (50, 500, 20)),
-    "five clearances": ((69, 207, 2), (0.3, 0.33, 2), (0.05, 5, 5, "log"), (10, 100, 4, "log")),
-}
 TINY = {"populations": [4], "generations": 1}
 
 
@@ -133,19 +125,6 @@ def test_an_end_does_not_depend_on_the_others_of_its_batch(few_points):
         assert np.array_equal(alone[0], end)
 
 
-def test_a_minimum_is_one_for_scipy_too(few_points):
-    point, value = polish.minimise(few_points, few_points.low, seed=1)
-    inside = np.clip(point, few_points.low + 1e-9, few_points.high - 1e-9)
-    solution = least_squares(
-        lambda x: few_points.finite_residuals(x[None, :])[0],
-        inside,
-        bounds=(few_points.low, few_points.high),
-        x_scale=few_points.high - few_points.low,
-        **dict.fromkeys(("ftol", "xtol", "gtol"), 1e-14),
-    )
-    assert few_points.value(solution.x) >= value * (1 - 1e-9)
-
-
 def test_what_is_held_is_as_good_as_fixed(few_points):
     """Columns that differ from start to start, against problems without those parameters."""
     begun = starts(few_points, 6)
@@ -157,18 +136,6 @@ def test_what_is_held_is_as_good_as_fixed(few_points):
         fixed = few_points.fixing(**{parameter.name: float(begun[k, k])})
         rest = np.delete(begun[k], k)[None, :]
         assert polish.descend(fixed, rest, 1e-14)[1][0] == pytest.approx(values[k], rel=1e-6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("axes", OTHERS.values(), ids=OTHERS)
-def test_descents_alone_agree_on_other_grids(axes, monkeypatch):
-    monkeypatch.setitem(GRIDS, "other", ("internal", *axes))
-    campaign = campaign_of("other", runs=8)
-    spec = campaign.spec.model_copy(update={"optimizer": "descents"})
-    problem, values = objectives(replace(campaign, spec=spec))
-    monkeypatch.setattr(polish, "_STARTS", 255)
-    best = min(values.min(), polish.minimise(problem, problem.low, 99)[1])
-    assert at_best(values, best) >= 7
 
 
 @pytest.mark.slow

@@ -13,7 +13,6 @@ from _cylcontact_bench.fig_readings import readings
 from _cylcontact_bench.searched_readings import searched_readings
 from scipy.optimize import least_squares
 
-from cylcontact import InputError
 from cylcontact.fitting import FitResult, calibrate, read_campaign
 from cylcontact.reports.bench import Bench
 
@@ -127,13 +126,6 @@ def test_readings_are_right(figures, contact, label, sampling):
 def test_the_table_of_the_readings_is_what_the_searches_give():
     bench = Bench(ROOT)
     pd.testing.assert_frame_equal(readings(bench), searched_readings(bench), rtol=1e-6, atol=1e-6)
-
-
-def test_a_bench_without_the_readings_says_how_to_make_them(tmp_path):
-    with pytest.raises(InputError) as caught:
-        readings(Bench(tmp_path))
-    rule = "this table does not exist; make readings writes it"
-    assert str(caught.value) == f"{tmp_path / 'datasets/readings.csv'}: {rule}"
 
 
 def test_what_is_said_of_the_readings(figures):

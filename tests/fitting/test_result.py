@@ -2,7 +2,6 @@
 
 import json
 import math
-import pickle
 import shutil
 import subprocess
 from pathlib import Path
@@ -10,9 +9,8 @@ from pathlib import Path
 import pytest
 
 from cylcontact import InputError
-from cylcontact.fitting import FitResult, fit_table, read_campaign
-from tests.support.measured_files import measured_campaign
-from tests.support.spec_files import DROP, assert_told, changed, labels, tree, write_bench
+from cylcontact.fitting import FitResult, read_campaign
+from tests.support.spec_files import assert_told, changed, labels, tree, write_bench
 
 COMMITTED = sorted((Path(__file__).resolve().parents[2] / "fitting/results").glob("*.json"))
 EXTERNAL = next(path for path in COMMITTED if path.stem == "external")
@@ -26,17 +24,6 @@ def test_a_result_comes_back_as_it_was_saved(small_result, tmp_path):
     small_result.save(path)
     assert FitResult.read(path) == small_result
     assert [file for file in tree(tmp_path) if file != "results"] == ["results/small.json"]
-
-
-def test_a_result_of_measurements_survives_pickling(tmp_path):
-    result = fit_table(measured_campaign(tmp_path, "johnson", starts=1))
-    assert len(result.residuals) == len(pickle.loads(pickle.dumps(result)).residuals)
-
-
-def test_saving_what_was_loaded_gives_the_same_bytes(small_result, tmp_path):
-    small_result.save(tmp_path / "one.json")
-    FitResult.read(tmp_path / "one.json").save(tmp_path / "two.json")
-    assert (tmp_path / "one.json").read_bytes() == (tmp_path / "two.json").read_bytes()
 
 
 @pytest.mark.parametrize("path", COMMITTED, ids=lambda path: path.stem)
@@ -95,36 +82,26 @@ def test_the_commit_is_that_of_the_campaign_and_marked_when_changed(tmp_path):
 # --- bad input --------------------------------------------------------------------------------
 
 REDO = "redo the fit"
-NUMBER, INTEGER = "must be a number", "must be an integer"
 NAMES = "must be the coefficients of its campaign: a, b, n"
 
 # Changes to a committed result; what stands after the file's name in the source of the error,
 # its key, value, rule and remedy.
 BAD_INPUT = [
-    # NaN in the settings
     (
         {"profiles.a.objective": [0.1, math.nan]},
         *("", "profiles.a.objective.1", math.nan, "a finite number", "a value that fits"),
     ),
-    (
-        {"settings.campaign.parameters.a.low": math.nan},
-        *(", settings.campaign", "parameters.a.low", math.nan, "a finite number", "lower bound"),
-    ),
-    # contradictions
     ({"runs": []}, "", "runs", [], "must hold at least one run", REDO),
     ({"coefficients": {"a": 0.4, "b": 0.9}}, "", "coefficients", ["a", "b"], NAMES, REDO),
-    ({"coefficients.m": 1.0}, "", "coefficients", ["a", "b", "m", "n"], NAMES, REDO),
     ({"published.coefficients": {}}, "", "published.coefficients", [], NAMES, REDO),
-    ({"profiles.a.values": [0.4]}, "", "profiles.a", None, "as many values as", REDO),
     ({"settings": {}}, "", "settings", None, "lacks the campaign or the dataset", REDO),
-    ({"settings.campaign.seed": "1"}, *(", settings.campaign", "seed", "1", INTEGER, "the seed")),
+    (
+        {"settings.campaign.seed": "1"},
+        *(", settings.campaign", "seed", "1", "must be an integer", "the seed"),
+    ),
     (
         {"settings.dataset.axes.E.points": 0},
         *(", settings.dataset", "axes.E.points", 0, "must be at least 2", "values = [...]"),
-    ),
-    (
-        {"settings.campaign.parameters.n": DROP},
-        *("", "parameters.n", None, "is required", "the law has a, b, n"),
     ),
 ]
 
@@ -146,15 +123,7 @@ def test_a_profile_of_no_coefficient_is_refused(tmp_path):
     data = json.loads(EXTERNAL.read_text("utf-8"))
     data["profiles"]["m"] = data["profiles"]["a"]
     (tmp_path / "r.json").write_text(json.dumps(data))
-    with pytest.raises(InputError, match=r"profiles\.m: must be that of a coefficient"):
-        FitResult.read(tmp_path / "r.json")
-
-
-def test_coefficients_of_a_run_are_checked_too(tmp_path):
-    data = json.loads(EXTERNAL.read_text("utf-8"))
-    del data["runs"][3]["coefficients"]["n"]
-    (tmp_path / "r.json").write_text(json.dumps(data))
-    with pytest.raises(InputError, match=r"runs\.3\.coefficients = \['a', 'b'\]: must be the"):
+    with pytest.raises(InputError, match="profiles: must be those of coefficients"):
         FitResult.read(tmp_path / "r.json")
 
 
@@ -164,24 +133,3 @@ def test_a_foreign_table_is_refused_by_its_first_unknown_key(tmp_path):
     with pytest.raises(InputError) as caught:
         FitResult.read(path)
     assert_told(caught, path, "dependencies", {}, "is not a known key", "name, law, contact")
-
-
-@pytest.mark.parametrize(
-    ("coefficients", "settings", "rule"),
-    [
-        ({"K_star": 50.0}, {}, "lies outside the bounds of its campaign, 0.5 to 10.0"),
-        ({"n": 0.5}, {}, "lies outside the bounds of its campaign, 1.0 to 1.5"),
-        ({}, {"value": 1.4, "fixed": True}, "must be the value that its campaign fixes, 1.4"),
-    ],
-)
-def test_coefficients_outside_the_campaigns_own_bounds_are_refused(
-    small_result, tmp_path, run, coefficients, settings, rule
-):
-    data = small_result.model_dump(exclude={"kind", "uncertainty"})
-    data["coefficients"] |= coefficients
-    data["settings"]["campaign"]["parameters"]["n"] |= settings
-    (tmp_path / "r.json").write_text(json.dumps(data))
-    for command in (("export", "--to", "c"), ("compare",)):
-        code, said, errors = run(command[0], tmp_path / "r.json", *command[1:])
-        assert (code, said, errors.count("\n")) == (2, "", 1)
-        assert rule in errors

@@ -119,12 +119,6 @@ def test_a_fit_keeps_its_ties_and_says_so(tmp_path):
     assert line.endswith("= 2*n")
 
 
-def test_everything_tied_or_fixed_leaves_nothing_to_search(tmp_path):
-    fixed = {"parameters.n": {"value": 1.1, "fixed": True}}
-    with pytest.raises(InputError, match="all are fixed or tied; free at least one"):
-        read_campaign(write_bench(tmp_path, TIED | fixed))
-
-
 def test_a_tie_that_has_no_value_leaves_the_law_undefined(tmp_path):
     broken = TIED | {"ties": {"K_star": "n/(n - n)"}}
     with pytest.raises(InputError, match="within these bounds the law is undefined"):

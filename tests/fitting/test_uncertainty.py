@@ -433,34 +433,6 @@ def test_given_deviations_are_held_against_the_residuals(noisy, size, words):
     )
 
 
-@pytest.mark.parametrize("loss", ["soft_l1", "cauchy", "huber"])
-def test_a_robust_loss_has_no_chi_square_test(noisy, loss):
-    actual = with_deviations(noisy, 1.0, Loss(loss, 1.345))
-    assert actual.sigma_known
-    assert actual.chi_square_p is None
-    # From the median of 36 residuals, whose standard error is a fifth.
-    assert actual.residual_sigma == pytest.approx(1.0, abs=0.4)
-    assert "no chi-square test" in noise_verdicts(actual)[0]
-    assert "look too large" not in noise_verdicts(actual)[0]
-
-
-@pytest.mark.slow
-def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
-    # ln(Λ_factor·Λ·E*/f) + c: c moved by s and Λ_factor by exp(−s) are the same law.
-    verdicts = []
-    for shift in (0.0, 0.5, -2.0):
-        noise = best_of(measured_campaign(tmp_path, noise=NOISE))
-        problem, best = noise.fit, noise.best
-        moved = problem.fixing(Lambda_factor=float(np.exp(-shift)))
-        shifted = {**best, "c": best["c"] + shift, "Lambda_factor": float(np.exp(-shift))}
-        assert moved.value_of(shifted) == pytest.approx(problem.value_of(best), rel=1e-9)
-        actual = uncertainty_of(Optimum.of(moved, shifted))
-        verdicts.append({name: e.verdict for name, e in actual.estimates.items()})
-        # kappa is a factor, judged by its share of the value.
-        assert noise.per_unit[0] == pytest.approx(1 / best["kappa"], rel=1e-6)
-    assert verdicts[0] == verdicts[1] == verdicts[2]
-
-
 @pytest.mark.parametrize("objective", ["rms-penetration", "rms-load", "rms-log-load"])
 def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path, objective):
     noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective=objective))
@@ -502,18 +474,6 @@ def test_a_law_of_the_wrong_shape_is_told_by_its_residuals(tmp_path):
     assert any("wrong shape" in sentence for sentence in of_wrong.warnings)
     assert of_right.uncertainty.runs_test_p > 0.01
     assert not any("wrong shape" in sentence for sentence in of_right.warnings)
-
-
-def test_the_sandwich_of_a_robust_loss_is_near_least_squares_for_gaussian_noise(noisy):
-    problem, best = noisy.fit, noisy.best
-    data = problem.data
-    robust = on_data(problem, data, loss=Loss("huber", 1.345 * NOISE))
-    _, noise = descended(robust, robust.point(best))
-    errors = np.sqrt(np.diag(noise.covariance))
-    assert errors == pytest.approx(noisy.errors, rel=0.3)
-    wide = on_data(problem, data, loss=Loss("huber", 1e3))
-    same = Optimum(wide, problem.point(best))
-    assert same.unit == pytest.approx(noisy.unit, rel=1e-9)
 
 
 CONTAMINATED = [("huber", 1.345), ("cauchy", 1.345), ("soft_l1", 1.345)]

@@ -95,7 +95,6 @@ class FitResult(Spec):
 
     # The objective below which the law follows the samples exactly.
     round_off: ClassVar[float]
-    searched_key: ClassVar[str]
 
     @classmethod
     def read(cls, path: Path | str) -> Self:
@@ -160,9 +159,10 @@ class FitResult(Spec):
             if set(coefficients) != set(names):
                 rule = f"must be the coefficients of its campaign: {', '.join(names)}"
                 raise InputError(source, key, sorted(coefficients), rule, "redo the fit")
-        if not {*self.searched} <= {*names}:
+        if not {*self._searched} <= {*names}:
             rule = f"must be those of coefficients of its campaign: {', '.join(names)}"
-            raise InputError(source, self.searched_key, None, rule, "redo the fit")
+            key = "uncertainty.estimates" if isinstance(self, DataFit) else "profiles"
+            raise InputError(source, key, None, rule, "redo the fit")
         if not self.runs:
             raise InputError(source, "runs", [], "must hold at least one run", "redo the fit")
 
@@ -219,8 +219,7 @@ class FitResult(Spec):
 
     @property
     @abstractmethod
-    def searched(self) -> Mapping[str, object]:
-        """What is known of each coefficient that was searched."""
+    def _searched(self) -> Mapping[str, object]: ...
 
     def identification(self, name: str) -> str:
         """Return "well", "fairly", "poorly", "not", "at a bound", "fixed", a tie, or "-"."""
@@ -343,11 +342,8 @@ class LawFit(FitResult):
 
     round_off: ClassVar[float] = 1e-6  # moments have half of the digits
 
-    searched_key: ClassVar[str] = "profiles"
-
     @property
-    def searched(self) -> Mapping[str, Profile]:
-        """The profile of each coefficient that was searched."""
+    def _searched(self) -> Mapping[str, Profile]:
         return self.profiles
 
     def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
@@ -507,11 +503,8 @@ class DataFit(FitResult):
 
     round_off: ClassVar[float] = 1e-12
 
-    searched_key: ClassVar[str] = "uncertainty.estimates"
-
     @property
-    def searched(self) -> Mapping[str, Estimate]:
-        """The estimate of each coefficient that was searched."""
+    def _searched(self) -> Mapping[str, Estimate]:
         return self.uncertainty.estimates
 
     # --- the fit itself -----------------------------------------------------------------------
@@ -836,9 +829,9 @@ class DataFit(FitResult):
         """
         from cylcontact.fitting import pictures
 
-        estimate = self.searched.get(name)
+        estimate = self._searched.get(name)
         if estimate is None or estimate.profile is None:
-            raise without_profile(self.name, name, self.searched)
+            raise without_profile(self.name, name, self._searched)
         ends = estimate.profile
         values, root, limit = self.optimum.profile(name, ends, self.level)
         labels = axis_label(name, self.units), "rise of the objective (std. dev.)"
