@@ -38,17 +38,13 @@ _MEANINGS = {
     "dissipated_power": ("power", "by damping and friction, not negative"),
     "elastic_energy": ("energy", "stored in the contacts"),
     "touched": ("length", "length of the wall that touches"),
-    "flag": (
-        "",
-        "sum of 1 first yield, 2 beyond the law, 4 rims without stiffness, 8 tilt > 0.1, "
-        "16 unlike materials at a rim",
-    ),
+    "flag": ("", "sum of 1 yield, 2 beyond the law, 4 no rims, 8 tilt > 0.1, 16 unlike materials"),
 }
 _FUNCTIONS = (
     contact.bounded_ratio,
     *(getattr(spatial_forces, name) for name in (
         "load_at", "energy_at", "rotate", "resolve", "cross", "move", "section", "seek",
-        "reach_faces", "reach", "slide", "rub", "press", "onset_at", "press_piece",
+        "reach_faces", "reach", "slide", "press", "onset_at", "press_piece",
         "free_distance", "press_straight", "first_touch", "press_crowned", "press_rims",
         "press_faces", "finish", "reset", "evaluate", "accept",
     )),
@@ -69,19 +65,16 @@ _ASSUMPTIONS = (
 def element_of(joint: SpatialJoint) -> Element:
     """Return a spatial joint as functions, lists of names and words."""
     plane = planar_element(joint.planar)
-    results = tuple(
-        Result(
-            name,
-            tuple(f"{name}_{k}" for k in range(size)) if size > 1 else (name,),
-            *_MEANINGS[name],
-        )
-        for name, size in spatial_forces.RESULTS
-    )
+    results = []
+    for name, meaning in _MEANINGS.items():
+        shape = spatial_forces.WORK[name].shape
+        numbers = tuple(f"{name}_{k}" for k in range(shape[0])) if shape else (name,)
+        results.append(Result(name, numbers, *meaning))
     c, b = joint.spec.edge.constants
     return replace(
         plane,
         motion=_MOTION,
-        results=results,
+        results=tuple(results),
         steps=(),
         constants={},
         about=[*plane.about, f"length {joint.spec.length!r} mm, rims with c = {c!r}, b = {b!r}"],

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, Strict, model_validator
 
 from cylcontact.arrays import FloatArray, require
-from cylcontact.errors import InputError
 from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.materials import own_table
 from cylcontact.mechanism import spatial_forces
@@ -34,9 +33,6 @@ EDGES = {"flush": (0.105, 0.45), "overhang": (0.17, 1.0), "none": (0.0, 1.0)}
 
 # Assumed: up to this ratio of their plane-strain moduli materials are alike.
 LIKE = 1.1
-
-_NUMBERS = 13
-_WIDTH = sum(size for _, size in spatial_forces.RESULTS)
 
 
 class SpatialBodySpec(BodySpec):
@@ -245,7 +241,7 @@ class SpatialJoint:
         joint = cls(joint_from(plane, source, own), spec, data)
         thrust = spec.thrust
         if thrust is not None:
-            E_star, R = float(joint.planar.pair.E_star), spec.bearing.R or 0.0
+            E_star, R = float(joint.planar.pair.E_star), float(joint.record["R_hole"])
             bound = 2 * E_star * (2 * thrust.radius - R)
             require(
                 thrust.stiffness <= bound, source, "thrust.stiffness", thrust.stiffness,
@@ -320,25 +316,16 @@ class SpatialJoint:
         InputError
             For arguments that are no motion, or if the axes are near a right angle.
         """
-        rates, first, second = _rows(state, bearing, pin)
-        out = np.empty((rates[..., 0].size, _WIDTH))
-        work = np.zeros(1, spatial_forces.WORK)[0]
-        law = self.planar.kernel.parameters
-        rows = (rates.reshape(-1, 4), first.reshape(-1, 13), second.reshape(-1, 13))
-        _wrenches(*rows, work, self.record, law, out)
+        rows, shape = _rows(state, bearing, pin)
+        work = np.zeros(len(rows[0]), spatial_forces.WORK)
+        _evaluate(*rows, work, self.record, self.planar.kernel.parameters)
         require(
-            ~np.isnan(out[:, 20]), self.planar.name, "pin", None,
+            ~np.isnan(work["normal_force"]), self.planar.name, "pin", None,
             "has its axis near a right angle to that of the hole", "give both axes in the file",
         )  # fmt: skip
-        parts, at = [], 0
-        for _, size in spatial_forces.RESULTS:
-            part = out[:, at : at + size].reshape(*rates.shape[:-1], size)
-            parts.append(part if size > 1 else part[..., 0])
-            at += size
-        names = (name for name, _ in spatial_forces.RESULTS[:-1])
-        return SpatialWrench(
-            **dict(zip(names, parts, strict=False)), flag=parts[-1].astype(np.int64)
-        )
+        parts = {name: work[name].copy() for name in SpatialWrench._fields}
+        parts = {name: part.reshape(shape + part.shape[1:]) for name, part in parts.items()}
+        return SpatialWrench(**{**parts, "flag": parts["flag"].astype(np.int64)})
 
     def accept(self, state: SpatialState, bearing: ArrayLike, pin: ArrayLike) -> SpatialState:
         """Return the state after an accepted step, or at the onset of a contact.
@@ -354,12 +341,9 @@ class SpatialJoint:
             Of each rim and face: 0 without contact; at the first touch the penetration rate, at
             least 1 mm/s; unchanged while the contact lasts.
         """
-        rates, first, second = _rows(state, bearing, pin)
-        after = rates.copy()
-        work = np.zeros(1, spatial_forces.WORK)[0]
-        rows = (after.reshape(-1, 4), first.reshape(-1, 13), second.reshape(-1, 13))
-        _accepted(*rows, work, self.record)
-        return SpatialState(after)
+        rows, shape = _rows(state, bearing, pin)
+        _accept(*rows, np.zeros(1, spatial_forces.WORK)[0], self.record)
+        return SpatialState(rows[0].reshape(*shape, 4))
 
 
 def _frame(axis: tuple[float, float, float]) -> FloatArray:
@@ -373,59 +357,38 @@ def _frame(axis: tuple[float, float, float]) -> FloatArray:
 
 def _rows(
     state: SpatialState, bearing: ArrayLike, pin: ArrayLike
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return impact rates, shape (..., 4), and both bodies, shape (..., 13), of one shape."""
-    bodies = []
+) -> tuple[tuple[FloatArray, FloatArray, FloatArray], tuple[int, ...]]:
+    """Return copies of impact rates and both bodies, one to a row, and the shape of the rows."""
+    numbers = [np.asarray(state.impact_rate, dtype=np.float64)]
     for key, body in (("bearing", bearing), ("pin", pin)):
-        numbers = np.asarray(body, dtype=np.float64)
-        if numbers.ndim == 0 or numbers.shape[-1] != _NUMBERS:
-            raise InputError(
-                "joint", key, body, "must be thirteen numbers",
-                "give position, quaternion w x y z, velocity and angular velocity",
-            )  # fmt: skip
+        numbers.append(np.asarray(body, dtype=np.float64))
         require(
-            (numbers[..., 3:7] != 0).any(axis=-1), "joint", key, body,
+            numbers[-1].shape[-1:] == (13,), "joint", key, body, "must be thirteen numbers",
+            "give position, quaternion w x y z, velocity and angular velocity",
+        )  # fmt: skip
+        require(
+            (numbers[-1][..., 3:7] != 0).any(axis=-1), "joint", key, body,
             "has a quaternion of zeros", "give w, x, y, z as its fourth to seventh number",
         )  # fmt: skip
-        bodies.append(numbers)
-    rates = np.asarray(state.impact_rate, dtype=np.float64)
-    shape = np.broadcast_shapes(rates.shape[:-1], *(b.shape[:-1] for b in bodies))
-    first, second = (np.ascontiguousarray(np.broadcast_to(b, (*shape, 13))) for b in bodies)
-    return np.ascontiguousarray(np.broadcast_to(rates, (*shape, 4))), first, second
+    shape = np.broadcast_shapes(*(part.shape[:-1] for part in numbers))
+    rates, first, second = (
+        np.broadcast_to(part, (*shape, part.shape[-1])).reshape(-1, part.shape[-1]).copy()
+        for part in numbers
+    )
+    return (rates, first, second), shape
 
 
 @compiled
-def _wrenches(
-    rates: FloatArray,
-    bearing: FloatArray,
-    pin: FloatArray,
-    work: Any,
-    joint: Any,
-    law: FloatArray,
-    out: FloatArray,
+def _evaluate(
+    rates: FloatArray, bearing: FloatArray, pin: FloatArray, work: Any, joint: Any, law: FloatArray
 ) -> None:
-    """Write the wrench of each row, in the order of `spatial_forces.RESULTS`."""
-    for k in range(rates.shape[0]):
-        spatial_forces.evaluate(rates[k], bearing[k], pin[k], work, joint, law)
-        for i in range(3):
-            out[k, i] = work.force_bearing[i]
-            out[k, 3 + i] = work.moment_bearing[i]
-            out[k, 6 + i] = work.force_pin[i]
-            out[k, 9 + i] = work.moment_pin[i]
-        for i in range(4):
-            out[k, 12 + i] = work.penetration[i]
-            out[k, 16 + i] = work.penetration_rate[i]
-        out[k, 20] = work.normal_force
-        out[k, 21] = work.dissipated_power
-        out[k, 22] = work.elastic_energy
-        out[k, 23] = work.touched
-        out[k, 24] = work.flag
+    """Write the wrench of each row."""
+    for k in range(len(work)):
+        spatial_forces.evaluate(rates[k], bearing[k], pin[k], work[k], joint, law)
 
 
 @compiled
-def _accepted(
-    rates: FloatArray, bearing: FloatArray, pin: FloatArray, work: Any, joint: Any
-) -> None:
+def _accept(rates: FloatArray, bearing: FloatArray, pin: FloatArray, work: Any, joint: Any) -> None:
     """Update the impact rates of each row."""
-    for k in range(rates.shape[0]):
+    for k in range(len(rates)):
         spatial_forces.accept(rates[k], bearing[k], pin[k], work, joint)

@@ -50,39 +50,33 @@ from cylcontact.numba_cache import compiled, inlined
 
 Record = Any
 
+
+def _numbers(names: str, size: int = 1) -> list[tuple[Any, ...]]:
+    """Return fields of a record: numbers, or arrays of a size."""
+    kind = (np.float64, size) if size > 1 else (np.float64,)
+    return [(name, *kind) for name in names.split()]
+
+
 # The numbers of a joint, and those of an evaluation: motion, section, sums, wrench.
 SPATIAL = np.dtype(
     [
-        *((name, np.float64, 3) for name in ("point_b", "x_b", "y_b", "z_b", "point_p", "axis_p")),
-        *((name, np.float64) for name in ("in_mm", "half", "R_hole", "R_pin", "clearance")),
-        *(
-            (name, np.float64)
-            for name in ("pin_low", "pin_high", "crown", "crown_at", "crown_half")
-        ),
-        *((name, np.float64) for name in ("chi", "rate_floor", "friction", "v0", "v1")),
-        *((name, np.float64) for name in ("edge", "edge_width", "unlike")),
-        *((name, np.float64) for name in ("face_gap", "face_radius", "face_stiffness", "face_chi")),
-        *((name, np.float64) for name in ("last_penetration", "last_load", "last_slope", "yields")),
+        *_numbers("point_b x_b y_b z_b point_p axis_p", 3),
+        *_numbers("in_mm half R_hole R_pin clearance pin_low pin_high crown crown_at crown_half"),
+        *_numbers("chi rate_floor friction v0 v1 edge edge_width unlike"),
+        *_numbers("face_gap face_radius face_stiffness face_chi"),
+        *_numbers("last_penetration last_load last_slope yields"),
         ("kernel", np.int64),
     ]
 )
-RESULTS = (
-    ("force_bearing", 3), ("moment_bearing", 3), ("force_pin", 3), ("moment_pin", 3),
-    ("penetration", 4), ("penetration_rate", 4), ("normal_force", 1), ("dissipated_power", 1),
-    ("elastic_energy", 1), ("touched", 1), ("flag", 1),
-)  # fmt: skip
 WORK = np.dtype(
     [
-        *((name, np.float64, 3) for name in ("x", "y", "z", "arm_b", "arm_p", "axis")),
-        *((name, np.float64, 3) for name in ("away", "moving", "turning", "c", "a", "V", "W")),
-        *((name, np.float64, 2) for name in ("psi", "psi_rate", "K")),
-        *((name, np.float64) for name in ("low", "high", "tip_low", "tip_high", "deepest_at")),
-        *((name, np.float64) for name in ("arm", "r", "n_x", "n_y", "g", "across", "q", "drop")),
-        *((name, np.float64) for name in ("G_x", "G_y", "P_x", "P_y", "delta", "slope", "rate")),
-        *((name, np.float64, 3) for name in ("force", "moment")),
-        *((name, np.float64) for name in ("deepest", "rim_load")),
-        ("onset", np.float64, 4),
-        *((name, np.float64, size) if size > 1 else (name, np.float64) for name, size in RESULTS),
+        *_numbers("x y z arm_b arm_p axis lever away moving turning c a V W force moment", 3),
+        *_numbers("psi psi_rate K", 2),
+        *_numbers("low high tip_low tip_high deepest_at arm r n_x n_y g across drop"),
+        *_numbers("G_x G_y P_x P_y delta slope rate deepest rim_load"),
+        *_numbers("onset penetration penetration_rate", 4),
+        *_numbers("force_bearing moment_bearing force_pin moment_pin", 3),
+        *_numbers("normal_force dissipated_power elastic_energy touched flag"),
     ]
 )
 
@@ -99,11 +93,11 @@ def _graded(nodes: int) -> tuple[FloatArray, FloatArray]:
     return ((u + 1) / 2) ** 3, 1.5 * ((u + 1) / 2) ** 2 * weight
 
 
-# Along a piece, in the depth of a section, and along half the arc of a face.
+# Along a piece, in the depth of a section, and along both halves of a face's arc.
 PART, PART_WEIGHT = _graded(8)
 DEPTH, DEPTH_WEIGHT = _graded(20)
 _u, _weight = np.polynomial.legendre.leggauss(8)
-ARC, ARC_WEIGHT = (_u + 1) / 2, _weight / 2
+ARC, ARC_WEIGHT = np.concatenate([1 + _u, -1 - _u]) / 2, np.tile(_weight, 2) / 2
 # Along a crowned pin.
 SAMPLES = 17
 TINY = 1e-300
@@ -159,11 +153,11 @@ def resolve(
 
 
 @inlined
-def cross(p: FloatArray, q: FloatArray, k: int) -> float:
-    """Return the component k of a vector product."""
+def cross(p: FloatArray, at: int, q: FloatArray, k: int) -> float:
+    """Return the component k of a vector product; p begins `at` a place of its array."""
     i = (k + 1) % 3
     j = (k + 2) % 3
-    return float(p[i] * q[j] - p[j] * q[i])
+    return float(p[at + i] * q[j] - p[at + j] * q[i])
 
 
 @compiled
@@ -176,18 +170,13 @@ def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Record) -> None
     rotate(pin, joint.point_p, w.arm_p)
     rotate(pin, joint.axis_p, w.axis)
     for k in range(3):
-        w.away[k] = joint.in_mm * (pin[k] - bearing[k]) + w.arm_p[k] - w.arm_b[k]
+        w.lever[k] = joint.in_mm * (pin[k] - bearing[k]) + w.arm_p[k]
+        w.away[k] = w.lever[k] - w.arm_b[k]
         w.turning[k] = pin[10 + k] - bearing[10 + k]
     for k in range(3):
         # Of the pin's point, less that of the hole's body there.
-        i = (k + 1) % 3
-        j = (k + 2) % 3
-        w.moving[k] = (
-            joint.in_mm * (pin[7 + k] - bearing[7 + k])
-            + (pin[10 + i] * w.arm_p[j] - pin[10 + j] * w.arm_p[i])
-            - bearing[10 + i] * (w.arm_b[j] + w.away[j])
-            + bearing[10 + j] * (w.arm_b[i] + w.away[i])
-        )
+        w.moving[k] = joint.in_mm * (pin[7 + k] - bearing[7 + k])
+        w.moving[k] += cross(pin, 10, w.arm_p, k) - cross(bearing, 10, w.lever, k)
     resolve(w.away, w.x, w.y, w.z, w.c)
     resolve(w.axis, w.x, w.y, w.z, w.a)
     resolve(w.moving, w.x, w.y, w.z, w.V)
@@ -202,9 +191,9 @@ def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Record) -> None
     w.a[2] = max(w.a[2], 1e-9)
     for k in range(2):
         w.psi[k] = -w.a[k] / w.a[2]
-    spin_z = cross(w.W, w.a, 2)
+    spin_z = cross(w.W, 0, w.a, 2)
     for k in range(2):
-        w.psi_rate[k] = -(cross(w.W, w.a, k) + w.psi[k] * spin_z) / w.a[2]
+        w.psi_rate[k] = -(cross(w.W, 0, w.a, k) + w.psi[k] * spin_z) / w.a[2]
     w.low = max(-joint.half, w.c[2] + w.a[2] * w.tip_low)
     w.high = min(joint.half, w.c[2] + w.a[2] * w.tip_high)
 
@@ -230,7 +219,6 @@ def section(z: float, w: Record, joint: Record) -> None:
     w.n_y = n_y
     w.g = g
     w.across = across
-    w.q = q
     w.drop = 2.0 * joint.crown * off / joint.crown_half
     w.G_x = n_x - bend * n_y
     w.G_y = n_y + bend * n_x
@@ -254,7 +242,7 @@ def reach(w: Record, joint: Record) -> None:
         w.penetration[side] = -joint.clearance
         w.penetration_rate[side] = 0.0
     if w.low < w.high:
-        spin_z = cross(w.W, w.a, 2)
+        spin_z = cross(w.W, 0, w.a, 2)
         if joint.crown > 0.0:
             seek(w, joint)
         for side in range(2):
@@ -283,14 +271,14 @@ def reach_faces(w: Record, joint: Record) -> None:
     lean = math.sqrt(w.a[0] * w.a[0] + w.a[1] * w.a[1])
     lean_rate = 0.0
     if lean > 0.0:
-        lean_rate = (w.a[0] * cross(w.W, w.a, 0) + w.a[1] * cross(w.W, w.a, 1)) / lean
+        lean_rate = (w.a[0] * cross(w.W, 0, w.a, 0) + w.a[1] * cross(w.W, 0, w.a, 1)) / lean
     for side in range(2):
         sign = 1.0 if side == 0 else -1.0
         w.penetration[2 + side] = (
             joint.half - sign * w.c[2] - w.a[2] * joint.face_gap + joint.face_radius * lean
         )
         w.penetration_rate[2 + side] = (
-            joint.face_radius * lean_rate - sign * w.V[2] - joint.face_gap * cross(w.W, w.a, 2)
+            joint.face_radius * lean_rate - sign * w.V[2] - joint.face_gap * cross(w.W, 0, w.a, 2)
         )
 
 
@@ -313,22 +301,6 @@ def seek(w: Record, joint: Record) -> None:
         curved = 2.0 * most - left - w.delta
         if curved > 0.0:
             w.deepest_at += 0.5 * step * (w.delta - left) / curved
-
-
-@inlined
-def rub(
-    pressure: float, x: float, y: float, z: float, n_z: float, w: Record, joint: Record
-) -> None:
-    """Add the friction at a point (x, y, z) from c, where the section's normal leans by n_z."""
-    v_x = w.V[0] + w.W[1] * z - w.W[2] * y
-    v_y = w.V[1] + w.W[2] * x - w.W[0] * z
-    v_z = w.V[2] + w.W[0] * y - w.W[1] * x
-    per = 1.0 / math.sqrt(1.0 + n_z * n_z)
-    normal = (v_x * w.n_x + v_y * w.n_y + v_z * n_z) * per
-    v_x -= normal * per * w.n_x
-    v_y -= normal * per * w.n_y
-    v_z -= normal * per * n_z
-    slide(pressure, x, y, z, v_x, v_y, v_z, w, joint)
 
 
 @inlined
@@ -375,9 +347,17 @@ def press(elastic: float, sway: float, onset: float, w: Record, joint: Record) -
     w.normal_force += load
     w.dissipated_power += (load - elastic) * w.rate
     if joint.friction > 0.0:
+        # At the wall of the hole, less the part of the velocity along the section's normal.
         x = -joint.R_hole * w.n_x - w.c[0]
         y = -joint.R_hole * w.n_y - w.c[1]
-        rub(load, x, y, w.arm, w.g, w, joint)
+        v_x = w.V[0] + w.W[1] * w.arm - w.W[2] * y
+        v_y = w.V[1] + w.W[2] * x - w.W[0] * w.arm
+        v_z = w.V[2] + w.W[0] * y - w.W[1] * x
+        normal = (v_x * w.n_x + v_y * w.n_y + v_z * w.g) / (1.0 + w.g * w.g)
+        v_x -= normal * w.n_x
+        v_y -= normal * w.n_y
+        v_z -= normal * w.g
+        slide(load, x, y, w.arm, v_x, v_y, v_z, w, joint)
 
 
 @inlined
@@ -498,25 +478,24 @@ def press_crowned(w: Record, joint: Record, law: FloatArray) -> None:
     energy = 0.0
     before = w.low
     inside = False
-    for k in range(SAMPLES):
-        z = w.deepest_at if k == place else w.low + k * step
+    for k in range(SAMPLES + 1):
+        z = w.deepest_at if k == place else min(w.low + k * step, w.high)
         section(z, w, joint)
-        delta = w.delta
-        touches = delta > 0.0
+        touches = w.delta > 0.0 and k < SAMPLES
         if touches and not inside:
             start = z
             energy = 0.0
             if k == 0:
-                energy = energy_at(delta, joint, law)
+                energy = energy_at(w.delta, joint, law)
             else:
                 start = first_touch(before, z, w, joint)
-        stop = z
-        last = 0.0
-        if touches and k == SAMPLES - 1:
-            last = energy_at(delta, joint, law)
-        elif inside and not touches:
-            stop = first_touch(z, before, w, joint)
-        if (inside and not touches) or (touches and k == SAMPLES - 1):
+        if inside and not touches:
+            stop = z
+            last = 0.0
+            if k == SAMPLES:
+                last = energy_at(w.delta, joint, law)
+            else:
+                stop = first_touch(z, before, w, joint)
             middle = 0.5 * (start + stop)
             press_piece(start, middle, energy, w, joint, law)
             press_piece(stop, middle, last, w, joint, law)
@@ -568,30 +547,27 @@ def press_faces(w: Record, joint: Record) -> None:
             half_arc = math.pi
             if mean < swing:
                 half_arc = math.acos(-mean / swing)
-            for node in range(8):
-                for turn in range(2):
-                    phi = half_arc * ARC[node]
-                    cosine = math.cos(phi)
-                    sine = math.sin(phi) if turn == 0 else -math.sin(phi)
-                    delta = mean + swing * cosine
-                    out = joint.face_radius * sine
-                    along = -sign * joint.face_radius * cosine
-                    x = sign * joint.face_gap * w.a[0] - along * to_x * w.a[2] + out * to_y
-                    y = sign * joint.face_gap * w.a[1] - along * to_y * w.a[2] - out * to_x
-                    z = sign * joint.face_gap * w.a[2] + along * lean
-                    v_x = w.V[0] + w.W[1] * z - w.W[2] * y
-                    v_y = w.V[1] + w.W[2] * x - w.W[0] * z
-                    rate = -sign * (w.V[2] + w.W[0] * y - w.W[1] * x)
-                    elastic = joint.face_stiffness * half_arc * ARC_WEIGHT[node] * delta
-                    ratio = bounded_ratio(rate / w.onset[2 + side])
-                    load = elastic * max(1.0 + joint.face_chi * ratio, 0.0)
-                    w.force[2] += sign * load
-                    w.moment[0] += sign * y * load
-                    w.moment[1] -= sign * x * load
-                    w.dissipated_power += (load - elastic) * rate
-                    w.elastic_energy += 0.5 * elastic * delta
-                    if joint.friction > 0.0:
-                        slide(load, x, y, z, v_x, v_y, 0.0, w, joint)
+            for node in range(16):
+                cosine = math.cos(half_arc * ARC[node])
+                delta = mean + swing * cosine
+                out = joint.face_radius * math.sin(half_arc * ARC[node])
+                along = -sign * joint.face_radius * cosine
+                x = sign * joint.face_gap * w.a[0] - along * to_x * w.a[2] + out * to_y
+                y = sign * joint.face_gap * w.a[1] - along * to_y * w.a[2] - out * to_x
+                z = sign * joint.face_gap * w.a[2] + along * lean
+                v_x = w.V[0] + w.W[1] * z - w.W[2] * y
+                v_y = w.V[1] + w.W[2] * x - w.W[0] * z
+                rate = -sign * (w.V[2] + w.W[0] * y - w.W[1] * x)
+                elastic = joint.face_stiffness * half_arc * ARC_WEIGHT[node] * delta
+                ratio = bounded_ratio(rate / w.onset[2 + side])
+                load = elastic * max(1.0 + joint.face_chi * ratio, 0.0)
+                w.force[2] += sign * load
+                w.moment[0] += sign * y * load
+                w.moment[1] -= sign * x * load
+                w.dissipated_power += (load - elastic) * rate
+                w.elastic_energy += 0.5 * elastic * delta
+                if joint.friction > 0.0:
+                    slide(load, x, y, z, v_x, v_y, 0.0, w, joint)
 
 
 @compiled
@@ -606,10 +582,11 @@ def finish(w: Record, joint: Record) -> None:
         w.force_bearing[k] = -w.force_pin[k]
         w.moment_pin[k] = w.moment[0] * w.x[k] + w.moment[1] * w.y[k] + w.moment[2] * w.z[k]
         w.moment_bearing[k] = -w.moment_pin[k]
-        w.away[k] += w.arm_b[k]
     for k in range(3):
-        w.moment_pin[k] = (w.moment_pin[k] + cross(w.arm_p, w.force_pin, k)) / joint.in_mm
-        w.moment_bearing[k] = (w.moment_bearing[k] - cross(w.away, w.force_pin, k)) / joint.in_mm
+        w.moment_pin[k] = (w.moment_pin[k] + cross(w.arm_p, 0, w.force_pin, k)) / joint.in_mm
+        w.moment_bearing[k] = (
+            w.moment_bearing[k] - cross(w.lever, 0, w.force_pin, k)
+        ) / joint.in_mm
     w.dissipated_power /= joint.in_mm
     w.elastic_energy /= joint.in_mm
     if w.deepest > joint.yields or (w.rim_load > 0.0 and joint.yields < math.inf):
