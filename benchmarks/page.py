@@ -33,7 +33,8 @@ HEAD = """# Speed
 
 How fast the package is, beside what one would use instead: `make bench` measures it and writes this
 page. All sides of a comparison give the same answer, which is checked first, and then take turns.
-Times are medians.
+Times are medians, ratios to the first line of each task, which is ours. Those computed are the
+evaluations that were needed on the small grid times the cost of one; others had not arrived there.
 
 Measured on {cores} cores of {processor} ({system}), with {libraries}.
 """
@@ -189,7 +190,7 @@ def page(results: dict[str, Any]) -> str:
         if sides:
             unit = sides[0].unit.partition(" per ")[0]
             lines.append(f"| **{title}** | {unit} | |")
-            lines += [_line(row) for row in sides]
+            lines += [_line(row) for row in sides if "not arrived" not in row.note]
     skipped = [f"\nNot measured: {name}, {reason}." for name, reason in results["skipped"].items()]
     return "\n".join([*lines, *skipped]) + "\n"
 
@@ -197,7 +198,7 @@ def page(results: dict[str, Any]) -> str:
 def _line(row: Row) -> str:
     """Return a row of the table of ratios."""
     note = f" ({row.note})" if row.note else ""
-    return f"| {row.side}{note} | {_short(row.value)} | {_short(row.ratio)} |"
+    return f"| {row.side.removeprefix('cylcontact: ')}{note} | {_short(row.value)} | {_short(row.ratio)} |"
 
 
 def _short(number: float) -> str:
