@@ -219,9 +219,9 @@ lock: ## Pin the dependencies anew in the locks; make lock UPGRADE=--upgrade for
 	@build/lock-tools/bin/python -m pip install --quiet --disable-pip-version-check uv
 	@cp $(LOCKS) build
 	$(UV_COMPILE) -o build/requirements.lock
-	set -e; for extra in test lint; do \
-		$(UV_COMPILE) --extra $$extra -c build/requirements.lock -o build/requirements-$$extra.lock; done
-	$(UV_COMPILE) --all-extras -c build/requirements-test.lock -c build/requirements-lint.lock \
+	set -e; for group in test lint; do \
+		$(UV_COMPILE) --group $$group -c build/requirements.lock -o build/requirements-$$group.lock; done
+	$(UV_COMPILE) --all-extras --group dev -c build/requirements-test.lock -c build/requirements-lint.lock \
 		-o build/requirements-extras.lock
 	@mv $(LOCKS:%=build/%) .
 

@@ -228,9 +228,6 @@ def snug_yield():
 def test_numbers_between_the_tables():
     error = laws_bounds.explicit_error()
     assert error["one-line penetration"] <= 0.37
-    steel = Material("steel", E=207e3, nu=0.3)
-    snug = CylinderPair.internal(R_i=10.0, R_j=9.98, material=steel)
-    angle = laws.Conformal().contact_angle(22.7e3 / 10.0, snug)
     ten, end = laws_bounds.departure_number(10.0), johnson_end()
     for page, words in (
         (CHOICE, f"(φ = {end:.2f}). It is 10 % too stiff at φ = {ten:.2f}"),
@@ -239,7 +236,6 @@ def test_numbers_between_the_tables():
         (ACCURACY, f"is below {safe_until('von Mises'):.2f} by von"),
         (ACCURACY, f"and {safe_until('Tresca'):.2f} by Tresca"),
         (ACCURACY, f"yields near f = {snug_yield():.1f}·σ_Y·R"),
-        (ACCURACY, f"an arc of {2 * 10 * math.radians(float(angle)):.1f} mm under 22.7 kN"),
         (FORMULAS, f"less than {float(achieved_restitution(0.75)):.3f}"),
     ):
         assert words in page
