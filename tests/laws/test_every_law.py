@@ -135,7 +135,10 @@ def test_a_law_says_what_it_needs(kind):
         assert laws.reference_law(law.name) == law
 
 
-IN_ANY_PLANE = [
+IN_ANY_PLANE = {"johnson", "persson", "conformal", "explicit", "winkler"} | {
+    "parametric",
+    "explicit-pair",
+}
     "johnson",
     "persson",
     "conformal",
