@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
 from cylcontact.reading import plain_number
@@ -16,6 +19,8 @@ from cylcontact.reading import plain_number
 _TABLE = Path(__file__).parent / "data" / "iso286.csv"
 _SMALLEST, _LARGEST = 3.0, 500.0  # mm
 _GRADES = range(5, 12)
+# Stands for ΔR = 0: the limit of laws, that have no value there.
+_SMALLEST_CLEARANCE = 1e-6  # mm
 _HOLES, _PINS = ("H", "JS"), ("c", "d", "e", "f", "g", "h", "j", "js", "k", "m", "n")
 _CODE = re.compile(r"\s*[⌀øØ]?\s*(\d+(?:[.,]\d+)?)\s*([A-Za-z]+)(\d+)\s*[/ ]\s*([A-Za-z]+)(\d+)\s*")
 
@@ -113,11 +118,11 @@ class Fit:
         )
         return (low, high), (least, most)
 
-    def radii(self, share: float | FloatArray) -> tuple[FloatArray, FloatArray]:
+    def radii(self, share: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return radii of hole and pin in mm, from the tightest (share 0) to the loosest (1)."""
         (low, high), (least, most) = self.limits
         share = as_floats(share)
-        return as_floats(low + share * (high - low)), as_floats(most - share * (most - least))
+        return apart(low + share * (high - low), most - share * (most - least))
 
     @property
     def middle(self) -> tuple[float, float]:
@@ -145,6 +150,11 @@ class Fit:
             f"{self.code}: hole {limits(self.hole)}, pin {limits(self.pin)} mm, "
             f"radial clearance {low:.4g} to {high:.4g} µm"
         )
+
+
+def apart(R_i: FloatArray, R_j: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return radii of hole and pin with a clearance of 1 nm at least, in place of none."""
+    return as_floats(R_i), as_floats(np.minimum(R_j, R_i - _SMALLEST_CLEARANCE))
 
 
 def _deviations(nominal: float, letters: str, is_hole: bool, grade: int) -> tuple[float, float]:

@@ -6,18 +6,37 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, Strict, model_validator
+from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from cylcontact.errors import InputError
 from cylcontact.laws import Conformal, Explicit, Housing, Parametric, Sector
 from cylcontact.laws.law import ContactLaw
-from cylcontact.materials import Material, find_material, known_materials
-from cylcontact.modulus import Modulus
+from cylcontact.materials import Material, find_material, known_materials, modulus_in_MPa
 from cylcontact.reading import plain_number
 from cylcontact.spec import Spec, broken
 
 # The laws that know the housing.
 _LAWS: dict[str, Any] = {law.name: law for law in (Parametric, Explicit, Conformal)}
+
+
+# In GPa, above diamond's 1200: a larger bare number was probably meant in MPa.
+_LARGEST_BARE = 1500.0
+
+
+def _in_GPa(E: object) -> object:
+    """Return a modulus with a unit as a number of GPa; pydantic judges what has none."""
+    if isinstance(E, str) and E.rstrip().endswith("Pa"):
+        try:
+            return float(modulus_in_MPa(E, "", "")) * 1e-3
+        except InputError as error:
+            raise broken("", E, error.rule, error.remedy) from None
+    if isinstance(E, int | float) and _LARGEST_BARE < E < 1e300:
+        remedy = f'did you mean {E * 1e-3:g}? Or write "{E:g} GPa"'
+        raise broken("", E, "a bare number is in GPa, and diamond has 1200", remedy)
+    return E
+
+
+Modulus = Annotated[float, BeforeValidator(_in_GPa)]
 
 
 class MaterialSpec(Spec):

@@ -41,8 +41,6 @@ _ROUNDING = 1e-12
 _LENGTHS = 0.1, 5000.0  # mm
 _CLEARANCES = 1e-5, 0.08  # over the radius of the hole
 _SLENDERNESS = 0.02, 100.0  # length over radius
-# Stands for ΔR = 0 of a fit: the limit of laws, that have no value there.
-SMALLEST_CLEARANCE = 1e-6  # mm
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,7 +319,6 @@ class CylinderPair:
         fit = Fit.read(code, source, "code")
         fit.require_clearance(source, "code")
         R_i, R_j = fit.radii(as_floats(share))
-        R_j = np.minimum(R_j, R_i - SMALLEST_CLEARANCE)
         bodies = _bodies(source, material, None, pin, hole)
         return cls("internal", R_i - R_j, *bodies, R_i, R_j, length, plane)
 

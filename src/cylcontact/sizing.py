@@ -13,11 +13,11 @@ from scipy.stats import truncnorm
 
 from cylcontact.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.errors import InputError
-from cylcontact.fits import Fit
+from cylcontact.fits import Fit, apart
 from cylcontact.laws import Conformal, ContactLaw, Johnson, Parametric
 from cylcontact.limits import johnson_limit_load, yield_load
 from cylcontact.materials import material_in_MPa
-from cylcontact.pair import SMALLEST_CLEARANCE, CylinderPair
+from cylcontact.pair import CylinderPair
 from cylcontact.text_tables import Table
 
 Distribution = Literal["normal", "uniform"]
@@ -154,7 +154,7 @@ def bands(
     warm = pin_temperature is not None or hole_temperature is not None
 
     def pair_of(R_i: FloatArray, R_j: FloatArray) -> CylinderPair:
-        R_j = np.minimum(R_j, R_i - SMALLEST_CLEARANCE)
+        R_i, R_j = apart(R_i, R_j)
         cold = replace(pair, dR=R_i - R_j, R_i=R_i, R_j=R_j)
         return cold.at_temperature(pin_temperature, hole_temperature) if warm else cold
 

@@ -139,14 +139,6 @@ IN_ANY_PLANE = {"johnson", "persson", "conformal", "explicit", "winkler"} | {
     "parametric",
     "explicit-pair",
 }
-    "johnson",
-    "persson",
-    "conformal",
-    "explicit",
-    "winkler",
-    "parametric",
-    "explicit-pair",
-]
 
 
 @pytest.mark.parametrize("name", laws.LAWS)

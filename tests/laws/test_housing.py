@@ -8,7 +8,7 @@ from benchmarks.calculix import run_case
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.datasets.finite_element.solver import clamped_nodes
-from cylcontact.laws import ClampedPlate, Conformal, Housing, Sector, glauert
+from cylcontact.laws import Conformal, Housing, Sector, glauert
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housing import pressure_harmonics
 from cylcontact.materials import material_in_MPa
@@ -367,7 +367,6 @@ def test_contact_by_calculix_is_the_same(rho, clamp):
             "Housing: g: has fewer harmonics than the kernel needs",
         ),
         (lambda: Housing.from_compliances("no/such/file"), "no/such/file: g: cannot be read"),
-        (lambda: ClampedPlate(R_o=20.0), "is now a Housing"),
     ],
 )
 def test_bad_input_is_one_line(ask, message):

@@ -88,13 +88,12 @@ def _combined(changes: Mapping[str, list[str]]) -> list[Case]:
 def _of_fit(code: str, clearance: list[str] | None) -> list[str]:
     """Return the radial clearances of the tightest, the middle and the loosest pair in mm."""
     from cylcontact.fits import Fit
-    from cylcontact.pair import SMALLEST_CLEARANCE
 
     require(not clearance, "sweep", "--fit", code, "conflicts with --clearance", "keep one of them")
     fit = Fit.read(code, "sweep", "--fit")
     fit.require_clearance("sweep", "--fit")
-    (low, high), (hole, pin) = fit.clearance, fit.middle
-    return [repr(max(dR, SMALLEST_CLEARANCE)) for dR in (low, round(hole - pin, 9), high)]
+    R_i, R_j = fit.radii([0.0, 0.5, 1.0])
+    return [repr(dR) for dR in (R_i - R_j).round(9).tolist()]
 
 
 def simulate(

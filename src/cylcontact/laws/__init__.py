@@ -113,14 +113,6 @@ LAWS: dict[str, Callable[[], ContactLaw]] = {
 REFERENCES = tuple(name for name, law in LAWS.items() if not getattr(law, "needs", ()))
 
 
-def ClampedPlate(*_: object, **__: object) -> None:
-    """Raise `InputError`: the former name of a clamped housing is `Housing` now."""
-    raise InputError(
-        "laws", "ClampedPlate", None, "is now a Housing, which is exact in narrow rings, too",
-        "write laws.Housing(R_o=…)",
-    )  # fmt: skip
-
-
 def reference_law(name: str) -> ContactLaw:
     """Return the law that grid specs call `name`.
 

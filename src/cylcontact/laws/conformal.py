@@ -511,25 +511,6 @@ class Persson(Conformal):
         require(pair.of_one_material, law, "pair.material_j", other, rule, remedy)
 
 
-def load_at_angle(angle: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the load in N/mm whose arc ends at `angle` in radians, for a pair of one material.
-
-    NaN where the angle is negative or at least 84.83°, which no load reaches. Near that limit the
-    sensitivity of the load grows like 1/(limit − angle), and an angle in double precision
-    determines fewer digits of the load.
-
-    >>> from cylcontact import CylinderPair, Material
-    >>> steel = Material("steel", E=207e3, nu=0.3)
-    >>> pair = CylinderPair.from_dR("internal", dR=0.01, material=steel)
-    >>> print(load_at_angle(np.radians([30.0, 60.0, 85.0]), pair).round(2))
-    [ 286.36 2131.48     nan]
-    """
-    unit, epsilon, bodies = Persson().load_unit(pair), as_floats(angle), _bodies(0.5, 0.0, 0.0)
-    inside = np.asarray((epsilon >= 0) & (epsilon < bodies.last.angle))
-    arc = bodies.arc(_q_of_angle(np.where(inside, np.maximum(epsilon, 1e-150), 1.0)))
-    return inside_or_nan(np.where(epsilon == 0, 0.0, unit * np.pi * (arc.S / arc.k)), inside)
-
-
 def pressure(angle: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArray:
     """Return the pressure in MPa at `angle` in radians from the line of the load in N/mm.
 

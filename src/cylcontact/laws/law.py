@@ -39,27 +39,21 @@ class ContactLaw(Protocol):
     @property
     def name(self) -> str:
         """The law's name in specs and reports."""
-        ...
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""
-        ...
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        ...
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm² at `penetration` in mm."""
-        ...
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return the largest load in N/mm; inf where there is none."""
-        ...
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest penetration in mm; inf where there is none."""
-        ...
 
 
 class OverLength:
