@@ -10,10 +10,9 @@ from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.objectives import collect_samples
-from cylcontact.fitting.table_campaign import campaign_of, read_campaign
+from cylcontact.fitting.table_campaign import read_campaign
 from cylcontact.laws import explicit_pair, glauert, parametric
 from cylcontact.progress import silent
-from tests.support.spec_files import write_toml
 
 ROOT = Path(__file__).resolve().parents[2]
 STEEL, ALUMINIUM = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
@@ -108,24 +107,6 @@ def test_a_grid_holds_the_pairs_that_are_possible():
         assert laws.Conformal().penetration(phi, alone) == pytest.approx(d, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("axis", "values", "message"),
-    [
-        ("alpha", [-1.0, 0.0], r"axes.alpha = \[-1.0, 0.0\]: must lie inside \]-1, 1\["),
-        ("beta", [0.4, 0.45], r"axes.beta = \[0.4, 0.45\]: no two materials have such values"),
-        ("phi", [0.0, 1.0], "axes.phi = 0.0: every value must be positive"),
-    ],
-)
-def test_an_axis_that_no_pair_has_is_told(run, tmp_path, axis, values, message):
-    spec = GRID | {"axes": GRID["axes"] | {axis: {"values": values}}}
-    write_toml(tmp_path / "grid.toml", spec)
-    code, _, errors = run("sample", tmp_path / "grid.toml", "-o", tmp_path / "out.csv")
-    assert code == 2
-    assert len(errors.splitlines()) == 1
-    with pytest.raises(InputError, match=message):
-        grid_from(spec, "inline")
-
-
 def test_a_reference_that_needs_more_than_alpha_and_beta_is_told():
     with pytest.raises(InputError, match=r"reference = 'johnson': .* needs both radii"):
         grid_from(GRID | {"reference": "johnson"}, "inline")
@@ -149,9 +130,3 @@ def test_the_constants_are_those_of_the_campaign(name, calibrated, digits):
     problem, _ = problem_of(read_campaign(ROOT / f"fitting/{name}.toml"), 1, silent)
     rounded = {key: getattr(calibrated, key) for key in result["coefficients"]}
     assert problem.value_of(rounded) < 1.02 * result["objective"]["value"]
-
-
-def test_a_law_with_units_is_refused_on_a_grid_without():
-    settings = {"campaign": {"dataset": "inline", "law": "enhanced"}, "dataset": GRID}
-    with pytest.raises(InputError, match="has coefficients with units, and its grid is of alpha"):
-        campaign_of("own", settings, "example")

@@ -6,18 +6,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
-from hypothesis import strategies as st
 from mpmath import mp
 
 from cylcontact import CylinderPair, InputError, Material
-from cylcontact.laws import Conformal, Housing, Johnson, glauert
+from cylcontact.laws import Conformal, Housing, Johnson
 from cylcontact.limits import hertz_stress
 from cylcontact.materials import material_in_MPa
 from tests.support.strategies import powers_of_ten
 
 LAW = Conformal()
-METHODS = ("load", "penetration", "stiffness")
-ANGLES = ("contact_angle", "peak_pressure")
+METHODS = ("load", "penetration", "stiffness", "contact_angle", "peak_pressure")
 MATERIALS = {
     "steel": Material("steel", 207e3, 0.3),
     "al": Material("aluminium", 70e3, 0.33),
@@ -46,9 +44,6 @@ def pair_of_shares(w_i, g_i, g_j, R_i=R, R_j=R):
     return CylinderPair("internal", 1.0, hole, pin, R_i=R_i, R_j=R_j)
 
 
-shares = st.floats(1e-3, 1 - 1e-3)
-contrasts = st.floats(0.0, 0.5)
-any_pairs = st.builds(pair_of_shares, shares, contrasts, contrasts)
 load_numbers = powers_of_ten(-12, 8)
 
 
@@ -75,6 +70,8 @@ def test_printed_numbers_come_out_to_their_last_digit(pin, hole, plane, phi, n0,
     assert LAW.peak_pressure(f, pair) * R / f == pytest.approx(n1, abs=5.1e-7)
     assert LAW.penetration(f, pair) == pytest.approx(n2, abs=5.1e-7)
     (kernel,) = housing.kernels(pair)[1]
+    line = Housing(R_o=20 * R, pin="diametral").constant(pair)
+    assert line == pytest.approx(pair.shares[1] * (2 * np.log(2) - 1), rel=1e-14)
     assert housing.constant(pair) + 2 * kernel.g[1, 1] == pytest.approx(n3, abs=5.1e-7)
     assert Conformal(n3).penetration(f, pair) == pytest.approx(n4, abs=6e-7)
 
@@ -115,24 +112,6 @@ def test_incompressible_bodies_of_any_moduli_are_the_closed_form(phi, ratio):
     assert LAW.contact_angle(f, pair) == pytest.approx(float(angle), rel=1e-13)
     stiffness = float(mp.pi / slope) * pair.E_star
     assert LAW.stiffness(float(d), pair) == pytest.approx(stiffness, rel=1e-12)
-
-
-# --- the series -------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@given(any_pairs, st.floats(0.02, 0.98))
-@hypothesis_settings(max_examples=30)
-def test_the_interpolated_contact_is_the_series_of_four_times_the_terms(pair, part):
-    """From an arc of the series with many terms to its load, and back through the law."""
-    limit = np.radians(LAW.contact_angle(1e300, pair))
-    angle = part * limit
-    b, beta = np.tan(angle / 2), float(pair.beta)
-    exact = glauert.glauert(np.array([b]), beta, 400)
-    S, (w_i, _) = np.sin(angle / 2) ** 2, pair.shares
-    f = np.pi * S / (exact.a[0] - w_i * S * (1 + S * exact.h[0])) * pair.E_star
-    assert LAW.contact_angle(f, pair) == pytest.approx(np.degrees(angle), rel=1e-11)
-    assert LAW.peak_pressure(f, pair) * R / f == pytest.approx(exact.peak[0], rel=1e-9)
 
 
 # --- an independent solution: Michell's harmonics and straight pieces of pressure ---------------
@@ -198,43 +177,23 @@ NUMERICAL_PAIRS = {
     "plane stress": pair_of("steel", "al", "stress"),
     "extreme β": pair_of_shares(0.02, 0.02, 0.49),
     "other extreme β": pair_of_shares(0.98, 0.49, 0.02),
-    **{
-        f"random {i}": pair_of_shares(w, g, h)
-        for i, (w, g, h) in enumerate(np.random.default_rng(7).uniform(0.02, 0.48, (4, 3)))
-    },
 }
 
 
 @pytest.mark.parametrize("part", PARTS)
-@pytest.mark.parametrize(
-    "pair",
-    [
-        pytest.param(pair, id=name, marks=pytest.mark.slow if name.startswith("random") else ())
-        for name, pair in NUMERICAL_PAIRS.items()
-    ],
-)
+@pytest.mark.parametrize("pair", NUMERICAL_PAIRS.values(), ids=NUMERICAL_PAIRS)
 def test_the_solution_by_harmonics_is_the_same(pair, part):
     solution, error, ratios = extrapolated(pair, part)
     np.testing.assert_allclose(ratios, 2.0, atol=0.15)  # first order, by the edge
     assert np.all(error < 4e-5 * solution)
-    assert_same(pair, part, solution, error)
-    # What the error turns out to be: that of the solution by harmonics is a cautious one.
-    assert_same(pair, part, solution, 1e-6 * solution)
-
-
-def assert_same(pair, part, solution, error):
-    """Angle, L and peak of the law at the load of a solution, within its error.
-
-    Without n = 1 the kernel lacks (1 + β)/2·cos ψ, so L is smaller by C + (1 + β)/2.
-    """
+    # Without n = 1 the kernel lacks (1 + β)/2·cos ψ, so L is smaller by C + (1 + β)/2.
     phi, L, peak = solution
-    relative, f = error[0] / phi, phi * pair.E_star
+    f = phi * pair.E_star
     angle = np.radians(LAW.contact_angle(f, pair))
-    assert angle == pytest.approx(2 * np.pi * part, rel=relative)
     shift = LAW.constant(pair) + (1 + pair.beta) / 2
-    mine = np.pi * LAW.penetration(f, pair) / phi
-    assert mine == pytest.approx(L + shift, abs=error[1] + relative)
-    assert LAW.peak_pressure(f, pair) * R / f == pytest.approx(peak, abs=error[2] + relative * peak)
+    found = angle, np.pi * LAW.penetration(f, pair) / phi, LAW.peak_pressure(f, pair) * R / f
+    # What the error turns out to be: that of the solution by harmonics is a cautious one.
+    np.testing.assert_allclose(found, (2 * np.pi * part, L + shift, peak), rtol=2e-6)
 
 
 # --- limits -----------------------------------------------------------------------------------
@@ -256,25 +215,6 @@ def test_small_loads_are_those_of_hertz_and_johnson(pin, hole):
     assert np.all(np.abs(difference[:2]) < 2e-5)
 
 
-# --- properties -------------------------------------------------------------------------------
-
-
-def test_the_pin_and_the_plate_of_a_housing_are_their_limits():
-    """Far away the plate is (4w_i/(κ_i + 1)²)(κ_i·ln ρ − 1/κ_i); a diametral load 2·ln 2 − 1."""
-    pair = pair_of("al", "steel")
-    (w_i, w_j), (kappa_i, kappa_j) = pair.shares, pair.kolosov
-    rho = 1e6
-    spread, line = (Housing(rho * R, pin=pin) for pin in ("body-force", "diametral"))
-    plate = 4 * w_i / (kappa_i + 1) ** 2 * (kappa_i * np.log(rho) - 1 / kappa_i)
-    (kernel,) = spread.kernels(pair)[1]
-    assert kernel.h == pytest.approx(plate, rel=1e-10)
-    assert spread.constant(pair) == pytest.approx(-w_j / (kappa_j + 1), rel=1e-14)
-    assert line.constant(pair) == pytest.approx(w_j * (2 * np.log(2) - 1), rel=1e-14)
-    f = np.geomspace(1e-3, 10, 5) * pair.E_star
-    number = Conformal(float(spread.constant(pair) + plate)).penetration(f, pair)
-    np.testing.assert_allclose(Conformal(spread).penetration(f, pair), number, rtol=1e-10)
-
-
 # --- arrays and edges -------------------------------------------------------------------------
 
 
@@ -283,8 +223,8 @@ def test_families_of_materials_are_their_members():
     steel, loads = MATERIALS["steel"], np.array([10.0, 1e4, 1e6])
     family = CylinderPair("internal", 0.01, steel, Material("pins", moduli, ratios), R, R)
     datum = Conformal(Housing(R_o=5 * R))
-    for law, method in [(LAW, m) for m in (*METHODS, *ANGLES)] + [(datum, "load")]:
-        values = loads if method in ("penetration", *ANGLES) else loads * 1e-9
+    for law, method in [(LAW, m) for m in METHODS] + [(datum, "load")]:
+        values = loads if method in METHODS[1::2] + METHODS[4:] else loads * 1e-9
         result = getattr(law, method)(values, family)
         assert result.shape == (2, 3)
         for (row, column), value in np.ndenumerate(result):
@@ -295,34 +235,19 @@ def test_families_of_materials_are_their_members():
             )
 
 
-# --- bad input and what is shown --------------------------------------------------------------
+# --- bad input --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("ask", "message"),
+    ("datum", "message"),
     [
-        (lambda: Conformal("body"), "Conformal: datum = 'body': must be 'johnson', a finite"),
-        (lambda: Conformal(np.inf), "Conformal: datum = inf: must be 'johnson', a finite"),
-        (lambda: Conformal(None), "Conformal: datum: must be 'johnson'"),
-        (
-            lambda: Conformal(np.array([1.0, 2.0])),
-            "Conformal: datum = array([1., 2.]): must be 'johnson', a finite",
-        ),
-        (
-            lambda: Conformal(-2.0).load(1.0, pair_of("steel", "steel")),
-            "Conformal: datum = -2.0: makes the penetration decrease at large loads; this pair "
-            "needs C > -1.54418",
-        ),
-        (
-            lambda: LAW.peak_pressure(
-                1.0, CylinderPair.from_dR("internal", 1.0, MATERIALS["steel"])
-            ),
-            "the contact pressure needs both radii",
-        ),
+        ("body", "Conformal: datum = 'body': must be 'johnson', a finite"),
+        (np.inf, "Conformal: datum = inf: must be 'johnson', a finite"),
+        (np.array([1.0, 2.0]), "Conformal: datum = array([1., 2.]): must be 'johnson', a finite"),
+        (-2.0, "makes the penetration decrease at large loads; this pair needs C > -1.54418"),
     ],
 )
-def test_bad_input_is_one_line(ask, message):
+def test_a_datum_that_is_none_is_told(datum, message):
     with pytest.raises(InputError) as error:
-        ask()
+        Conformal(datum).load(1.0, pair_of("steel", "steel"))
     assert message in str(error.value)
-    assert "\n" not in str(error.value)

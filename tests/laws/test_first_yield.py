@@ -64,14 +64,6 @@ def test_rollers_yield_where_hertz_s_stresses_on_the_axis_do(nu, R_j, criterion)
     assert at.body == "i"
 
 
-def test_thin_rollers_yield_at_the_surface_where_the_paper_says():
-    """Equal pressures in the plane and none across: von Mises's stress is the pressure."""
-    pair = CylinderPair.external(10.0, 7.0, STEEL, plane="stress")
-    at = limits.first_yield(pair)
-    assert at.load == pytest.approx(limits.yield_load(pair, "Hertz"), rel=1e-6)
-    assert at.depth == 0.0
-
-
 # --- a pin in a hole ----------------------------------------------------------------------------
 
 # φ at first yield; f_Y over the paper's estimate (von Mises, Tresca), f_Y/(σ_Y·R) and the depth

@@ -92,16 +92,6 @@ def test_a_fit_is_a_pair_from_the_tightest_to_the_loosest():
     assert CylinderPair.of_fit("20H7/h6", STEEL).dR[0] == pytest.approx(1e-6)
 
 
-@pytest.mark.parametrize(
-    ("code", "sentence"),
-    [("20H7/k6", "is a transition fit: ΔR is -7.5 to 9.5 µm"),
-     ("20JS7/n5", "is an interference fit, 4.5 to 34.5 µm on the diameter")],
-)  # fmt: skip
-def test_a_pin_that_is_pressed_in_has_no_law(code, sentence):
-    with pytest.raises(InputError, match=sentence):
-        CylinderPair.of_fit(code, STEEL)
-
-
 JOINT = changed(
     read_toml("datasets/joint.toml"), {"bearing.R": DROP, "pin.R": DROP, "fit": "20H7/g6"}
 )

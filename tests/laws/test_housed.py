@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, choose, fit, laws
-from cylcontact.fitting import DataFit
 from cylcontact.laws.housed import needs_series
 from cylcontact.laws.housing import Housing, Sector
 from cylcontact.laws.kernels import TABLE, kernel
@@ -61,34 +60,11 @@ def test_five_constants_follow_the_curve_as_they_say_or_give_way_to_it(rho, clam
         assert made.stiffness(depth) == pytest.approx(float(law.stiffness(depth, PAIR)), rel=1e-11)
 
 
-def test_many_pairs_are_each_of_them():
-    many = CylinderPair.internal(R_i=10.0, R_j=np.array([9.95, 9.9]), pin=STEEL, hole=BRONZE)
-    for law in (laws.Parametric(Housing(20.0)), laws.Explicit(datum=Housing(20.0))):
-        together = law.load(1e-3, many)
-        one = CylinderPair.internal(R_i=10.0, R_j=9.9, pin=STEEL, hole=BRONZE)
-        assert together[1] == pytest.approx(float(law.load(1e-3, one)), rel=5e-3)
-        assert law.penetration(together, many) == pytest.approx(1e-3, rel=1e-11)
-
-
-@pytest.mark.parametrize(
-    ("ask", "words"),
-    [
-        (
-            lambda: laws.Explicit({"c": 1.4, "A": 0.36, "B": 3.8}, Housing(20.0)),
-            "whose coefficient",
-        ),
-        (lambda: laws.Explicit().five_constants(PAIR), "has no five constants"),
-        (
-            lambda: laws.Explicit(datum=Housing(20.0)).load(
-                1e-3, CylinderPair.external(R_i=10.0, R_j=9.0, material=STEEL)
-            ),
-            "pin in a hole",
-        ),
-    ],
-)
-def test_what_does_not_go_together_is_refused(ask, words):
-    with pytest.raises(InputError, match=words):
-        ask()
+def test_coefficients_and_a_housing_do_not_go_together():
+    with pytest.raises(InputError, match="whose coefficient"):
+        laws.Explicit({"c": 1.4, "A": 0.36, "B": 3.8}, Housing(20.0))
+    with pytest.raises(InputError, match="has no five constants"):
+        laws.Explicit().five_constants(PAIR)
 
 
 # --- the places that take one -------------------------------------------------------------------
@@ -111,41 +87,28 @@ LUG = Material.named("low-carbon steel")
 
 def test_a_bush_in_a_lug_is_that_of_the_python_interface(tmp_path, run):
     """The kernel of two rings is checked against finite elements in `test_housing`."""
-    options = (*OPTIONS.split(), "--load", 1000, "--R-o", 20)
+    options = (*OPTIONS.split(), "--R-o", 20, "--layer", "low-carbon steel:12")
     bush = Housing(20.0, layers=[(LUG, 12.0)])
     micrometres = f"{1e3 * laws.Parametric(bush).penetration(1000.0, PAIR):.4g} µm"
-    code, said, _ = run("laws", *options, "--layer", "low-carbon steel:12")
+    code, said, _ = run("laws", *options, "--load", 1000)
     assert code == 0
     assert f": {micrometres}, " in said
-    # A layer of the hole's own material is no layer.
-    own = tmp_path / "own.csv"
-    own.write_text("name,E_GPa,nu\nours,110,0.34\n")
-    same = ("--layer", "ours:12", "--layer", "ours:15", "--materials", own)
-    assert ": 10.17 µm, 0.83 times" in run("laws", *options, *same)[1]
-    code, _, errors = run("export", "explicit", *options[:-4], *options[-2:], "--to", "python",
-                          "--layer", "low-carbon steel:12", "-o", tmp_path / "law.py")  # fmt: skip
+    path = tmp_path / "law.py"
+    code, _, errors = run("export", "explicit", *options, "--to", "python", "-o", path)
     assert code == 0, errors
-    text = (tmp_path / "law.py").read_text()
-    assert "E = 200000 MPa and nu = 0.3 bonded around it" in " ".join(
-        text.replace("#", " ").split()
-    )
     scope = {}
-    exec(text, scope)
-    arguments = 0.01, float(PAIR.E_star), float(PAIR.dR)
+    exec(path.read_text(), scope)
     expected = float(laws.Conformal(bush).load(0.01, PAIR))
-    assert scope["load"](*arguments) == pytest.approx(expected, rel=0.01)
+    load = scope["load"](0.01, float(PAIR.E_star), float(PAIR.dR))
+    assert load == pytest.approx(expected, rel=0.01)
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
         ("--R-o 20 --layer bronze", "--layer = 'bronze': is no material with an inner radius"),
-        ("--R-o 20 --layer x:12", "--layer = 'x': is not in the tables of materials; choose"),
         ("--R-o 20 --layer bronze:25", "--layer = [25.0, 20.0]: must have inner radii that incr"),
-        ("--R-o 20 --layer bronze:9", "layers"),
-        ("--layer bronze:12", "--R-o: is missing beside --layer"),
         ("--R-o 9", "R_o = 9.0: must be larger than the hole"),
-        ("--R-o 20 --clamp far:5", "--clamp = 5.0: must be at least 10"),
         ("--R-o 20 --clamp half", "--clamp = 'half': is no clamp; write rim, near:60"),
         ("--clamp rim", "--R-o: is missing beside --clamp"),
         ("--R-o 20 --contact external", "leave out --R-o and --clamp"),
@@ -157,11 +120,11 @@ def test_options_that_are_no_housing_are_told(run, options, words):
     assert words in errors
 
 
-def readings(tmp_path, noise=0.01):
+def readings(tmp_path):
     """Readings of a rod eye that is pulled, with one percent of scatter."""
     law = laws.Conformal(Housing(20.0, Sector(60, "far")))
     f = np.geomspace(20.0, 2000.0, 40)
-    delta = law.penetration(f, PAIR) * (1 + noise * np.random.default_rng(3).standard_normal(40))
+    delta = law.penetration(f, PAIR) * (1 + 0.01 * np.random.default_rng(3).standard_normal(40))
     lines = [f"{x!r},{1e3 * y!r}" for x, y in zip(f.tolist(), delta.tolist(), strict=True)]
     path = tmp_path / "eye.csv"
     path.write_text("\n".join(["load_N_per_mm,penetration_um", *lines]) + "\n")
@@ -171,7 +134,7 @@ def readings(tmp_path, noise=0.01):
 EYE = {"R_o": 20.0, "clamp": "sector", "angle": 60.0, "side": "far"}
 
 
-def test_a_fit_in_a_known_housing_finds_the_stiffness_of_the_materials(tmp_path, run):
+def test_a_fit_in_a_known_housing_finds_the_stiffness_of_the_materials(tmp_path):
     path = readings(tmp_path)
     result = fit(path, "parametric", PAIR, housing=EYE, fixed={"offset": 0.0})
     estimate = result.uncertainty.estimates["stiffness_factor"]
@@ -180,25 +143,6 @@ def test_a_fit_in_a_known_housing_finds_the_stiffness_of_the_materials(tmp_path,
     # By Johnson's datum the same readings say that the materials are soft.
     plain = fit(path, "parametric", PAIR, fixed={"offset": 0.0})
     assert plain.coefficients["stiffness_factor"] < 0.5
-    code, said, _ = run(
-        *("fit", path, "--law", "parametric", *OPTIONS.split(), "--R-o", 20, "--clamp", "far:60"),
-        *("--fix", "offset=0", "-o", tmp_path / "out"),
-    )
-    assert code == 0, said
-    assert (tmp_path / "out" / "result.json").is_file()
-
-
-def test_a_fit_keeps_the_numbers_of_a_layer_that_is_named(tmp_path, run):
-    path = readings(tmp_path)
-    housing = ("--R-o", 20, "--clamp", "far:60", "--layer", "low-carbon steel:12")
-    code, said, _ = run("fit", path, "--law", "parametric", *OPTIONS.split(), *housing,
-                        "--fix", "offset=0", "-o", tmp_path / "out")  # fmt: skip
-    assert code == 0, said
-    result = DataFit.read(tmp_path / "out" / "result.json")
-    bush = Housing(20.0, Sector(60, "far"), layers=[(LUG, 12.0)])
-    factor = result.coefficients["stiffness_factor"]
-    expected = laws.Parametric(bush).load(0.02, PAIR) * factor
-    assert result.to_law().load(0.02, PAIR) == pytest.approx(float(expected), rel=1e-9)
 
 
 def test_choose_holds_the_compliance_of_laws_that_know_the_housing(tmp_path):
@@ -237,8 +181,6 @@ def test_a_joint_takes_a_whole_rim_and_is_exported_with_it(tmp_path, run):
     code, _, errors = run("export", "--joint", path, "--to", "python", "-o", tmp_path / "eye.py")
     assert code == 0, errors
     text = (tmp_path / "eye.py").read_text()
-    assert "in a housing of R_o = 20 mm" in text
-    assert "five constants, fitted to this joint within" in " ".join(text.replace("#", " ").split())
     scope = {"__name__": "eye"}
     exec(compile(text, "eye.py", "exec"), scope)
     bearing, pin = [0.0] * 6, [0.05 + 0.005, 0.0, 0.0, 0.0, 0.0, 0.0]
@@ -253,9 +195,7 @@ def test_a_joint_takes_a_whole_rim_and_is_exported_with_it(tmp_path, run):
         ("explicit", 'R_o = 20, layers = [{R_i = 12.0, material = "x"}]', "housing.layers = 'x'"),
         ("explicit", 'R_o = 20.0, clamp = "sector", angle = 60.0, side = "far"', "has a direction"),
         ("johnson", "R_o = 20.0", "knows no housing"),
-        ("explicit", "R_o = 9.0", "must be larger than the hole"),
         ("explicit", 'R_o = 20.0, clamp = "sector"', "is missing for a sector"),
-        ("explicit", "R_o = 20.0, angle = 60.0", "is for a sector"),
     ],
 )
 def test_a_joint_in_no_housing_is_refused(tmp_path, law, housing, words):

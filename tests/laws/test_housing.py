@@ -117,10 +117,8 @@ RINGS = [([1.0, rho], [STEEL], CLAMPS[clamp]) for rho, clamp in [(2.0, "far60"),
 RINGS += [([1.0, 2.0], [PEEK], Sector(60, "near"))]
 BUSHES = [
     ([1.0, 1.2, 2.0], [BRONZE, STEEL], "rim"),
-    ([1.0, 1.1, 1.6], [PEEK, AL], "rim"),
     ([1.0, 1.5, 1.8, 3.0], [AL, PEEK, STEEL], "rim"),
     ([1.0, 1.2, 2.0], [BRONZE, STEEL], Sector(60, "far")),
-    ([1.0, 1.3, 2.0], [PEEK, STEEL], Sector(90, "far")),
     ([1.0, 1.2, 1.7], [STEEL, AL], Sector(120, "near")),
 ]
 
@@ -167,18 +165,6 @@ def test_the_approach_by_reciprocity_is_that_of_the_kernel(name, rho, clamp, phi
     C, g = float(housing.constant(pair)), kernel_of(housing, pair).g
     L = L_by_quadrature(float(b), float(pair.beta), float(pair.shares[1]), C, g)
     assert np.pi * law.penetration(f, pair) / (phi * 0.01) == pytest.approx(L, rel=1e-8)
-
-
-def test_the_largest_pressure_of_a_thin_eye_is_beside_the_line_of_the_load():
-    pair, housing = pair_of("steel in aluminium"), Housing(13.0, Sector(60, "far"))
-    law, f = Conformal(housing), 0.5 * pair.E_star * 0.01
-    b = np.tan(np.radians(law.contact_angle(f, pair)) / 2)
-    solution = glauert.glauert(np.array([b]), float(pair.beta), 192, kernel_of(housing, pair).g)
-    v = np.linspace(0, np.pi / 2, 4001)
-    p = np.sin(np.outer(v, 2 * np.arange(192) + 1)) @ solution.coefficients[0]
-    assert p.max() > 1.5 * p[-1]
-    R = np.sqrt(10.0 * 9.99)
-    assert law.peak_pressure(f, pair) * R / f == pytest.approx(p.max(), rel=1e-4)
 
 
 def test_the_law_ends_where_the_pin_would_leave_the_eye_in_the_middle():
@@ -279,21 +265,15 @@ def setup_of(name, rho, clamp, plane, phi, cells):
         side, theta = where.side, np.degrees(np.arctan2(x, y))
         half = theta.max() if side == "near" else 180 - theta.min()
         where = Sector(2 * half, side)
-    return setup, pair, f, Conformal(Housing(10 * rho, "rim" if clamp == "full" else where))
+    return setup, pair, f, Conformal(Housing(10 * rho, where))
 
 
 def of_elements(name, rho, clamp, plane, phi, cells):
     """Percent by which penetration and largest pressure of elements exceed the law's, by φ."""
     setup, pair, f, law = setup_of(name, rho, clamp, plane, phi, cells)
-    cases = []
-    while not cases:  # the pairs of nodes end at 79°
-        try:
-            cases = solve(setup, 0.001, f)
-        except InputError:
-            f = f[:-1]
-    found = np.array([[case.penetration, case.pressure.max()] for case in cases])
+    found = [[case.penetration, case.pressure.max()] for case in solve(setup, 0.001, f)]
     theory = np.stack([law.penetration(f, pair), law.peak_pressure(f, pair)], axis=1)
-    return 100 * (found / theory - 1)
+    return 100 * (np.array(found) / theory - 1)
 
 
 @pytest.mark.parametrize(
@@ -330,42 +310,20 @@ def test_contact_by_calculix_is_the_same(rho, clamp):
 @pytest.mark.parametrize(
     ("ask", "message"),
     [
-        (lambda: Housing(-1.0), "Housing: R_o = -1.0: must be a number, positive and finite"),
         (lambda: Housing("20"), "Housing: R_o = '20': must be a number"),
         (lambda: Housing(20.0, "half"), "Housing: clamp = 'half': must be 'rim' or a Sector"),
         (lambda: Housing(20.0, pin="bolt"), "Housing: pin = 'bolt': must be 'body-force'"),
         (lambda: Housing(20.0, layers=[(STEEL, 30.0)]), "Housing: layers"),
-        (lambda: Housing(20.0, layers=[(STEEL,)]), "Housing: layers"),
         (lambda: Housing(20.0, layers=[15.0]), "Housing: layers"),
-        (lambda: Sector(5), "Sector: angle = 5: must be from 10 to 350 degrees"),
         (lambda: Sector(351), "Sector: angle = 351: must be from 10 to 350 degrees"),
-        (lambda: Sector("60"), "Sector: angle = '60': must be from 10"),
         (lambda: Sector(60, "left"), "Sector: side = 'left': must be 'near' or 'far'"),
-        (lambda: Conformal(Housing(10.0)).load(1e-3, pair_of()), "R_o = 10.0: must be larger than"),
-        (lambda: Conformal(Housing(10.2)).load(1e-3, pair_of()), "makes a ring thinner than 5 %"),
-        (
-            lambda: Conformal(Housing(11.0, Sector(300, "far"))).load(1e-3, pair_of()),
-            "makes a ring so thin that the pin does not touch it along one arc",
-        ),
-        (
-            lambda: Conformal(Housing(20.0)).load(1.0, CylinderPair.external(10.0, 9.0, STEEL)),
-            "Conformal: pair.contact = 'external': must be internal",
-        ),
-        (
-            lambda: Conformal(Housing(20.0)).load(1, CylinderPair.from_dR("internal", 1.0, STEEL)),
-            "CylinderPair: R_i, R_j: the datum Housing(R_o=20.0",
-        ),
-        (lambda: Housing.from_compliances([0.1, 0.2]), "Housing: g: has the shape (2, 2)"),
+        (lambda: load_in(Housing(10.0)), "R_o = 10.0: must be larger than"),
+        (lambda: load_in(Housing(10.2)), "makes a ring thinner than 5 %"),
+        (lambda: load_in(Housing(11.0, Sector(300, "far"))), "does not touch it along one arc"),
         (lambda: Housing.from_compliances(np.ones((3, 4))), "Housing: g: has the shape (3, 4)"),
         (lambda: Housing.from_compliances([0.1, np.nan, 0]), "Housing: g: must be finite"),
-        (
-            lambda: Housing.from_compliances([[1, 2, 0], [0, 1, 0], [0, 0, 0]]),
-            "Housing: g: must be symmetric",
-        ),
-        (
-            lambda: Housing.from_compliances([-0.1, 0.3, -0.2, -0.05]),
-            "Housing: g: has fewer harmonics than the kernel needs",
-        ),
+        (lambda: Housing.from_compliances(np.triu(np.ones((3, 3)))), "g: must be symmetric"),
+        (lambda: Housing.from_compliances([-0.1, 0.3, -0.2, -0.05]), "has fewer harmonics than"),
         (lambda: Housing.from_compliances("no/such/file"), "no/such/file: g: cannot be read"),
     ],
 )
@@ -374,3 +332,7 @@ def test_bad_input_is_one_line(ask, message):
         ask()
     assert message in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def load_in(housing):
+    return Conformal(housing).load(1e-3, pair_of())

@@ -110,12 +110,6 @@ def test_pairs_held_in_arrays_are_refused():
         kernel(laws.Johnson(), pair)
 
 
-def test_a_pair_outside_the_law_is_refused():
-    pair = CylinderPair.from_dR("internal", 0.001, STEEL)
-    with pytest.raises(InputError, match=r"pair\.dR = 0\.001: the enhanced law is undefined"):
-        kernel(laws.Enhanced(), pair)
-
-
 @dataclass(frozen=True)
 class Hole(TwoSprings):
     """A law that is not defined throughout."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpmath import log, mp, mpf, pi, sqrt
 
-from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact import CylinderPair, Material, laws
 from cylcontact.laws.logarithmic import (
     DubowskyFreudenstein,
     Esdu78035,
@@ -58,8 +58,3 @@ def test_liu_is_the_printed_formula():
     E_star, dR = PAIR.E_star, PAIR.dR
     printed = np.pi / 2 * E_star * delta * np.sqrt(delta / (2 * (dR + delta)))
     assert laws.Liu().load(delta, PAIR) == pytest.approx(printed, rel=1e-14)
-
-
-def test_a_law_that_needs_more_is_no_reference():
-    with pytest.raises(InputError, match="a grid can sample"):
-        laws.reference_law("goldsmith")

@@ -79,13 +79,6 @@ def test_what_is_derived_is_computed_once_and_neither_it_nor_the_pair_can_be_cha
 # --- which pair it is ---------------------------------------------------------------------------
 
 
-def test_pin_and_hole_are_other_names_of_the_materials():
-    expected = CylinderPair.internal(10.0, 9.0, STEEL, 5.0, BRASS)
-    assert CylinderPair.internal(10.0, 9.0, length=5.0, pin=BRASS, hole=STEEL) == expected
-    of_dR = CylinderPair.from_dR("internal", 1.0, pin=BRASS, hole=STEEL, length=5.0, R_i=10.0)
-    assert of_dR == expected
-
-
 @pytest.mark.parametrize(
     ("change", "equal"),
     [

@@ -29,13 +29,6 @@ def test_load_and_stiffness_hold_at_forty_digits(n, K, delta):
     assert law.stiffness(delta, anywhere) == pytest.approx(float(slope), rel=3e-15, abs=0)
 
 
-@given(materials, st.floats(0.01, 500.0), exponents)
-def test_K_star_is_K_times_dR_over_E_star(material, dR, n):
-    pair = CylinderPair.from_dR("external", dR, material)
-    scaled, fixed = PowerLaw(n=n, K_star=0.7), PowerLaw(n=n, K=float(0.7 * (pair.E_star / pair.dR)))
-    assert scaled.load(1e-3, pair) == fixed.load(1e-3, pair)
-
-
 @given(materials, st.floats(0.01, 500.0), exponents, st.floats(1e-6, 1.0))
 def test_C_makes_the_law_dimensionless(material, dR, n, d):
     pair = CylinderPair.from_dR("external", dR, material)
@@ -43,11 +36,6 @@ def test_C_makes_the_law_dimensionless(material, dR, n, d):
     assert law.load(d * dR, pair) / unit == pytest.approx(0.58 * d**n, rel=1e-12)
     scaled = PowerLaw(n=n, K_star=0.58 * dR ** (2 - n))
     assert law.load(d * dR, pair) == pytest.approx(float(scaled.load(d * dR, pair)), rel=1e-13)
-
-
-@pytest.mark.parametrize(("n", "stiffness"), [(0.8, np.inf), (1.0, 7.0), (1.2, 0.0)])
-def test_the_stiffness_at_first_touch_depends_on_the_exponent(n, stiffness, pair):
-    assert PowerLaw(n=n, K=7.0).stiffness(0.0, pair) == stiffness
 
 
 # --- factor and exponent by the clearance -----------------------------------------------------
@@ -64,11 +52,6 @@ def test_factor_and_exponent_follow_the_clearance_at_forty_digits(material, dR, 
         K = A * mp.mpf(dR) ** p * mp.exp(q * x**2) * mp.mpf(float(pair.E_star)) / mp.mpf(dR)
         load = K * mp.mpf(delta) ** (n0 + n1 * x + n2 * x**2)
     assert PowerClearance(**BENT).load(delta, pair) == pytest.approx(float(load), rel=1e-14)
-
-
-def test_an_exponent_that_is_not_positive_is_no_law(steel):
-    law = PowerClearance(A=0.88, p=0.72, n0=1.1, n1=0.5)
-    assert np.isnan(law.load(1e-3, CylinderPair.from_dR("internal", 0.1, steel)))
 
 
 @pytest.mark.parametrize(("name", "value"), [("A", 0.0), ("A", np.nan), ("n1", np.inf)])

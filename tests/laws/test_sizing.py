@@ -70,12 +70,6 @@ def test_zero_clearance_is_a_limit_with_values():
     assert over["penetration"].least == pytest.approx(limit, rel=1e-3)
 
 
-@pytest.mark.parametrize("code", ["20H7/k6", "20JS7/n5"])
-def test_bands_of_laws_are_refused_where_the_pin_is_pressed_in(code):
-    with pytest.raises(InputError, match=r"is a(n interference| transition) fit"):
-        bands(code, PAIR, 100.0)
-
-
 # --- temperature --------------------------------------------------------------------------------
 
 

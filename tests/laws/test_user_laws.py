@@ -2,7 +2,6 @@
 
 import pytest
 
-from cylcontact import InputError
 from tests.support.measured_files import write_measured
 from tests.support.spec_files import tree
 
@@ -111,18 +110,3 @@ def test_what_a_law_prints_is_no_part_of_the_report(fit):
 def test_a_module_named_as_one_of_pythons_is_the_users_own(fit, tmp_path):
     (tmp_path / "random.py").write_text(law(f"return {POWER}"))
     assert fit("", "random:load")[0] == 0
-
-
-def test_runs_of_a_law_that_was_changed_are_not_resumed(fit, tmp_path, monkeypatch):
-    def full(*_):
-        raise InputError("disk", "", None, "is full", "make room")
-
-    monkeypatch.setattr("cylcontact.fitting.results.FitResult.save", full)
-    assert fit(law(f"return {POWER}"))[0] == 2
-    kept = (tmp_path / "r.json.partial").read_bytes()
-    monkeypatch.undo()
-    changed = law(f"return 2 * {POWER}")
-    code, _, errors = fit(changed, "mine:load", "rms-log-load", "--resume")
-    assert (code, len(errors.splitlines())) == (2, 1)
-    assert "belongs to other work: its campaign or settings differ" in errors
-    assert (tmp_path / "r.json.partial").read_bytes() == kept
