@@ -4,15 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize_scalar
 
-from benchmarks.calculix import read_results, run_case
+from benchmarks.calculix import run_case
 from cylcontact import InputError, laws, limits
 from cylcontact.datasets.finite_element import Setup, solve, solver
 from cylcontact.stress import in_pin, in_plate, pressure_along
 from cylcontact.yield_search import equivalent
 from tests.support.finite_element_series import PinInRing
-from tests.support.programs import fake_program, require_program
+from tests.support.programs import require_program
 
 STEEL, ALUMINIUM, PEEK, RUBBER = (207e3, 0.3), (70e3, 0.33), (3.6e3, 0.38), (5.0, 0.4999)
 R_I, DR = 10.0, 0.01
@@ -101,25 +100,6 @@ class TestContact:
             peaks.append(case.peak_pressure)
         assert np.ptp(peaks) < 1e-4 * peaks[0]
 
-    def test_load_on_one_node_grows_with_refinement(self):
-        actual = {}
-        for load_on in ("pin", "disc", "centre"):
-            setups = (changed(SETUP, load_on=load_on, cells=cells) for cells in (8, 16))
-            coarse, fine = (solve(setup, 0.1, [20.0])[0].penetration for setup in setups)
-            actual[load_on] = (coarse, fine / coarse - 1)
-        assert actual["pin"][0] < actual["disc"][0] < actual["centre"][0]
-        assert abs(actual["pin"][1]) < 0.003
-        assert abs(actual["disc"][1]) < 0.003
-        assert actual["centre"][1] > 0.01
-
-    def test_moduli_and_lengths_scale(self):
-        (small,) = solve(COARSE, 0.1, [20.0])
-        (stiff,) = solve(changed(COARSE, E=2 * COARSE.E), 0.1, [40.0])
-        assert stiff.penetration == pytest.approx(small.penetration, rel=1e-9)
-        assert stiff.peak_pressure == pytest.approx(2 * small.peak_pressure, rel=1e-9)
-        (large,) = solve(changed(COARSE, hole_radius=3 * 2.245), 0.3, [60.0])
-        assert large.penetration == pytest.approx(3 * small.penetration, rel=1e-9)
-
     def test_cells_of_ones_own_size(self):
         fine, graded = (
             solve(setup, 0.1, [20.0])[0]
@@ -155,27 +135,6 @@ class TestHertz:
             assert np.all(np.diff(depth) > 0)
             expected = -peak / np.sqrt(1 + (depth[near] / b) ** 2)
             assert stress.yy[near] == pytest.approx(expected, abs=0.02 * peak)
-
-    @pytest.mark.slow
-    def test_von_mises_stress_below_a_narrow_contact(self):
-        def stress(z, nu=STEEL[1]):
-            """Von Mises over the peak pressure at the depth z half-widths; Johnson (1985) 4.46."""
-            root = np.hypot(1, z)
-            across, along = -((1 + 2 * z**2) / root - 2 * z), -1 / root
-            axial = nu * (across + along)
-            return np.sqrt(
-                ((across - along) ** 2 + (along - axial) ** 2 + (axial - across) ** 2) / 2
-            )
-
-        hertz = minimize_scalar(lambda z: -stress(z), bounds=(0.1, 2), method="bounded")
-        case, _, _ = at(joint(STEEL, STEEL, cells=16, outer_ratio=10.0), 1e-5)
-        for body in ("plate", "pin"):
-            depth, below = case.stress_below(body)
-            z, actual = depth / case.half_width, below.von_mises / case.peak_pressure
-            near = z < 2
-            assert actual[near] == pytest.approx(stress(z[near]), abs=0.01)
-            assert z[actual.argmax()] == pytest.approx(hertz.x, abs=0.05)
-            assert actual.max() == pytest.approx(-hertz.fun, rel=0.01)
 
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])
@@ -245,12 +204,6 @@ def test_michells_series_in_the_conformal_range(dR):
         assert case.peak_pressure == pytest.approx(peak, rel=0.0015)
 
 
-def test_conformal_pressure_is_perssons():
-    (case,) = solve(changed(SETUP, outer_ratio=40.0, clamp="rim"), 0.005, [100.0])
-    theory = laws.conformal.pressure(case.arc / np.sqrt(2.245 * 2.24), 100.0, SETUP.pair(0.005))
-    assert case.pressure == pytest.approx(theory, abs=0.02 * theory[0])
-
-
 class TestIncompressible:
     @pytest.mark.parametrize(
         ("pin", "plate"), [(STEEL, ALUMINIUM), (RUBBER, STEEL), (STEEL, RUBBER), (RUBBER, RUBBER)]
@@ -262,50 +215,8 @@ class TestIncompressible:
         assert case.penetration == pytest.approx(penetration, rel=2e-3, abs=0)
         assert case.peak_pressure == pytest.approx(peak, rel=2e-3)
 
-    def test_penetration_tends_to_that_of_an_incompressible_body(self):
-        # Not in the wide plate: held all round it cannot leave room for the hole's changes.
-        setup = joint((2e3, 0.3), (1e3, 0.3), cells=8, outer_ratio=3.3)
-        depths = [
-            solve(changed(setup, nu=nu, pin_nu=nu), DR, [3.0])[0].penetration
-            for nu in (0.4999, 0.49999, 0.499999)
-        ]
-        steps = np.diff(depths)
-        # 1 − 2ν falls to a tenth in each step.
-        assert steps[0] / steps[1] == pytest.approx(10.0, rel=0.05)
-        assert abs(steps[1]) < 1e-4 * depths[-1]
-
-    @pytest.mark.slow
-    def test_plain_and_other_cells_meet_at_0_4(self):
-        setup = joint(STEEL, (70e3, 0.4), cells=16)
-        (plain,), (other,) = (solve(changed(setup, nu=nu), DR, [100.0]) for nu in (0.4, 0.400001))
-        assert 0 < other.penetration / plain.penetration - 1 < 2e-3
-
-    def test_plane_stress_takes_an_incompressible_body(self):
-        case, load, pair = at(joint((5.0, 0.5), STEEL, cells=8, plane="stress"), 1.0)
-        law = laws.Conformal(datum=laws.Housing(R_o=80 * R_I))
-        assert case.penetration == pytest.approx(
-            float(law.penetration(load, pair)), rel=5e-3, abs=0
-        )
-
 
 class TestTwoMaterials:
-    def test_the_pins_are_by_default_the_plates(self):
-        (one,), (other,) = (
-            solve(setup, 0.1, [20.0])
-            for setup in (COARSE, changed(COARSE, pin_E=207e3, pin_nu=0.3))
-        )
-        assert one.penetration == other.penetration
-        pin = changed(SETUP, pin_E=70e3).material("pin")
-        assert (pin.E, pin.nu) == (70e3, 0.3)
-
-    def test_bodies_swap_their_stiffness_not_their_pressure(self):
-        """At small loads both are half-planes: only the additive constant knows which is which."""
-        (one, *_), (other, *_) = (
-            at(joint(*bodies, cells=8), 1e-3) for bodies in ((STEEL, PEEK), (PEEK, STEEL))
-        )
-        assert one.peak_pressure == pytest.approx(other.peak_pressure, rel=2e-2)
-        assert one.penetration > 1.2 * other.penetration
-
     @pytest.mark.parametrize("name", ["steel in aluminium", "PEEK in steel", "steel in steel"])
     @pytest.mark.parametrize("phi", [0.1, 1.0])
     def test_the_closed_stresses_behind_first_yield(self, name, phi):
@@ -347,62 +258,39 @@ class TestCalculix:
         assert penetration == pytest.approx(case.penetration, rel=rel, abs=0)
         assert peak == pytest.approx(case.peak_pressure, rel=0.02)
 
-    def test_a_failure_is_no_result(self, tmp_path, monkeypatch):
-        fake_program(tmp_path, "ccx", "echo '*ERROR in calinput'\nexit 201")
-        monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
-        with pytest.raises(RuntimeError, match=r"code 201:\n\*ERROR in calinput"):
-            run_case(COARSE, 0.1, 20.0, [20.0])
-        steps = " displacements\n\n 9 0. {} 0.\n"
-        with pytest.raises(RuntimeError, match="has not settled"):
-            read_results(steps.format("4.0E-04") + steps.format("4.1E-04"), 1e-4)
+
+WIDTH = float(limits.hertz_half_width(20.0, SETUP.pair(1.0)))
 
 
-class TestBadInput:
-    @pytest.mark.parametrize(
-        ("keys", "message"),
-        [
-            ({"nu": 0.5}, "nu = 0.5: must not exceed 0.499999 in plane strain: the stiffness"),
-            ({"pin_nu": 0.4999999}, "pin_nu = 0.4999999: must not exceed 0.499999 in plane"),
-            ({"E": 207.0}, "E = 207.0: a bare number is in MPa"),
-            ({"pin_E": 70e9}, "E = 70000000000.0: is beyond any material"),
-            ({"clamp": "far:5"}, "clamp = 'far:5': must be a sector near or far of 10 to 350"),
-            ({"clamp": "whole"}, "clamp = 'whole': must be 'upper half' or 'rim'"),
-            ({"cells": 3}, "cells = 3: must be at least 4"),
-        ],
-    )
-    def test_of_a_set_up(self, keys, message):
-        with pytest.raises(InputError) as caught:
-            Setup(**PAPERS | keys)
-        assert message in str(caught.value)
-
-    @pytest.mark.parametrize("dR", [0.0, -0.1, 2.245, 3.0])
-    def test_clearance_zero_or_larger_than_the_hole(self, dR):
-        with pytest.raises(InputError, match=r"must lie between 0 and the radius of the hole"):
-            solve(SETUP, dR, [20.0])
-
-    def test_mesh_too_coarse_says_the_size_needed(self):
-        with pytest.raises(InputError) as caught:
-            solve(changed(SETUP, size=0.01), 1.0, [20.0])
-        width = float(limits.hertz_half_width(20.0, SETUP.pair(1.0)))
-        assert f"half-width is {width:.3g} mm, and 4 cells must fit into it" in str(caught.value)
-        assert f"use {width / 4:.2g} mm or less" in str(caught.value)
-
-    def test_mesh_too_fine(self):
-        with pytest.raises(InputError, match="more than 5000 cells lie side by side"):
-            changed(SETUP, size=1e-6, contact_size=1e-6).mesh(0.1, [10.0])
-
-    def test_contact_up_to_the_last_pair(self):
-        with pytest.raises(InputError, match="beyond the mesh's pairs; lower it"):
-            solve(COARSE, 0.005, [40_000.0])
-
-    def test_a_set_that_does_not_settle(self, monkeypatch):
-        many = 60
-        problem = np.eye(many), np.linspace(0, 9, many), np.ones(many), 50.0
-        assert solver.touch(*problem)[1] > 0
-        monkeypatch.setattr(solver, "_ROUNDS", 1)
-        with pytest.raises(InputError, match="still changes after 1 rounds"):
-            solver.touch(*problem)
-
-
-def test_a_sector_in_short_is_the_sector():
-    assert changed(SETUP, clamp="far:60").clamp == laws.Sector(60.0, "far")
+@pytest.mark.parametrize(
+    ("attempt", "message"),
+    [
+        *(
+            (lambda keys=keys: Setup(**PAPERS | keys), message)
+            for keys, message in (
+                ({"nu": 0.5}, "nu = 0.5: must not exceed 0.499999 in plane strain: the stiffness"),
+                ({"pin_nu": 0.4999999}, "pin_nu = 0.4999999: must not exceed 0.499999 in plane"),
+                ({"E": 207.0}, "E = 207.0: a bare number is in MPa"),
+                ({"pin_E": 70e9}, "E = 70000000000.0: is beyond any material"),
+                ({"clamp": "far:5"}, "clamp = 'far:5': must be a sector near or far of 10 to 350"),
+                ({"clamp": "whole"}, "clamp = 'whole': must be 'upper half' or 'rim'"),
+                ({"cells": 3}, "cells = 3: must be at least 4"),
+            )
+        ),
+        (lambda: solve(SETUP, 0.0, [20.0]), "must lie between 0 and the radius of the hole"),
+        (lambda: solve(SETUP, 2.245, [20.0]), "must lie between 0 and the radius of the hole"),
+        (
+            lambda: solve(changed(SETUP, size=0.01), 1.0, [20.0]),
+            f"half-width is {WIDTH:.3g} mm, and 4 cells must fit into it; use {WIDTH / 4:.2g} mm",
+        ),
+        (
+            lambda: changed(SETUP, size=1e-6, contact_size=1e-6).mesh(0.1, [10.0]),
+            "more than 5000 cells lie side by side",
+        ),
+        (lambda: solve(COARSE, 0.005, [40_000.0]), "beyond the mesh's pairs; lower it"),
+    ],
+)
+def test_what_cannot_be_solved_is_told(attempt, message):
+    with pytest.raises(InputError) as caught:
+        attempt()
+    assert message in str(caught.value)

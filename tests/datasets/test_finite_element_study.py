@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from _cylcontact_bench.finite_elements import table
 
 from benchmarks.calculix import run_case
-from cylcontact import InputError, laws, limits
+from cylcontact import InputError, laws
 from cylcontact.datasets import read_grid, write_samples
 from cylcontact.datasets.finite_element import (
     Setup,
@@ -21,10 +20,6 @@ from cylcontact.datasets.finite_element import (
 )
 from cylcontact.datasets.finite_element.study import study_from
 from cylcontact.datasets.grid import grid_from
-from cylcontact.fitting import FitResult, read_campaign
-from cylcontact.pair import CylinderPair
-from cylcontact.reports.bench import Bench
-from tests.support.paper_equations import e_star, enhanced, johnson
 from tests.support.programs import require_program
 from tests.support.spec_files import DROP, ELEMENTS, changed, tree, write_toml
 
@@ -41,6 +36,10 @@ BOTH = changed(
         "variants": [{"name": "aluminium", "pin_E": 70.0, "pin_nu": 0.4999}],
     },
 )
+
+
+_AXES = {"E": [207.0], "nu": [0.3], "dR": [0.1, 0.2], "load": [10.0, 20.0]}
+AXES = {"axes": {name: {"values": values} for name, values in _AXES.items()}}
 
 
 def rows_of(name):
@@ -67,12 +66,9 @@ class TestFiles:
             ({"dR": [0.0, 0.1]}, "dR = [0.0, 0.1]: must be positive and increasing"),
             ({"dR": [0.1, 2.5]}, "dR = 2.5: must lie between 0 and the radius of the hole"),
             ({"E": 207e9}, "E = 207000000000.0: a bare number is in GPa, and diamond has 1200"),
-            ({"E": "207e9 GPa"}, "E = '207e9 GPa': is beyond any material"),
             ({"E": "steel"}, "E = 'steel': must be a number"),
             ({"pin_E": 0.0}, "pin_E = 0.0: must be greater than 0"),
             ({"pin_nu": 0.6}, "pin_nu = 0.6: must be less than or equal to 0.5"),
-            ({"load": []}, "load = []: must be positive and increasing"),
-            ({"nu": 0.5}, "nu = 0.5: must not exceed 0.499999 in plane strain"),
             ({"clamp": "far:5", "origin.clamp": "assumed"}, "clamp = 'far:5': must be a sector"),
             ({"origin.E": DROP}, "origin.E: is required; mark each key as paper"),
             ({"origin.clamp": "paper"}, "origin.clamp: is not a key of this file"),
@@ -80,7 +76,6 @@ class TestFiles:
             ({"variants": [{"name": "a,b"}]}, "must not contain commas, quotes or #"),
             ({"variants": [{"name": "a", "dR": [1.0]}]}, "dR = [1.0]: cannot vary"),
             ({"variants": [{"name": "a"}, {"name": "a"}]}, "'a': is used twice"),
-            ({"variants": [{"name": "a", "cells": 1}]}, "cells = 1: must be at least 4"),
             ({"variants": [{"name": "a", "nu": 0.5}]}, "variants.0: nu = 0.5: must not exceed"),
         ],
     )
@@ -160,22 +155,12 @@ class TestCommittedTables:
         with pytest.raises(InputError, match="between 2 and 10 never gives Johnson's penetration"):
             outer_ratio_like_johnson(setup, [1.0], [20.0])
 
-    def test_peak_pressure_converges_to_hertz(self):
-        rows = rows_of("convergence-embedded")
-        wide = rows[(rows["dR_mm"] == 1.0) & (rows["load_N_per_mm"] == 20.0)]
-        hertz = float(limits.hertz_stress(20.0, base_of("convergence").pair(1.0)))
-        peaks = wide.set_index("variant")["peak_pressure_MPa"] / hertz - 1
-        errors = peaks[["cells 4", "cells 8", "cells 16", "cells 32", "base"]].abs()
-        assert errors.is_monotonic_decreasing
-        assert errors["cells 16"] < 0.005
-
     @pytest.mark.parametrize(
         ("text", "message"),
         [
             ((TABLES / "recommended-embedded.csv").read_text().replace("0.0002753", "0.0002754", 1),
              "the table was edited by hand"),
             ("a,b\n1,2\n", "is not a table of finite elements"),
-            ("", "is not a table of finite elements"),
             ("# study: x\nnonsense\n", "is not a table of finite elements"),
             (None, "cannot be read"),
         ],
@@ -290,13 +275,6 @@ class TestReference:
         for column in written:
             assert written[column].to_numpy() == pytest.approx(rows[column].to_numpy(), rel=1e-12)
 
-    def test_committed_fit_is_of_the_committed_table(self):
-        result = FitResult.read(ROOT / "fitting/results/finite-element.json")
-        campaign = read_campaign(ROOT / "fitting/finite-element.toml")
-        assert (result.reference, result.counts.samples) == ("finite-element", 39)
-        assert json.loads(json.dumps(campaign.settings)) == result.settings
-        assert result.objective.value < 0.3 * result.published.objective
-
     @pytest.mark.parametrize(
         ("changes", "message"),
         [
@@ -304,6 +282,7 @@ class TestReference:
             ({"table": "none.csv"}, "cannot be read"),
             ({"axes": {}}, "axes: cannot be combined with table"),
             ({"contact": "external"}, "contact = 'external': must be internal"),
+            ({"reference": "johnson", **AXES}, "is used only with reference finite-element"),
         ],
     )
     def test_mistakes_in_a_grid_are_told(self, tmp_path, changes, message):
@@ -314,65 +293,13 @@ class TestReference:
         assert message in str(caught.value)
 
     @pytest.mark.parametrize(
-        ("changes", "rule"),
+        ("penetrations", "rule"),
         [
-            ({"penetrations": [[1e-4, 2e-4]]}, "a list for each dR with a number for each load"),
-            ({"penetrations": [[1e-4, 2e-4], [1e-4, -2e-4]]}, "must be positive"),
-            ({"reference": "johnson"}, "is used only with reference finite-element"),
+            ([[1e-4, 2e-4]], "a list for each dR with a number for each load"),
+            ([[1e-4, 2e-4], [1e-4, -2e-4]], "must be positive"),
         ],
     )
-    def test_penetrations_must_fit_the_axes(self, changes, rule):
-        axes = {"E": [207.0], "nu": [0.3], "dR": [0.1, 0.2], "load": [10.0, 20.0]}
-        spec = {
-            "contact": "internal",
-            "reference": "finite-element",
-            "axes": {name: {"values": values} for name, values in axes.items()},
-            "penetrations": [[1e-4, 2e-4], [1e-4, 2e-4]],
-        }
+    def test_penetrations_must_fit_the_axes(self, penetrations, rule):
+        spec = {"contact": "internal", "reference": "finite-element", **AXES}
         with pytest.raises(InputError, match=rule):
-            grid_from(changed(spec, changes), "inline")
-
-
-class TestFigures:
-    def test_fig04_counts_the_mesh(self, figures):
-        headline, rows = figures["fig04"].drawing.headline, rows_of("recommended-embedded")
-        assert headline["cells"] == rows.loc[rows["dR_mm"] == 0.1, "cells"].iloc[0]
-        assert 1.31 < headline["length of the cells in the contact, µm"] < 6.63
-
-    @pytest.mark.slow
-    def test_fig05_is_hertz_at_1_mm_and_departs_at_10_um(self, figures):
-        drawing = figures["fig05"].drawing
-        assert drawing.headline["1 mm: largest departure from Hertz, % of its peak"] < 3.5
-        steel = base_of("recommended").material("plate")
-        for dR, part in drawing.table.groupby("dR_mm"):
-            pair = CylinderPair.from_dR("internal", float(dR), steel, R_i=2.245)
-            assert part["hertz_MPa"].max() == pytest.approx(float(limits.hertz_stress(500.0, pair)))
-
-    @pytest.mark.slow
-    def test_fig06_holds_every_model(self, figures):
-        drawing = figures["fig06"].drawing
-        case = (
-            drawing.table["load_N_per_mm"].to_numpy(),
-            e_star(207e3, 0.3),
-            drawing.table["dR_mm"].to_numpy(),
-        )
-        assert len(drawing.table) == 39
-        assert drawing.table["johnson_mm"].to_numpy() == pytest.approx(johnson(*case), rel=1e-9)
-        assert drawing.table["enhanced_mm"].to_numpy() == pytest.approx(enhanced(*case), rel=1e-9)
-
-    def test_sensitivities_are_shifts_of_one_constant(self, figures):
-        actual = figures["fig_fe_sensitivity"].drawing.table.set_index("variant")
-        for name in ("outer radius 10 hole radii", "load on a disc of a quarter radius"):
-            constants = actual.loc[name, "constant"]
-            assert np.ptp(constants) < 0.06 * constants.abs().max()
-        change = actual["change_percent"]
-        assert change["plane stress"].to_numpy() == pytest.approx(9.3, abs=0.3)
-        assert change["32 cells instead of 16"].abs().max() < 0.1
-
-    def test_a_missing_table_is_told(self, tmp_path):
-        source = (TABLES / "recommended.toml").read_text(encoding="utf-8")
-        path = tmp_path / "datasets/finite_element/recommended.toml"
-        path.parent.mkdir(parents=True)
-        path.write_text(source, encoding="utf-8")
-        with pytest.raises(InputError, match=r"cannot be read .*make finite-element writes it"):
-            table(Bench(tmp_path), "recommended")
+            grid_from({**spec, "penetrations": penetrations}, "inline")
