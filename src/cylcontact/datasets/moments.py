@@ -213,6 +213,7 @@ def _interpolation(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     low, extent = values.min(), np.ptp(values)
     reach = 1 + 2 / max(extent, 1e-6)
     q = int(np.ceil(-np.log(_LEFT) / np.log(reach + np.sqrt(reach**2 - 1))))
+    q = q if extent > _LEFT else 1  # nodes so close would be one
     if values.size <= q:
         return values, np.eye(values.size)
     angle = np.pi * (np.arange(q) + 0.5) / q
