@@ -29,19 +29,6 @@ def without(*names):
     return {name: column for name, column in GOOD.items() if name not in names}
 
 
-# --- what is read -----------------------------------------------------------------------------
-
-
-def test_columns_come_out_in_mm_newton_and_megapascal(tmp_path):
-    actual = measured(write_table(tmp_path / "t.csv", GOOD))
-    assert actual.load == pytest.approx([10, 20, 40])
-    assert actual.penetration == pytest.approx([2e-4, 4e-4, 7e-4])
-    assert actual.pair.dR == pytest.approx([0.05, 0.05, 0.08])
-    assert actual.pair.E_star == pytest.approx(
-        [207e3 / 1.82, 207e3 / 1.82, 69e3 / (2 * (1 - 0.33**2))]
-    )
-
-
 # A physical table of two rows in mm, N and MPa.
 PLAIN = {
     "load_N_per_mm": [10.0, 20.0],
@@ -54,6 +41,21 @@ PLAIN = {
     "nu_j": [0.33, 0.33],
     "length_mm": [10.0, 10.0],
 }
+# --- what is read -----------------------------------------------------------------------------
+
+
+def test_columns_come_out_in_mm_newton_and_megapascal(tmp_path):
+    actual = measured(write_table(tmp_path / "t.csv", GOOD))
+    assert actual.load == pytest.approx([10, 20, 40])
+    assert actual.penetration == pytest.approx([2e-4, 4e-4, 7e-4])
+    assert actual.pair.dR == pytest.approx([0.05, 0.05, 0.08])
+    assert actual.pair.E_star == pytest.approx(
+        [207e3 / 1.82, 207e3 / 1.82, 69e3 / (2 * (1 - 0.33**2))]
+    )
+    unlike = measured(write_table(tmp_path / "t.csv", PLAIN)).pair
+    assert 1 / unlike.E_star == pytest.approx([(1 - 0.3**2) / 2e5 + (1 - 0.33**2) / 7e4] * 2)
+
+
 # What stands in it in place of other columns.
 IN_PLACE = {
     "E": ({"E_MPa": [2e5, 1e5], "nu": [0.3, 0.3]}, ("E_i_MPa", "nu_i", "E_j_MPa", "nu_j")),
