@@ -1,7 +1,6 @@
 """The program and its commands. Commands import slow libraries when they run."""
 
 from collections.abc import Callable
-from typing import Annotated
 
 import typer
 
@@ -13,7 +12,7 @@ from cylcontact.cli import (
     mechanism,
     reporting,
 )
-from cylcontact.cli.options import keep_inputs
+from cylcontact.cli.options import keep_inputs, option
 
 
 def _version(wanted: bool) -> None:
@@ -33,10 +32,9 @@ app = typer.Typer(
 
 @app.callback()
 def _common(
-    version: Annotated[
-        bool,
-        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
-    ] = False,
+    version: bool = option(
+        "Show the version.", "--version", callback=_version, is_eager=True, default=False
+    ),
 ) -> None:
     """Calibrate contact laws for parallel cylinders and see where each can be trusted."""
 

@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from cylcontact.cli.options import Force, Jobs, Resume, output, resumable
+from cylcontact.cli.options import FORCE, JOBS, RESUME, argument, output, resumable
 from cylcontact.cli.terminal import cores, noting, progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.files import require_suffix, require_writable
 
 
 def finite_element(
-    spec: Annotated[
-        Path,
-        typer.Argument(help="A set-up, e.g. datasets/finite_element/recommended.toml."),
-    ],
-    out: Annotated[Path | None, output("The table; SPEC-embedded.csv beside the set-up.")] = None,
-    jobs: Jobs = None,
-    resume: Resume = False,
-    force: Force = False,
+    spec: Path = argument("A set-up, e.g. datasets/finite_element/recommended.toml."),
+    out: Path | None = output("The table; SPEC-embedded.csv beside the set-up."),
+    jobs: int | None = JOBS,
+    resume: bool = RESUME,
+    force: bool = FORCE,
 ) -> None:
     """Solve a pin in a hole by finite elements."""
     from cylcontact.datasets.finite_element import read_study, run_study, write_table

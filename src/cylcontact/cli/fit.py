@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from cylcontact.choices import BRANCHES, CHOICE_FILES, DESIGN_FILES, FIT_FILES, is_table, listed
 from cylcontact.cli.options import (
+    FORCE,
+    JOBS,
     LOSSES,
     NOISES,
     OPTIMIZERS,
     RESULTS,
-    Force,
-    Jobs,
+    RESUME,
+    SCHEDULER,
     Options,
-    Resume,
-    Scheduler,
+    argument,
     count,
     number,
     numbers,
@@ -51,18 +52,12 @@ if TYPE_CHECKING:
 # Loads among which a design chooses.
 _DESIGN_LOADS = 41
 
-Table = Annotated[
-    Path, typer.Argument(metavar="TABLE", help="A table, .csv, .txt, .xlsx or .parquet.")
-]
-Result = Annotated[
-    Path, typer.Argument(metavar="RESULT", help="A fit, e.g. results/NAME/result.json.")
-]
-Runs = Annotated[int | None, count(1, "Runs, instead of the campaign's.")]
-Seed = Annotated[int | None, count(0, "Seed of the random numbers.")]
-Level = Annotated[float, number("Level of the intervals.")]
-OwnLaw = Annotated[
-    str | None, option("The law, if it is your own function.", metavar="MODULE:FUNCTION")
-]
+DATA = argument("A table, .csv, .txt, .xlsx or .parquet.", metavar="TABLE")
+RESULT = argument("A fit, e.g. results/NAME/result.json.", metavar="RESULT")
+RUNS = count(1, "Runs, instead of the campaign's.")
+SEED = count(0, "Seed of the random numbers.")
+LEVEL = number("Level of the intervals.", default=0.95)
+OWN_LAW = option("The law, if it is your own function.", metavar="MODULE:FUNCTION")
 _PANEL = {"rich_help_panel": "For a table"}
 _ANY = "[,...]"
 
@@ -95,8 +90,8 @@ SETTINGS: Options = {
 
 
 def sample(
-    spec: Annotated[Path, typer.Argument(help="A grid spec, e.g. datasets/internal.toml.")],
-    out: Annotated[Path, output("The .parquet or .csv file to write.")],
+    spec: Path = argument("A grid spec, e.g. datasets/internal.toml."),
+    out: Path = output("The .parquet or .csv file to write.", default=...),
 ) -> None:
     """Sample a reference law over a grid, in bounded memory."""
     from cylcontact.datasets import read_grid, write_samples
@@ -114,28 +109,21 @@ def sample(
 @takes("settings", SETTINGS)
 @takes("pair", PAIR, listed=False)
 def fit(
-    source: Annotated[
-        Path,
-        typer.Argument(
-            metavar="CAMPAIGN|TABLE",
-            help="A campaign, e.g. fitting/internal.toml, or a table.",
-        ),
-    ],
+    source: Path = argument(
+        "A campaign, e.g. fitting/internal.toml, or a table.", metavar="CAMPAIGN|TABLE"
+    ),
     *,
-    out: Annotated[
-        Path | None, output("A .json, or for a table a folder; results/NAME by default.")
-    ] = None,
-    runs: Runs = None,
-    seed: Seed = None,
-    optimizer: Annotated[str | None, option(f"{listed(OPTIMIZERS)}.", metavar="NAME")] = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
-    resume: Resume = False,
-    force: Force = False,
-    law: Annotated[
-        str | None,
-        option("The law, e.g. johnson; or module:function of your own.", metavar="NAME", **_PANEL),
-    ] = None,
+    out: Path | None = output("A .json, or for a table a folder; results/NAME by default."),
+    runs: int | None = RUNS,
+    seed: int | None = SEED,
+    optimizer: str | None = option(f"{listed(OPTIMIZERS)}.", metavar="NAME"),
+    jobs: int | None = JOBS,
+    scheduler: str | None = SCHEDULER,
+    resume: bool = RESUME,
+    force: bool = FORCE,
+    law: str | None = option(
+        "The law, e.g. johnson; or module:function of your own.", metavar="NAME", **_PANEL
+    ),
     settings: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
@@ -218,19 +206,15 @@ def _law_in(result: Path) -> str:
 
 
 def optimizers(
-    campaign: Annotated[
-        Path,
-        typer.Argument(metavar="CAMPAIGN", help="A campaign, e.g. fitting/internal.toml."),
-    ],
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[NAME]...", help=f"{listed(OPTIMIZERS)}; all by default."),
-    ] = None,
-    out: Annotated[Path | None, output("A .csv of the runs.")] = None,
-    runs: Runs = None,
-    seed: Seed = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
+    campaign: Path = argument("A campaign, e.g. fitting/internal.toml.", metavar="CAMPAIGN"),
+    names: list[str] | None = argument(
+        f"{listed(OPTIMIZERS)}; all by default.", metavar="[NAME]...", default=None
+    ),
+    out: Path | None = output("A .csv of the runs."),
+    runs: int | None = RUNS,
+    seed: int | None = SEED,
+    jobs: int | None = JOBS,
+    scheduler: str | None = SCHEDULER,
 ) -> None:
     """Compare optimisers on a campaign, with the same seeds, budget and polish."""
     from cylcontact.fitting import read_campaign
@@ -251,28 +235,22 @@ def optimizers(
 
 
 def uncertainty(
-    result: Result,
+    result: Path = RESULT,
     *,
-    out: Annotated[Path | None, output("The study, .json.")] = None,
-    bootstrap: Annotated[int | None, count(2, "Refit N times to resampled data.")] = None,
-    over: Annotated[
-        str | None,
-        option("What to resample: rows (default), material, dR, pair or group.", metavar="WHAT"),
-    ] = None,
-    leave_out: Annotated[
-        str | None,
-        option(
-            "What to leave out in turn: material, dR, pair, group; E, nu, load.", metavar="WHAT"
-        ),
-    ] = None,
-    pairs: Annotated[
-        bool, option("Map each pair of parameters, into the output.", "--pairs")
-    ] = False,
-    level: Level = 0.95,
-    law: OwnLaw = None,
-    seed: Seed = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
+    out: Path | None = output("The study, .json."),
+    bootstrap: int | None = count(2, "Refit N times to resampled data."),
+    over: str | None = option(
+        "What to resample: rows (default), material, dR, pair or group.", metavar="WHAT"
+    ),
+    leave_out: str | None = option(
+        "What to leave out in turn: material, dR, pair, group; E, nu, load.", metavar="WHAT"
+    ),
+    pairs: bool = option("Map each pair of parameters, into the output.", "--pairs", default=False),
+    level: float = LEVEL,
+    law: str | None = OWN_LAW,
+    seed: int | None = SEED,
+    jobs: int | None = JOBS,
+    scheduler: str | None = SCHEDULER,
 ) -> None:
     """Study how certain a fit is.
 
@@ -317,13 +295,10 @@ def uncertainty(
 @takes("settings", SETTINGS)
 @takes("pair", PAIR, listed=False)
 def choose(
-    data: Table,
+    data: Path = DATA,
     *,
-    law: Annotated[
-        list[str] | None,
-        several("The laws to compare; all by default.", metavar=f"NAME{_ANY}"),
-    ] = None,
-    out: Annotated[Path | None, output("The folder; results/NAME beside the table.")] = None,
+    law: list[str] | None = several("The laws to compare; all by default.", metavar=f"NAME{_ANY}"),
+    out: Path | None = output("The folder; results/NAME beside the table."),
     settings: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
@@ -347,19 +322,16 @@ def choose(
 @takes("settings", SETTINGS)
 @takes("pair", PAIR, listed=False)
 def design(
-    data: Table,
+    data: Path = DATA,
     *,
-    law: Annotated[str, option("The law, e.g. johnson.", metavar="NAME")],
-    loads: Annotated[str, option("Loads that can be taken, in N/mm.", metavar="LOW:HIGH")],
-    add: Annotated[int, count(1, "Readings to add.")] = 5,
-    parameter: Annotated[
-        str | None, option("The one that counts; all by default.", metavar="NAME")
-    ] = None,
-    clearances: Annotated[
-        list[str] | None,
-        several("Clearances that can be taken, in mm.", "--dR-choices", metavar=f"DR{_ANY}"),
-    ] = None,
-    out: Annotated[Path | None, output("A folder for the picture and its table.")] = None,
+    law: str = option("The law, e.g. johnson.", metavar="NAME", default=...),
+    loads: str = option("Loads that can be taken, in N/mm.", metavar="LOW:HIGH", default=...),
+    add: int = count(1, "Readings to add.", default=5),
+    parameter: str | None = option("The one that counts; all by default.", metavar="NAME"),
+    clearances: list[str] | None = several(
+        "Clearances that can be taken, in mm.", "--dR-choices", metavar=f"DR{_ANY}"
+    ),
+    out: Path | None = output("A folder for the picture and its table."),
     settings: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
@@ -393,11 +365,11 @@ def design(
 
 
 def predict(
-    result: Result,
+    result: Path = RESULT,
     *,
-    load: Annotated[list[str], option('A load with its unit, "4500 N"; may be repeated.')],
-    level: Level = 0.95,
-    law: OwnLaw = None,
+    load: list[str] = option('A load with its unit, "4500 N"; may be repeated.', default=...),
+    level: float = LEVEL,
+    law: str | None = OWN_LAW,
 ) -> None:
     """Predict readings of the penetration with their bands."""
     from cylcontact.fitting import DataFit
@@ -418,10 +390,9 @@ def predict(
 
 
 def compare(
-    results: Annotated[
-        list[Path],
-        typer.Argument(metavar="RESULT...", help="Result files, e.g. fitting/results/*.json."),
-    ],
+    results: list[Path] = argument(
+        "Result files, e.g. fitting/results/*.json.", metavar="RESULT..."
+    ),
 ) -> None:
     """Compare fits with each other and with the published coefficients."""
     from cylcontact import fitting
@@ -430,12 +401,11 @@ def compare(
 
 
 def verify(
-    results: Annotated[
-        list[Path] | None,
-        typer.Argument(metavar="[RESULT]...", help="Result files; all committed ones by default."),
-    ] = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
+    results: list[Path] | None = argument(
+        "Result files; all committed ones by default.", metavar="[RESULT]...", default=None
+    ),
+    jobs: int | None = JOBS,
+    scheduler: str | None = SCHEDULER,
 ) -> None:
     """Redo fits with their own settings; exit code 1 if one differs."""
     from cylcontact.fitting.comparison import verify as verify_one

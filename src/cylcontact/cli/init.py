@@ -7,11 +7,9 @@ import os
 import shutil
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from cylcontact.choices import first_of
+from cylcontact.cli.options import argument
 from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
 from cylcontact.files import replacing_all, require_writable, shipped_bench
@@ -25,9 +23,9 @@ _NOT_SHIPPED = (
 
 
 def init(
-    folder: Annotated[
-        Path, typer.Argument(metavar="[FOLDER]", help="Where to lay it out; here by default.")
-    ] = Path(),
+    folder: Path = argument(
+        "Where to lay it out; here by default.", metavar="[FOLDER]", default=Path()
+    ),
 ) -> None:
     """Lay out datasets, campaigns, figures' recipes and notebooks in a folder."""
     source = shipped_bench()

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from cylcontact import choices
 from cylcontact.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, listed
 from cylcontact.cli.options import (
-    Jobs,
-    Materials,
+    JOBS,
+    MATERIALS,
+    RESUME,
+    SCHEDULER,
     Options,
-    Resume,
-    Scheduler,
+    argument,
     count,
     number,
     numbers,
@@ -38,30 +39,25 @@ if TYPE_CHECKING:
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 
 
-Spec = Annotated[Path, typer.Argument(help="A mechanism's spec, e.g. datasets/slider_crank.toml.")]
-Table = Annotated[Path, output("The table, .csv or .parquet.")]
-Law = Annotated[str | None, option("The law, e.g. johnson.", metavar="NAME")]
-Restitution = Annotated[float | None, number("Restitution, above 0 up to 1.")]
-Friction = Annotated[float | None, number("Friction coefficient.")]
-Revolutions = Annotated[int | None, count(1, "Revolutions in all; the spec's by default.")]
-First = Annotated[int | None, count(0, "First revolution that counts, from 0.")]
-Method = Annotated[
-    choices.Method | None,
-    option(
-        f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
-        parser=str,
-        metavar="METHOD",
-    ),
-]
-Tolerance = Annotated[float | None, number("Tolerance of the integrator; the spec's by default.")]
-Beyond = Annotated[
-    choices.Beyond,
-    option(
-        f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
-        parser=str,
-        metavar="WHAT",
-    ),
-]
+SPEC = argument("A mechanism's spec, e.g. datasets/slider_crank.toml.")
+TABLE = output("The table, .csv or .parquet.", default=...)
+LAW = option("The law, e.g. johnson.", metavar="NAME")
+RESTITUTION = number("Restitution, above 0 up to 1.")
+FRICTION = number("Friction coefficient.")
+REVOLUTIONS = count(1, "Revolutions in all; the spec's by default.")
+FIRST = count(0, "First revolution that counts, from 0.")
+METHOD = option(
+    f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
+    parser=str,
+    metavar="METHOD",
+)
+TOLERANCE = number("Tolerance of the integrator; the spec's by default.")
+END = option(
+    f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
+    parser=str,
+    metavar="WHAT",
+    default="stop",
+)
 # What replaces values of a mechanism's spec, each by one or several.
 CHANGES: Options = {
     name: (list[str] | None, several(f"{help}.", metavar=f"{value}[,...]"))
@@ -97,32 +93,26 @@ def _of_fit(code: str, clearance: list[str] | None) -> list[str]:
 
 
 def simulate(
-    spec: Spec,
+    spec: Path = SPEC,
     *,
-    out: Annotated[
-        Path | None, output("The trajectory, .parquet, or a film of the end, .gif or .mp4.")
-    ] = None,
-    table: Annotated[
-        Path | None, option("The numbers by revolution, .csv or .parquet.", metavar="PATH")
-    ] = None,
-    law: Law = None,
-    clearance: Annotated[float | None, number("Radial clearance, mm.")] = None,
-    restitution: Restitution = None,
-    friction: Friction = None,
-    materials: Materials = None,
-    revolutions: Annotated[
-        int | None, count(1, "Revolutions in all; the spec's by default, of a film three.")
-    ] = None,
-    first: Annotated[
-        int | None, count(0, "First revolution that counts, or that a film shows, from 0.")
-    ] = None,
-    method: Method = None,
-    tolerance: Tolerance = None,
-    beyond: Beyond = "stop",
-    allowed_penetration: Annotated[
-        float | None, number("The paper's step control: how deep contact may begin, µm.")
-    ] = None,
-    resume: Resume = False,
+    out: Path | None = output("The trajectory, .parquet, or a film of the end, .gif or .mp4."),
+    table: Path | None = option("The numbers by revolution, .csv or .parquet.", metavar="PATH"),
+    law: str | None = LAW,
+    clearance: float | None = number("Radial clearance, mm."),
+    restitution: float | None = RESTITUTION,
+    friction: float | None = FRICTION,
+    materials: str | None = MATERIALS,
+    revolutions: int | None = count(
+        1, "Revolutions in all; the spec's by default, of a film three."
+    ),
+    first: int | None = count(0, "First revolution that counts, or that a film shows, from 0."),
+    method: choices.Method | None = METHOD,
+    tolerance: float | None = TOLERANCE,
+    beyond: choices.Beyond = END,
+    allowed_penetration: float | None = number(
+        "The paper's step control: how deep contact may begin, µm."
+    ),
+    resume: bool = RESUME,
 ) -> None:
     """Simulate a mechanism with a clearance joint: its statistics, or a film.
 
@@ -254,27 +244,23 @@ def _run(
 
 @takes("changes", CHANGES)
 def sweep(
-    spec: Spec,
+    spec: Path = SPEC,
     *,
-    out: Table,
+    out: Path = TABLE,
     changes: dict[str, list[str]],
-    fit: Annotated[
-        str | None,
-        typer.Option(metavar="CODE", help="The clearances of a fit: tightest, middle, loosest."),
-    ] = None,
-    materials: Materials = None,
-    revolutions: Revolutions = None,
-    first: First = None,
-    method: Method = None,
-    tolerance: Tolerance = None,
-    beyond: Beyond = "stop",
-    against: Annotated[
-        float | None,
-        number("Run at this tolerance too; count only revolutions after the two separate."),
-    ] = None,
-    resume: Resume = False,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
+    fit: str | None = option("The clearances of a fit: tightest, middle, loosest.", metavar="CODE"),
+    materials: str | None = MATERIALS,
+    revolutions: int | None = REVOLUTIONS,
+    first: int | None = FIRST,
+    method: choices.Method | None = METHOD,
+    tolerance: float | None = TOLERANCE,
+    beyond: choices.Beyond = END,
+    against: float | None = number(
+        "Run at this tolerance too; count only revolutions after the two separate."
+    ),
+    resume: bool = RESUME,
+    jobs: int | None = JOBS,
+    scheduler: str | None = SCHEDULER,
 ) -> None:
     """Simulate every combination of laws, clearances and other values."""
     from cylcontact.mechanism import Plan, read_mechanism
@@ -303,17 +289,17 @@ def sweep(
 
 @takes("changes", CHANGES)
 def tolerances(
-    spec: Spec,
+    spec: Path = SPEC,
     *,
-    out: Table,
+    out: Path = TABLE,
     changes: dict[str, list[str]],
-    materials: Materials = None,
-    revolutions: Revolutions = None,
-    tolerance: Annotated[
-        list[str] | None, several("Tolerances of the integrator; 1e-5 to 1e-11 by default.")
-    ] = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
+    materials: str | None = MATERIALS,
+    revolutions: int | None = REVOLUTIONS,
+    tolerance: list[str] | None = several(
+        "Tolerances of the integrator; 1e-5 to 1e-11 by default."
+    ),
+    jobs: int | None = JOBS,
+    scheduler: str | None = SCHEDULER,
 ) -> None:
     """Tabulate energy balance and drift by the tolerance of the integrator."""
     from cylcontact.mechanism import Plan, read_mechanism
@@ -342,27 +328,25 @@ def tolerances(
 
 
 def bifurcation(
-    spec: Spec,
+    spec: Path = SPEC,
     *,
-    out: Table,
-    clearance: Annotated[
-        list[str] | None,
-        several("The smallest and the largest, mm; 0.01,0.5 by default.", metavar="LOW,HIGH"),
-    ] = None,
-    points: Annotated[int, count(1, "How many clearances.")] = 40,
-    law: Law = None,
-    restitution: Restitution = None,
-    friction: Friction = None,
-    materials: Materials = None,
-    revolutions: Annotated[int, count(1, "Revolutions in all.")] = 200,
-    last: Annotated[int, count(1, "Revolutions recorded of each.")] = 50,
-    impact_rate: Annotated[
-        list[str] | None,
-        several("Impact rate δ̇⁽⁻⁾ of the damping, m/s; 0, the default: that at onset."),
-    ] = None,
-    beyond: Beyond = "stop",
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
+    out: Path = TABLE,
+    clearance: list[str] | None = several(
+        "The smallest and the largest, mm; 0.01,0.5 by default.", metavar="LOW,HIGH"
+    ),
+    points: int = count(1, "How many clearances.", default=40),
+    law: str | None = LAW,
+    restitution: float | None = RESTITUTION,
+    friction: float | None = FRICTION,
+    materials: str | None = MATERIALS,
+    revolutions: int = count(1, "Revolutions in all.", default=200),
+    last: int = count(1, "Revolutions recorded of each.", default=50),
+    impact_rate: list[str] | None = several(
+        "Impact rate δ̇⁽⁻⁾ of the damping, m/s; 0, the default: that at onset."
+    ),
+    beyond: choices.Beyond = END,
+    jobs: int | None = JOBS,
+    scheduler: str | None = SCHEDULER,
 ) -> None:
     """Tabulate the Poincaré sections over the clearance: periodic or not."""
     import numpy as np

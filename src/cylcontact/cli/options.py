@@ -9,7 +9,7 @@ from copy import copy
 from functools import wraps
 from itertools import chain
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -31,14 +31,19 @@ def split(values: list[str] | None) -> list[str]:
     return [part.strip() for value in values or () for part in value.split(",")]
 
 
-def option(help: str, *names: str, **details: Any) -> Any:
+def argument(help: str, default: Any = ..., metavar: str | None = None) -> Any:
+    """Return an argument, required by default."""
+    return typer.Argument(default, help=help, metavar=metavar)
+
+
+def option(help: str, *names: str, default: Any = None, **details: Any) -> Any:
     """Return an option; without names it is called like its parameter."""
-    return typer.Option(*names, help=help, **details)
+    return typer.Option(default, *names, help=help, **details)
 
 
-def output(help: str) -> Any:
+def output(help: str, default: Any = None) -> Any:
     """Return the option of what a command writes."""
-    return option(help, "-o", "--out", metavar="PATH")
+    return option(help, "-o", "--out", default=default, metavar="PATH")
 
 
 def several(help: str, *names: str, metavar: str = "FLOAT[,...]", **details: Any) -> Any:
@@ -59,7 +64,7 @@ def _number(given: str | float) -> float:
         raise typer.BadParameter(f"{given!r} is not a number") from None
 
 
-def count(least: int, help: str, *names: str) -> Any:
+def count(least: int, help: str, *names: str, default: int | None = None) -> Any:
     """Return an option of an integer of at least `least`."""
 
     def parse(text: str) -> int:
@@ -71,7 +76,7 @@ def count(least: int, help: str, *names: str) -> Any:
             raise typer.BadParameter(f"{text!r} must be an integer of at least {least}")
         return integer
 
-    return option(help, *names, parser=parse, metavar="N")
+    return option(help, *names, default=default, parser=parse, metavar="N")
 
 
 def plain_numbers(texts: Sequence[str]) -> list[float] | None:
@@ -117,9 +122,7 @@ def takes(name: str, options: Options, listed: bool = True) -> Callable[..., Cal
     for key, (kind, shown) in options.items():
         details = copy(shown)
         details.hidden = not listed
-        parameters.append(
-            inspect.Parameter(key, keyword, default=None, annotation=Annotated[kind, details])
-        )
+        parameters.append(inspect.Parameter(key, keyword, default=details, annotation=kind))
 
     def expand(command: Callable[..., None]) -> Callable[..., None]:
         own = inspect.signature(command, eval_str=True).parameters
@@ -189,13 +192,9 @@ def _existing_folder(folder: Path) -> Path:
     return folder
 
 
-Results = Annotated[Path, option("The folder of fit results.", callback=_existing_folder)]
-Jobs = Annotated[int | None, count(1, "Worker processes; all cores by default.", "--jobs", "-j")]
-Scheduler = Annotated[
-    str | None, option("A Dask cluster instead, e.g. tcp://host:8786.", metavar="ADDRESS")
-]
-Materials = Annotated[
-    str | None, option("Your own materials; datasets/materials.csv by default.", metavar="TABLE")
-]
-Force = Annotated[bool, option("Replace an output that came from other inputs.", "--force")]
-Resume = Annotated[bool, option("Go on from what an interrupted command left.", "--resume")]
+RESULTS_FOLDER = option("The folder of fit results.", callback=_existing_folder, default=RESULTS)
+JOBS = count(1, "Worker processes; all cores by default.", "--jobs", "-j")
+SCHEDULER = option("A Dask cluster instead, e.g. tcp://host:8786.", metavar="ADDRESS")
+MATERIALS = option("Your own materials; datasets/materials.csv by default.", metavar="TABLE")
+FORCE = option("Replace an output that came from other inputs.", "--force", default=False)
+RESUME = option("Go on from what an interrupted command left.", "--resume", default=False)

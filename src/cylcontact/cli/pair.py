@@ -76,7 +76,7 @@ def option_of(name: str) -> str:
     ('--load-error', '--Ri', '--E')
     """
     if name in PAIR:
-        return str(PAIR[name][1].default)  # where typer has the first name
+        return str(PAIR[name][1].param_decls[0])
     return "--" + name.replace("_", "-")
 
 

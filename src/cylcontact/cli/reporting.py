@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from cylcontact.choices import CODES, FORMATS, JOINT_TARGETS, TARGETS, listed
 from cylcontact.cli.options import (
-    RESULTS,
+    JOBS,
+    RESULTS_FOLDER,
     STYLES,
-    Jobs,
-    Results,
+    argument,
     number,
     option,
     output,
@@ -40,20 +40,16 @@ if TYPE_CHECKING:
 
 
 def figure(
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(
-            help="Recipes, e.g. fig10 fig_explicit; all by default. Arguments of a recipe follow "
-            'its name, e.g. maps material="titanium alloy" law=explicit.'
-        ),
-    ] = None,
-    out: Annotated[Path | None, output("The folder; reports/figures by default.")] = None,
-    style: Annotated[str | None, option(f"{listed(STYLES)}.", metavar="STYLE")] = None,
-    formats: Annotated[
-        list[str] | None, several(f"{listed(FORMATS)}.", "--format", metavar="FORMAT[,...]")
-    ] = None,
-    results: Results = RESULTS,
-    jobs: Jobs = None,
+    names: list[str] | None = argument(
+        "Recipes, e.g. fig10 fig_explicit; all by default. Arguments of a recipe follow its name, "
+        'e.g. maps material="titanium alloy" law=explicit.',
+        default=None,
+    ),
+    out: Path | None = output("The folder; reports/figures by default."),
+    style: str | None = option(f"{listed(STYLES)}.", metavar="STYLE"),
+    formats: list[str] | None = several(f"{listed(FORMATS)}.", "--format", metavar="FORMAT[,...]"),
+    results: Path = RESULTS_FOLDER,
+    jobs: int | None = JOBS,
 ) -> None:
     """Draw figures, each with the CSV of its numbers."""
     from cylcontact.plots.style import JOURNAL, choose
@@ -87,11 +83,9 @@ def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str
 
 
 def report(
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The folder; build/site by default.")
-    ] = None,
-    results: Results = RESULTS,
-    jobs: Jobs = None,
+    out: Path | None = option("The folder; build/site by default.", "-o", "--out"),
+    results: Path = RESULTS_FOLDER,
+    jobs: int | None = JOBS,
 ) -> None:
     """Build the results as pages to read in a browser: laws, figures, fits, statements."""
     from cylcontact.reports.bench import Bench
@@ -106,11 +100,9 @@ def report(
 
 
 def claims(
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="Write the ledger as .csv or .json instead.")
-    ] = None,
-    results: Results = RESULTS,
-    jobs: Jobs = None,
+    out: Path | None = option("Write the ledger as .csv or .json instead.", "-o", "--out"),
+    results: Path = RESULTS_FOLDER,
+    jobs: int | None = JOBS,
 ) -> None:
     """Compare each statement of the paper with a computed number, and give a verdict.
 
@@ -149,14 +141,13 @@ def claims(
 
 
 def paper(
-    source: Annotated[
-        Path, typer.Argument(help="The manuscript: Markdown that names numbers and figures.")
-    ] = Path("reports/manuscript/pin_in_hole.md"),
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The folder; reports/typeset/NAME.")
-    ] = None,
-    results: Results = RESULTS,
-    jobs: Jobs = None,
+    source: Path = argument(
+        "The manuscript: Markdown that names numbers and figures.",
+        default=Path("reports/manuscript/pin_in_hole.md"),
+    ),
+    out: Path | None = option("The folder; reports/typeset/NAME.", "-o", "--out"),
+    results: Path = RESULTS_FOLDER,
+    jobs: int | None = JOBS,
 ) -> None:
     """Typeset a paper whose numbers and figures come from results, as PDF and as LaTeX."""
     from cylcontact.reports.bench import Bench
@@ -172,23 +163,15 @@ def paper(
 @takes("pair", PAIR)
 def laws(
     *,
-    load: Annotated[float, number("Load per unit length, N/mm.")] = 100.0,
-    own: Annotated[
-        str | None,
-        option("A function of your own to list as well.", metavar="MODULE:FUNCTION"),
-    ] = None,
-    fit: Annotated[
-        str | None, option("A fit, 20H7/g6, in place of the radii.", metavar="CODE")
-    ] = None,
-    temperature: Annotated[
-        str | None, option("Of pin and hole, °C, or PIN,HOLE; radii hold at 20.", metavar="T")
-    ] = None,
-    find: Annotated[
-        str | None,
-        option("dR, E or length, for a stiffness or penetration.", metavar="WHAT"),
-    ] = None,
-    stiffness: Annotated[float | None, number("For --find, N/mm²; of a length N/mm.")] = None,
-    penetration: Annotated[float | None, number("For --find, µm.")] = None,
+    load: float = number("Load per unit length, N/mm.", default=100.0),
+    own: str | None = option("A function of your own to list as well.", metavar="MODULE:FUNCTION"),
+    fit: str | None = option("A fit, 20H7/g6, in place of the radii.", metavar="CODE"),
+    temperature: str | None = option(
+        "Of pin and hole, °C, or PIN,HOLE; radii hold at 20.", metavar="T"
+    ),
+    find: str | None = option("dR, E or length, for a stiffness or penetration.", metavar="WHAT"),
+    stiffness: float | None = number("For --find, N/mm²; of a length N/mm."),
+    penetration: float | None = number("For --find, µm."),
     pair: dict[str, Any],
 ) -> None:
     """Compare the laws for a pair, and say which one to use.
@@ -302,35 +285,25 @@ def _pair_of(pair: Mapping[str, Any], source: str) -> CylinderPair:
 
 @takes("pair", PAIR, listed=False)
 def export(
-    what: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[RESULT|LAW]", help="A fit result, or a law: johnson, or mine:load."
-        ),
-    ] = None,
+    what: str | None = argument(
+        "A fit result, or a law: johnson, or mine:load.", metavar="[RESULT|LAW]", default=None
+    ),
     *,
-    joint: Annotated[
-        Path | None,
-        option("A joint, e.g. datasets/joint.toml, as a force element.", metavar="JOINT"),
-    ] = None,
-    target: Annotated[
-        str,
-        option(
-            f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}, or with --range "
-            f"{listed(CODES)}.",
-            "--to",
-            metavar="TARGET",
-        ),
-    ],
-    force_range: Annotated[
-        str | None,
-        option("Total force in N for a code's own contact.", "--range", metavar="LOW:HIGH"),
-    ] = None,
-    mass: Annotated[float | None, number("Effective mass of its impacts, kg; 1.")] = None,
-    speed: Annotated[float | None, number("Their speed, m/s; by the middle of the range.")] = None,
-    out: Annotated[
-        Path | None, output("The file; standard output by default, but for a joint.")
-    ] = None,
+    joint: Path | None = option(
+        "A joint, e.g. datasets/joint.toml, as a force element.", metavar="JOINT"
+    ),
+    target: str = option(
+        f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}, or with --range {listed(CODES)}.",
+        "--to",
+        metavar="TARGET",
+        default=...,
+    ),
+    force_range: str | None = option(
+        "Total force in N for a code's own contact.", "--range", metavar="LOW:HIGH"
+    ),
+    mass: float | None = number("Effective mass of its impacts, kg; 1."),
+    speed: float | None = number("Their speed, m/s; by the middle of the range."),
+    out: Path | None = output("The file; standard output by default, but for a joint."),
     pair: dict[str, Any],
 ) -> None:
     """Write a law, or a clearance joint, in another language.

@@ -18,7 +18,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from cylcontact.arrays import FloatArray, require
-from cylcontact.export import JOINT_TARGETS
+from cylcontact.choices import JOINT_TARGETS
 from cylcontact.export.dialects import JOINT_DIALECTS
 from cylcontact.export.exported_law import (
     MEANINGS,
@@ -142,11 +142,10 @@ def law_steps(law: ContactLaw, pair: CylinderPair, kernel: Kernel) -> LawSteps:
 class Element:
     """A force element between a bearing and a pin.
 
-    The steps go from the motion (bearing_x and so on) and the impact rates of its contacts
-    (impact_rate, or impact_rate_1 and so on) to the numbers of the results, and to the next impact
-    rates (next_rate, or next_rate_1 and so on). They call `law`. `checks` are impact rates, motions
-    and wrenches, whose attributes are the results; results named penetration and penetration_rate
-    have one number for each contact. A `program` takes the place of steps.
+    The steps go from the motion (bearing_x and so on) and the impact rate to the numbers of the
+    results, and to next_rate. They call `law`. With several contacts a `program` takes their place.
+    `checks` are impact rates, motions and wrenches, whose attributes are the results; those named
+    penetration and penetration_rate have one number for each contact.
     """
 
     name: str
@@ -172,14 +171,8 @@ class Element:
 
     @cached_property
     def accept(self) -> tuple[Step, ...]:
-        """The steps to the next impact rates."""
-        return needed(self.steps, *self.numbered("next_rate"))
-
-    def numbered(self, name: str) -> tuple[str, ...]:
-        """Return the name for each contact: with a number if there are several."""
-        if self.contacts == 1:
-            return (name,)
-        return tuple(f"{name}_{k}" for k in range(1, self.contacts + 1))
+        """The steps to the next impact rate."""
+        return needed(self.steps, "next_rate")
 
     def numbers(self, steps: Iterable[Step]) -> dict[str, float]:
         """Return the constants that some steps use."""
@@ -347,14 +340,11 @@ def source(element: Element, target: str, stem: str) -> dict[str, str]:
 
 
 def _names(element: Element, form: _Notation) -> dict[str, str]:
-    """Return what a language calls the law, the motion, the impact rates, and `w` of a program."""
-    names = {"law": form.law.format(name=element.name)}
+    """Return what a language calls the law, the motion, the impact rate, and `w` of a program."""
+    names = {"law": form.law.format(name=element.name), "impact_rate": form.rates}
     for body in BODIES:
         for k, each in enumerate(element.motion, form.first):
             names[f"{body}_{each.name}"] = form.item.format(name=body, k=k)
-    for k, rate in enumerate(element.numbered("impact_rate"), form.first):
-        several = element.contacts > 1
-        names[rate] = form.item.format(name=form.rates, k=k) if several else form.rates
     if element.program is not None:
         for result in element.results:
             for k, value in enumerate(result.values):
@@ -396,7 +386,7 @@ def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
         "program": "",
     }
     zeros = [dialect.number(0.0)] * element.contacts
-    for function, values in (("start", zeros), ("next", element.numbered("next_rate"))):
+    for function, values in (("start", zeros), ("next", ["next_rate"])):
         parts[function] = "\n".join(form.returned(form.next_rates, "impact_rate", values))
     for function, steps in (("evaluate", element.evaluate), ("accept", element.accept)):
         parts[function] = dialect.statements(steps)

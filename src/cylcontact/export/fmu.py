@@ -278,7 +278,8 @@ def model_of(element: Element) -> Model:
         name = f"{body}.{what}" if body in BODIES else each.name
         rows += ((name + part, each.quantity, "output", each.meaning) for part in each.parts)
     rate = "penetration rate at first touch; 0: no contact"
-    rows[-1:-1] = [(name, "speed", "local", rate) for name in element.numbered("impact_rate")]
+    numbers = [f"_{k}" for k in range(1, element.contacts + 1)] if element.contacts > 1 else [""]
+    rows[-1:-1] = [(f"impact_rate{number}", "speed", "local", rate) for number in numbers]
     return Model(
         element.name,
         comment(element.title),

@@ -10,9 +10,9 @@ Units are m, N, s and kg, but for the parameters of Adams, which are in mm.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,8 +20,7 @@ from scipy.integrate import fixed_quad, solve_ivp
 from scipy.optimize import brentq, least_squares
 
 from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.choices import listed
-from cylcontact.export import CODES
+from cylcontact.choices import CODES, listed
 from cylcontact.impact import IMPACT_RATE_FLOOR, achieved_restitution
 from cylcontact.mechanism.joint import ClearanceJoint
 
@@ -55,216 +54,25 @@ class _Curve(NamedTuple):
 
 # --- the codes ---
 
+# Parameters of a contact by the code's own names.
+Values = dict[str, Any]
 
-class _Contact:
-    """The contact of a code: a dataclass of its parameters, by the code's own names.
 
-    `elastic` is the contact without damping that is closest to a law; `force` takes x ≥ 0 in m and
-    v in m/s, in an impact.
+class _Code(NamedTuple):
+    """The contact of a code.
+
+    `elastic` gives the parameters without damping that are closest to a law, `damped` the same with
+    a damping; `force` takes x ≥ 0 in m, v in m/s, an impact and the parameters.
     """
 
-    title: ClassVar[str]
-    formula: ClassVar[str]
-    note: ClassVar[str]
-    address: ClassVar[str]
-    units: ClassVar[Mapping[str, str]]
-    damping_name: ClassVar[str]
-
-    @classmethod
-    def elastic(cls, curve: _Curve, impact: _Impact) -> _Contact:
-        raise NotImplementedError
-
-    def force(self, x: FloatArray, v: FloatArray, impact: _Impact) -> FloatArray:
-        raise NotImplementedError
-
-    def damped(self, damping: float) -> _Contact:
-        changed: dict[str, Any] = {self.damping_name: damping}
-        return replace(self, **changed)  # type: ignore[type-var]
-
-
-@dataclass(frozen=True)
-class _Adams(_Contact):
-    K: float
-    e: float
-    c_max: float
-    d_max: float
-
-    title = "Adams, IMPACT"
-    formula = "F = max(0, K x^e + STEP(x, 0, 0, d_max, c_max) v)"
-    note = "In mm, N, s; full damping from the penetration of the smallest force on."
-    address = "https://adams.thisaray.com/adams_solver/state_contact.html"
-    units: ClassVar = {"K": "N/mm^e", "e": "", "c_max": "N s/mm", "d_max": "mm"}
-    damping_name = "c_max"
-
-    @classmethod
-    def elastic(cls, curve: _Curve, _impact: _Impact) -> _Contact:
-        k, e = curve.power()
-        return cls(k * 1e-3**e, e, 0.0, 1e3 * float(curve.x[0]))
-
-    def force(self, x: FloatArray, v: FloatArray, _impact: _Impact) -> FloatArray:
-        depth, rate = 1e3 * x, 1e3 * v
-        damping = self.c_max * _step(depth / self.d_max)
-        return as_floats(np.maximum(self.K * depth**self.e + damping * rate, 0.0))
-
-
-@dataclass(frozen=True)
-class _Chrono(_Contact):
-    kn: float
-    gn: float
-
-    title = "Chrono SMC, Hooke"
-    formula = "F = max(0, kn x + m gn v), m the effective mass that Chrono computes"
-    note = "SetContactForceModel(Hooke), UseMaterialProperties(false), both materials alike."
-    address = "https://api.projectchrono.org/classchrono_1_1_ch_system_s_m_c.html"
-    units: ClassVar = {"kn": "N/m", "gn": "1/s"}
-    damping_name = "gn"
-
-    @classmethod
-    def elastic(cls, curve: _Curve, _impact: _Impact) -> _Contact:
-        return cls(curve.linear(), 0.0)
-
-    def force(self, x: FloatArray, v: FloatArray, impact: _Impact) -> FloatArray:
-        return as_floats(np.maximum(self.kn * x + impact.mass * self.gn * v, 0.0))
-
-
-@dataclass(frozen=True)
-class _Drake(_Contact):
-    point_contact_stiffness: float
-    hunt_crossley_dissipation: float
-
-    title = "Drake, compliant point contact"
-    formula = "F = k x max(0, 1 + d v), k half of each geometry's, d the same"
-    note = "Give both geometries these; the approximation kSap has no such dissipation."
-    address = "https://drake.mit.edu/doxygen_cxx/group__compliant__contact.html"
-    units: ClassVar = {"point_contact_stiffness": "N/m", "hunt_crossley_dissipation": "s/m"}
-    damping_name = "hunt_crossley_dissipation"
-
-    @classmethod
-    def elastic(cls, curve: _Curve, _impact: _Impact) -> _Contact:
-        return cls(2 * curve.linear(), 0.0)
-
-    def force(self, x: FloatArray, v: FloatArray, _impact: _Impact) -> FloatArray:
-        k = self.point_contact_stiffness / 2
-        return as_floats(k * x * np.maximum(1 + self.hunt_crossley_dissipation * v, 0.0))
-
-
-@dataclass(frozen=True)
-class _MuJoCo(_Contact):
-    solref: tuple[float, float]
-    solimp: tuple[float, float, float, float, float]
-
-    title = "MuJoCo, solref in its direct form"
-    formula = "F = max(0, m (k x (d(x)/d_width)^2 + b v d(x)/d_width)), solref = -k -b"
-    note = "solref holds for this effective mass m; d_width of other forces is added to F."
-    address = "https://mujoco.readthedocs.io/en/stable/modeling.html#solver-parameters"
-    units: ClassVar = {"solref": "(1/s^2, 1/s)", "solimp": "(-, -, m, -, -)"}
-
-    @classmethod
-    def elastic(cls, curve: _Curve, impact: _Impact) -> _Contact:
-        """Fit the stiffness, and d_0, width and power of the impedance.
-
-        At the smallest midpoint the impedance rises most at first touch, as the stiffness does.
-        """
-        d_width, midpoint, still = 1e-3, 1e-4, np.zeros_like(curve.x)
-
-        def contact(p: FloatArray) -> _MuJoCo:
-            part, ln_width, power = map(float, p)
-            solimp = (part * d_width, d_width, float(np.exp(ln_width)), midpoint, power)
-            return _MuJoCo((-1.0, 0.0), solimp)
-
-        def ratio(p: FloatArray) -> FloatArray:
-            return as_floats(np.log(curve.force / contact(p).force(curve.x, still, impact)))
-
-        def misses(p: FloatArray) -> FloatArray:
-            return as_floats(ratio(p) - ratio(p).mean())
-
-        ln_x = float(np.log(curve.x[-1]))
-        bounds = ([0.1, ln_x - 3, 1.0], [1.0, ln_x + 3, 8.0])
-        best = least_squares(misses, (0.7, ln_x, 2.0), bounds=bounds).x
-        return replace(contact(best), solref=(-float(np.exp(ratio(best).mean())), 0.0))
-
-    def damped(self, damping: float) -> _Contact:
-        return replace(self, solref=(self.solref[0], 0.0 - damping))
-
-    def force(self, x: FloatArray, v: FloatArray, impact: _Impact) -> FloatArray:
-        k, b = -self.solref[0], -self.solref[1]
-        part = self._impedance(x) / self.solimp[1]
-        return as_floats(np.maximum(impact.mass * (k * x * part**2 + b * v * part), 0.0))
-
-    def _impedance(self, x: FloatArray) -> FloatArray:
-        d_0, d_width, width, midpoint, power = self.solimp
-        s = np.clip(x / width, 0.0, 1.0)
-        below = s**power / midpoint ** (power - 1)
-        above = 1 - (1 - s) ** power / (1 - midpoint) ** (power - 1)
-        return as_floats(d_0 + (d_width - d_0) * np.where(s <= midpoint, below, above))
-
-
-@dataclass(frozen=True)
-class _Exudyn(_Contact):
-    contactStiffness: float
-    contactStiffnessExponent: float
-    restitutionCoefficient: float
-    minimumImpactVelocity: float
-    impactModel: int = 2
-
-    title = "Exudyn, ObjectContactSphereSphere"
-    formula = (
-        "F = k x^n (1 + c v/v_0), v_0 the rate at first touch, at least the minimum; c = "
-        "3/2 (1 - e)(11 - e)/(1 + 9 e) for e > 1/3, (1 - e^2)/e below"
-    )
-    note = "isHollowSphere1 = True; markers and radii of pin and hole in this order."
-    address = (
-        "https://exudyn.readthedocs.io/en/latest/docs/RST/items/ObjectContactSphereSphere.html"
-    )
-    units: ClassVar = {
-        "contactStiffness": "N/m^n", "contactStiffnessExponent": "", "restitutionCoefficient": "",
-        "minimumImpactVelocity": "m/s", "impactModel": "",
-    }  # fmt: skip
-
-    @classmethod
-    def elastic(cls, curve: _Curve, _impact: _Impact) -> _Contact:
-        return cls(*curve.power(), 1.0, 1e-3 * IMPACT_RATE_FLOOR)
-
-    def damped(self, damping: float) -> _Contact:
-        """Set the restitution coefficient whose factor c is `damping`."""
-
-        def excess(e: float) -> float:
-            return replace(self, restitutionCoefficient=e)._factor - damping
-
-        e = 1.0 if damping == 0 else float(brentq(excess, 1e-12, 1.0, xtol=1e-14))
-        return replace(self, restitutionCoefficient=e)
-
-    @property
-    def _factor(self) -> float:
-        e = self.restitutionCoefficient
-        return 1.5 * (1 - e) * (11 - e) / (1 + 9 * e) if e > 1 / 3 else (1 - e) * (1 + e) / e
-
-    def force(self, x: FloatArray, v: FloatArray, impact: _Impact) -> FloatArray:
-        elastic = self.contactStiffness * x**self.contactStiffnessExponent
-        onset = max(impact.speed, self.minimumImpactVelocity)
-        return as_floats(elastic * (1 + self._factor * v / onset))
-
-
-@dataclass(frozen=True)
-class _Simscape(_Contact):
-    stiffness: float
-    damping: float
-    transition_region_width: float
-
-    title = "Simscape Multibody, Spatial Contact Force"
-    formula = "F = max(0, s(x/w) (k x + b v)), s rising from 0 to 1 over the width w"
-    note = "w ends where the range begins; the page leaves s open, taken as a cubic here."
-    address = "https://www.mathworks.com/help/sm/ref/spatialcontactforce.html"
-    units: ClassVar = {"stiffness": "N/m", "damping": "N s/m", "transition_region_width": "m"}
-    damping_name = "damping"
-
-    @classmethod
-    def elastic(cls, curve: _Curve, _impact: _Impact) -> _Contact:
-        return cls(curve.linear(), 0.0, float(curve.x[0]))
-
-    def force(self, x: FloatArray, v: FloatArray, _impact: _Impact) -> FloatArray:
-        share = _step(x / self.transition_region_width)
-        return as_floats(np.maximum(share * (self.stiffness * x + self.damping * v), 0.0))
+    title: str
+    formula: str
+    note: str
+    address: str
+    units: Mapping[str, str]  # of the parameters
+    elastic: Callable[[_Curve, _Impact], Values]
+    damped: Callable[[Values, float], Values]
+    force: Callable[..., Any]
 
 
 def _step(share: FloatArray) -> FloatArray:
@@ -273,9 +81,162 @@ def _step(share: FloatArray) -> FloatArray:
     return as_floats(s**2 * (3 - 2 * s))
 
 
-_CONTACTS: Mapping[str, type[_Contact]] = dict(
-    zip(CODES, (_Adams, _Chrono, _Drake, _MuJoCo, _Exudyn, _Simscape), strict=True)
-)
+def _fit_adams(curve: _Curve, _impact: _Impact) -> Values:
+    k, e = curve.power()
+    return {"K": k * 1e-3**e, "e": e, "c_max": 0.0, "d_max": 1e3 * float(curve.x[0])}
+
+
+def _adams(
+    x: FloatArray, v: FloatArray, _: _Impact, K: float, e: float, c_max: float, d_max: float
+) -> FloatArray:
+    depth, rate = 1e3 * x, 1e3 * v
+    return np.maximum(K * depth**e + c_max * _step(depth / d_max) * rate, 0.0)
+
+
+def _impedance(
+    x: FloatArray, d_0: float, d_width: float, width: float, midpoint: float, power: float
+) -> FloatArray:
+    """Return MuJoCo's impedance."""
+    s = np.clip(x / width, 0.0, 1.0)
+    below = s**power / midpoint ** (power - 1)
+    above = 1 - (1 - s) ** power / (1 - midpoint) ** (power - 1)
+    return as_floats(d_0 + (d_width - d_0) * np.where(s <= midpoint, below, above))
+
+
+def _mujoco(
+    x: FloatArray, v: FloatArray, impact: _Impact, solref: tuple[float, ...],
+    solimp: tuple[float, ...],
+) -> FloatArray:  # fmt: skip
+    k, b = -solref[0], -solref[1]
+    part = _impedance(x, *solimp) / solimp[1]
+    return np.maximum(impact.mass * (k * x * part**2 + b * v * part), 0.0)
+
+
+def _fit_mujoco(curve: _Curve, impact: _Impact) -> Values:
+    """Fit the stiffness, and d_0, width and power of the impedance.
+
+    At the smallest midpoint the impedance rises most at first touch, as the stiffness does.
+    """
+    d_width, midpoint, still = 1e-3, 1e-4, np.zeros_like(curve.x)
+
+    def solimp(p: FloatArray) -> tuple[float, ...]:
+        part, ln_width, power = map(float, p)
+        return part * d_width, d_width, float(np.exp(ln_width)), midpoint, power
+
+    def ratio(p: FloatArray) -> FloatArray:
+        force = _mujoco(curve.x, still, impact, (-1.0, 0.0), solimp(p))
+        return as_floats(np.log(curve.force / force))
+
+    def misses(p: FloatArray) -> FloatArray:
+        return as_floats(ratio(p) - ratio(p).mean())
+
+    ln_x = float(np.log(curve.x[-1]))
+    bounds = ([0.1, ln_x - 3, 1.0], [1.0, ln_x + 3, 8.0])
+    best = least_squares(misses, (0.7, ln_x, 2.0), bounds=bounds).x
+    return {"solref": (-float(np.exp(ratio(best).mean())), 0.0), "solimp": solimp(best)}
+
+
+def _exudyn_factor(e: float) -> float:
+    return 1.5 * (1 - e) * (11 - e) / (1 + 9 * e) if e > 1 / 3 else (1 - e) * (1 + e) / e
+
+
+def _damp_exudyn(values: Values, damping: float) -> Values:
+    """Return the parameters with the restitution coefficient whose factor c is `damping`."""
+    e = 1.0
+    if damping != 0:
+        e = float(brentq(lambda e: _exudyn_factor(e) - damping, 1e-12, 1.0, xtol=1e-14))
+    return {**values, "restitutionCoefficient": e}
+
+
+def _exudyn(
+    x: FloatArray, v: FloatArray, impact: _Impact, contactStiffness: float,
+    contactStiffnessExponent: float, restitutionCoefficient: float, minimumImpactVelocity: float,
+    **_others: int,
+) -> FloatArray:  # fmt: skip
+    elastic = contactStiffness * x**contactStiffnessExponent
+    onset = max(impact.speed, minimumImpactVelocity)
+    return elastic * (1 + _exudyn_factor(restitutionCoefficient) * v / onset)
+
+
+_CODES: Mapping[str, _Code] = {
+    "adams": _Code(
+        "Adams, IMPACT",
+        "F = max(0, K x^e + STEP(x, 0, 0, d_max, c_max) v)",
+        "In mm, N, s; full damping from the penetration of the smallest force on.",
+        "https://adams.thisaray.com/adams_solver/state_contact.html",
+        {"K": "N/mm^e", "e": "", "c_max": "N s/mm", "d_max": "mm"},
+        _fit_adams,
+        lambda values, damping: {**values, "c_max": damping},
+        _adams,
+    ),
+    "chrono": _Code(
+        "Chrono SMC, Hooke",
+        "F = max(0, kn x + m gn v), m the effective mass that Chrono computes",
+        "SetContactForceModel(Hooke), UseMaterialProperties(false), both materials alike.",
+        "https://api.projectchrono.org/classchrono_1_1_ch_system_s_m_c.html",
+        {"kn": "N/m", "gn": "1/s"},
+        lambda curve, _: {"kn": curve.linear(), "gn": 0.0},
+        lambda values, damping: {**values, "gn": damping},
+        lambda x, v, impact, kn, gn: np.maximum(kn * x + impact.mass * gn * v, 0.0),
+    ),
+    "drake": _Code(
+        "Drake, compliant point contact",
+        "F = k x max(0, 1 + d v), k half of each geometry's, d the same",
+        "Give both geometries these; the approximation kSap has no such dissipation.",
+        "https://drake.mit.edu/doxygen_cxx/group__compliant__contact.html",
+        {"point_contact_stiffness": "N/m", "hunt_crossley_dissipation": "s/m"},
+        lambda curve, _: {
+            "point_contact_stiffness": 2 * curve.linear(), "hunt_crossley_dissipation": 0.0,
+        },
+        lambda values, damping: {**values, "hunt_crossley_dissipation": damping},
+        lambda x, v, _, point_contact_stiffness, hunt_crossley_dissipation: (
+            point_contact_stiffness / 2 * x * np.maximum(1 + hunt_crossley_dissipation * v, 0.0)
+        ),
+    ),
+    "mujoco": _Code(
+        "MuJoCo, solref in its direct form",
+        "F = max(0, m (k x (d(x)/d_width)^2 + b v d(x)/d_width)), solref = -k -b",
+        "solref holds for this effective mass m; d_width of other forces is added to F.",
+        "https://mujoco.readthedocs.io/en/stable/modeling.html#solver-parameters",
+        {"solref": "(1/s^2, 1/s)", "solimp": "(-, -, m, -, -)"},
+        _fit_mujoco,
+        lambda values, damping: {**values, "solref": (values["solref"][0], 0.0 - damping)},
+        _mujoco,
+    ),
+    "exudyn": _Code(
+        "Exudyn, ObjectContactSphereSphere",
+        "F = k x^n (1 + c v/v_0), v_0 the rate at first touch, at least the minimum; c = "
+        "3/2 (1 - e)(11 - e)/(1 + 9 e) for e > 1/3, (1 - e^2)/e below",
+        "isHollowSphere1 = True; markers and radii of pin and hole in this order.",
+        "https://exudyn.readthedocs.io/en/latest/docs/RST/items/ObjectContactSphereSphere.html",
+        {
+            "contactStiffness": "N/m^n", "contactStiffnessExponent": "",
+            "restitutionCoefficient": "", "minimumImpactVelocity": "m/s", "impactModel": "",
+        },
+        lambda curve, _: {
+            "contactStiffness": curve.power()[0], "contactStiffnessExponent": curve.power()[1],
+            "restitutionCoefficient": 1.0, "minimumImpactVelocity": 1e-3 * IMPACT_RATE_FLOOR,
+            "impactModel": 2,
+        },
+        _damp_exudyn,
+        _exudyn,
+    ),
+    "simscape": _Code(
+        "Simscape Multibody, Spatial Contact Force",
+        "F = max(0, s(x/w) (k x + b v)), s rising from 0 to 1 over the width w",
+        "w ends where the range begins; the page leaves s open, taken as a cubic here.",
+        "https://www.mathworks.com/help/sm/ref/spatialcontactforce.html",
+        {"stiffness": "N/m", "damping": "N s/m", "transition_region_width": "m"},
+        lambda curve, _: {
+            "stiffness": curve.linear(), "damping": 0.0,
+            "transition_region_width": float(curve.x[0]),
+        },
+        lambda values, damping: {**values, "damping": damping},
+        lambda x, v, _, stiffness, damping, transition_region_width: np.maximum(
+            _step(x / transition_region_width) * (stiffness * x + damping * v), 0.0
+        ),
+    ),
+}  # fmt: skip
 
 
 # --- a joint's parameters ---
@@ -307,7 +268,7 @@ class ContactParameters:
     restitution: tuple[float, ...]
     force_error: tuple[float, float]
     stiffness_error: tuple[float, float]
-    _contact: _Contact
+    _contact: _Code
 
     def force(self, penetration: ArrayLike, rate: ArrayLike = 0.0) -> FloatArray:
         """Return the code's own normal force in N, for the mass and in an impact of the speed.
@@ -324,7 +285,7 @@ class ContactParameters:
         array of float
         """
         x, impact = as_floats(penetration), _Impact(self.mass, self.speed)
-        force = self._contact.force(np.maximum(x, 0.0), as_floats(rate), impact)
+        force = self._contact.force(np.maximum(x, 0.0), as_floats(rate), impact, **self.values)
         return as_floats(np.where(x > 0, force, 0.0))
 
     def __str__(self) -> str:
@@ -403,24 +364,25 @@ def contact_parameters(
     curve = _curve(joint, low, high)
     if speed is None:
         speed = float(f"{np.sqrt(2 * _energy(joint, np.sqrt(low * high)) / mass):.3g}")
-    impact = _Impact(mass, speed)
-    contact = _damped(_CONTACTS[code].elastic(curve, impact), joint.chi, curve, impact)
+    impact, own = _Impact(mass, speed), _CODES[code]
+    values = _damped(own, own.elastic(curve, impact), joint.chi, curve, impact)
     still, step = np.zeros_like(curve.x), 1e-5 * curve.x
     force, above, below = (
-        contact.force(x, still, impact) for x in (curve.x, curve.x + step, curve.x - step)
+        own.force(x, still, impact, **values) for x in (curve.x, curve.x + step, curve.x - step)
     )
     return ContactParameters(
-        values=asdict(contact),  # type: ignore[call-overload]
-        low=low,
-        high=high,
-        mass=mass,
-        speed=speed,
-        restitution=tuple(
-            _restitution(contact, curve, _Impact(mass, v)) for v in (speed, speed / 2, 2 * speed)
+        values,
+        low,
+        high,
+        mass,
+        speed,
+        tuple(
+            _restitution(own, values, curve, _Impact(mass, v))
+            for v in (speed, speed / 2, 2 * speed)
         ),
-        force_error=_error(force / curve.force),
-        stiffness_error=_error((above - below) / (2 * step) / curve.stiffness),
-        _contact=contact,
+        _error(force / curve.force),
+        _error((above - below) / (2 * step) / curve.stiffness),
+        own,
     )
 
 
@@ -451,31 +413,31 @@ def _energy(joint: ClearanceJoint, force: float) -> float:
     return 1e-3 * length * float(work)
 
 
-def _damped(contact: _Contact, chi: float, curve: _Curve, impact: _Impact) -> _Contact:
-    """Return the contact with the damping that gives the restitution of a hysteresis factor."""
-    if chi == 0 or isinstance(contact, _Exudyn):  # which has such a factor itself
-        return contact.damped(chi)
+def _damped(code: _Code, values: Values, chi: float, curve: _Curve, impact: _Impact) -> Values:
+    """Return parameters with the damping that gives the restitution of a hysteresis factor."""
+    if chi == 0 or code.force is _exudyn:  # which has such a factor itself
+        return code.damped(values, chi)
     wanted = float(achieved_restitution(chi))
 
     def excess(damping: float) -> float:
-        return _restitution(contact.damped(damping), curve, impact) - wanted
+        return _restitution(code, code.damped(values, damping), curve, impact) - wanted
 
     # First the damping that doubles the force in the middle of the range.
     x, v = np.sqrt(curve.x[0] * curve.x[-1]), as_floats(impact.speed)
-    elastic, more = (float(contact.damped(c).force(x, v, impact)) for c in (0.0, 1.0))
+    elastic, more = (float(code.force(x, v, impact, **code.damped(values, c))) for c in (0.0, 1.0))
     most = elastic / (more - elastic)
     while excess(most) > 0:
         most *= 2
-    return contact.damped(float(brentq(excess, 0.0, most, xtol=1e-9 * most)))
+    return code.damped(values, float(brentq(excess, 0.0, most, xtol=1e-9 * most)))
 
 
-def _restitution(contact: _Contact, curve: _Curve, impact: _Impact) -> float:
+def _restitution(code: _Code, values: Values, curve: _Curve, impact: _Impact) -> float:
     """Return the coefficient of restitution of an impact."""
     mass, speed = impact
 
     def motion(_time: float, state: FloatArray) -> tuple[float, float]:
         x, v = state
-        return v, -float(contact.force(np.maximum(x, 0.0), v, impact)) / mass
+        return v, -float(code.force(np.maximum(x, 0.0), v, impact, **values)) / mass
 
     def apart(_time: float, state: FloatArray) -> float:
         return float(state[0])
