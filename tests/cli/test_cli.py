@@ -80,16 +80,6 @@ def test_fit_writes_the_result_beside_the_campaign(bench, run, small_result):
     assert [file.name for file in path.parent.iterdir()] == ["small.json"]
 
 
-def test_runs_and_seed_are_recorded_in_the_settings(bench, run):
-    arguments = ("--runs", "2", "--seed", "11", "--jobs", "1", "-o", "new/r.json")
-    assert run("fit", "fitting/small.toml", *arguments)[0] == 0
-    result = FitResult.read(bench / "new/r.json")
-    settings = result.settings["campaign"]
-    assert (settings["genetic"]["runs"], settings["seed"], len(result.runs)) == (2, 11, 2)
-    assert result.settings["dataset"] == GRID
-    assert run("verify", "new/r.json", "--jobs", "1")[0] == 0
-
-
 # --- verify -----------------------------------------------------------------------------------
 
 

@@ -4,7 +4,6 @@ Random cases start from good files and command lines, and spoil them in one or t
 """
 
 import copy
-import json
 import re
 import tomllib
 from pathlib import Path
@@ -18,7 +17,7 @@ from cylcontact import InputError
 from cylcontact.datasets import read_grid
 from cylcontact.datasets.finite_element.study import read_study
 from cylcontact.datasets.measurements import read_measured
-from cylcontact.fitting import FitResult, read_campaign
+from cylcontact.fitting import read_campaign
 from cylcontact.mechanism import SpatialJoint, read_joint, read_mechanism
 from tests.support.spec_files import (
     CAMPAIGN,
@@ -32,13 +31,12 @@ from tests.support.spec_files import (
 )
 
 ROOT = Path(__file__).resolve().parents[2]
-SHIPPED = ("slider_crank", "four_bar", "joint", "spatial_joint", "any-pair")
+SHIPPED = ("slider_crank", "joint", "spatial_joint", "any-pair")
 FILES = {name: tomllib.loads((ROOT / f"datasets/{name}.toml").read_text()) for name in SHIPPED}
 QUICK = {"parameters.n": {"value": 1.2, "fixed": True}, "genetic.runs": 1, "genetic.generations": 2}
 FILES |= {"small": GRID, "campaign": changed(CAMPAIGN, QUICK), "elements": ELEMENTS}
 READERS = {
     "slider_crank": read_mechanism,
-    "four_bar": read_mechanism,
     "joint": read_joint,
     "spatial_joint": SpatialJoint.read,
     "any-pair": read_grid,
@@ -89,11 +87,8 @@ GRID_WITH = {
     r"colour = 1: is not a known key; known keys here: contact, reference, ": {"colour": 1},
     r"axes: is required; add ": {"axes": DROP},
     r"reference = 3: must be a string; give ": {"reference": 3},
-    r"axes = \[\]: must be a table; give ": {"axes": []},
-    r"axes.E.min = True: must be a number; give ": {"axes.E.min": True},
     r"axes.E.min = nan: must be a finite number; give ": {"axes.E.min": float("nan")},
     r"axes.E.points = 1.5: must be an integer; give ": {"axes.E.points": 1.5},
-    r"axes.E.points = 0: must be at least 2; ": {"axes.E.points": 0},
 }
 SAID += [
     ("small.toml", "\n".join(f"{k} = {toml(v)}" for k, v in changed(GRID, spoiled).items()), rule)
@@ -200,16 +195,6 @@ def test_a_spec_is_read_or_refused(bench, name, times):
         refused.append(is_refused(READERS[name], write_toml(path, spec)))
 
     assert sum(refused) > len(refused) / 2
-
-
-@few_or_many
-def test_a_result_is_read_or_refused(bench, times):
-    good = json.loads((bench / "good.json").read_text())
-
-    @many(60 * times, spoiled(good))
-    def check(spec):
-        (bench / "good.json").write_text(json.dumps(spec))
-        is_refused(FitResult.read, bench / "good.json")
 
 
 @few_or_many

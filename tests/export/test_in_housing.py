@@ -62,15 +62,6 @@ def test_a_table_is_smooth_and_increases_at_all_of_its_nodes():
     assert np.isnan(stated.load(1.001 * at[-1], pair))
 
 
-def test_it_is_of_the_ratio_of_the_radii_and_not_of_the_joints_size():
-    housing, small = Housing(20.0, Sector(60, "far")), Housing(2.0, Sector(60, "far"))
-    stated, _ = law_in_housing(laws.Explicit(datum=housing), pair_of(STEEL, BRONZE))
-    other = pair_of(STEEL, BRONZE, R_i=1.0, dR=0.002)
-    delta = np.array([1e-5, 1e-3])
-    exact = laws.Conformal(small).load(delta, other)
-    np.testing.assert_allclose(stated.load(delta, other), exact, rtol=1e-3)
-
-
 def test_a_thin_eye_ends_where_the_pin_leaves_it():
     pair, housing = pair_of(STEEL, ALUMINIUM), Housing(13.0, Sector(300, "far"))
     stated, _ = law_in_housing(laws.Explicit(datum=housing), pair)

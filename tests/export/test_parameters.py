@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import differential_evolution, minimize
+from scipy.optimize import minimize
 
 from cylcontact import InputError, dissipation
 from cylcontact.export import CODES, contact_parameters
@@ -81,33 +81,6 @@ def test_no_power_or_line_is_closer_than_the_fitted_one(code, name, unit, power)
     values = parameters_of(code).values
     assert values[name] == pytest.approx(np.exp(best[0]), rel=1e-6)
     assert power is None or values[power] == pytest.approx(best[1], rel=1e-6)
-
-
-def impedance(x, d_0, d_width, width, midpoint, power):
-    """MuJoCo's, of one penetration."""
-    s = min(x / width, 1.0)
-    if s <= midpoint:
-        y = s**power / midpoint ** (power - 1)
-    else:
-        y = 1 - (1 - s) ** power / (1 - midpoint) ** (power - 1)
-    return d_0 + y * (d_width - d_0)
-
-
-def test_no_impedance_of_mujoco_is_much_closer_than_the_fitted_one():
-    force = np.geomspace(LOW, HIGH, 60)
-    x = 1e-3 * law_at(force)
-
-    def of(k, *solimp):
-        shares = np.array([impedance(a, *solimp) / solimp[1] for a in x])
-        return spread(k * x * shares**2 / force)
-
-    best = differential_evolution(
-        lambda p: of(np.exp(p[0]), p[1] * 1e-3, 1e-3, x[-1] * np.exp(p[2]), p[3], p[4]),
-        [(18.0, 24.0), (0.1, 1.0), (-3.0, 3.0), (1e-4, 0.9999), (1.0, 8.0)], seed=1, tol=1e-6,
-        maxiter=150,
-    )  # fmt: skip
-    p = parameters_of("mujoco")
-    assert of(-p.mass * p.values["solref"][0], *p.values["solimp"]) < 1.01 * best.fun
 
 
 @EACH

@@ -3,8 +3,6 @@
 import os
 import signal
 import sys
-import time
-from contextlib import closing
 
 import joblib
 import pytest
@@ -62,13 +60,6 @@ def test_a_worker_ended_by_the_system_is_told_in_one_line():
         list(run_calls(calls(end, 1, 2), 2))
     assert_told(caught, "workers", "jobs", 2, "probably because memory ran out", "has --resume")
     assert list(run_calls(calls(abs, -1, -2), 2)) == [1, 2]
-
-
-def test_closing_early_ends_calls_under_way_without_a_warning():
-    started = time.monotonic()
-    with closing(run_calls(calls(time.sleep, 0, 60, 60), 2, ordered=False)) as results:
-        next(results)
-    assert time.monotonic() - started < 30
 
 
 def test_workers_are_in_the_folder_of_their_parent(tmp_path, monkeypatch):
