@@ -103,12 +103,12 @@ def test_verify_redoes_a_fit_and_says_that_it_holds(bench, run):
 )
 def test_verify_finds_out_a_tampered_result(bench, run, changes, what):
     data = json.loads((bench / "good.json").read_text())
-    (bench / "good.json").write_text(json.dumps(changed(data, changes)))
-    code, said, errors = run("verify", "good.json", "--jobs", "1")
+    (bench / "altered.json").write_text(json.dumps(changed(data, changes)))
+    code, said, errors = run("verify", "altered.json", "good.json", "--jobs", "1")
     assert (code, errors) == (1, "")
     failed = [line for line in said.splitlines() if line.endswith("DOES NOT HOLD")]
-    assert any(line.startswith(f"good: {what}: committed ") for line in failed)
-    assert said.endswith(f"1 results verified, {len(failed)} checks do not hold\n")
+    assert any(line.startswith(f"altered: {what}: committed ") for line in failed)
+    assert said.endswith(f"2 results verified, {len(failed)} checks do not hold\n")
 
 
 # --- bad input --------------------------------------------------------------------------------

@@ -19,16 +19,7 @@ from cylcontact.datasets.finite_element.study import read_study
 from cylcontact.datasets.measurements import read_measured
 from cylcontact.fitting import read_campaign
 from cylcontact.mechanism import SpatialJoint, read_joint, read_mechanism
-from tests.support.spec_files import (
-    CAMPAIGN,
-    DROP,
-    ELEMENTS,
-    GRID,
-    changed,
-    toml,
-    tree,
-    write_toml,
-)
+from tests.support.spec_files import CAMPAIGN, DROP, ELEMENTS, GRID, changed, toml, tree, write_toml
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = ("slider_crank", "joint", "spatial_joint", "any-pair")

@@ -239,10 +239,7 @@ def test_the_journal_under_load_moves_as_with_the_library(load, joint, fmu):
 @pytest.mark.parametrize(
     ("script", "told"),
     [
-        (
-            "",
-            "'fmu': needs a C compiler, and there is neither cc nor gcc; install one (Debian",
-        ),
+        ("", "'fmu': needs a C compiler, and there is neither cc nor gcc; install one (Debian"),
         ("echo no headers >&2\necho more >&2\nexit 1", "cc failed: no headers; check that it comp"),
     ],
 )

@@ -1,6 +1,5 @@
 """The joint in space in other languages: as the library's own, in all kinds of contact."""
 
-import ctypes
 from collections import Counter
 from ctypes import c_double
 from pathlib import Path
@@ -13,9 +12,8 @@ from scipy.spatial.transform import Rotation
 from cylcontact import InputError
 from cylcontact.export import export_joint
 from cylcontact.mechanism import SpatialJoint
-from tests.support.export_runners import C_FLAGS, CPP_FLAGS, FORTRAN_FLAGS, compile_with
 from tests.support.fmu_masters import Cosim, export_fmu, started
-from tests.support.joint_runners import run_octave
+from tests.support.joint_runners import RUNNERS
 from tests.support.programs import require_package
 from tests.support.spatial_cases import FIXED, body, joint_for, motions, run_library
 
@@ -28,128 +26,6 @@ KINDS = {
         "bearing.yield_stress": 300.0, "pin.yield_stress": 300.0,
     },
     "crown and table": {"pin.crown": 0.004, "law": "conformal"},
-}  # fmt: skip
-C = """
-#include "{header}"
-{linkage} void run(int rows, const double *x, double *y);
-void run(int rows, const double *x, double *y)
-{{
-    for (int k = 0; k < rows; k++, x += 30, y += 29) {{
-        {name}_state state = {{{{x[0], x[1], x[2], x[3]}}}};
-        {name}_wrench w;
-        const double *const parts[] = {{w.force_bearing, w.moment_bearing, w.force_pin,
-            w.moment_pin, w.penetration, w.penetration_rate}};
-        const int sizes[] = {{3, 3, 3, 3, 4, 4}};
-        int at = 0;
-        {name}_evaluate(&state, x + 4, x + 17, &w);
-        for (int i = 0; i < 6; i++)
-            for (int j = 0; j < sizes[i]; j++)
-                y[at++] = parts[i][j];
-        y[20] = w.normal_force; y[21] = w.dissipated_power; y[22] = w.elastic_energy;
-        y[23] = w.touched; y[24] = w.flag;
-        {name}_accept(&state, x + 4, x + 17);
-        for (int i = 0; i < 4; i++)
-            y[25 + i] = state.impact_rate[i];
-    }}
-}}
-"""
-FORTRAN = """
-subroutine run(rows, x, y) bind(c)
-    use, intrinsic :: iso_c_binding, only: c_int, c_double
-    use {name}
-    implicit none
-    integer(c_int), value :: rows
-    real(c_double), intent(in) :: x(30, rows)
-    real(c_double), intent(out) :: y(29, rows)
-    type({name}_state) :: state
-    type({name}_wrench) :: w
-    integer :: k
-    do k = 1, rows
-        state%impact_rate = x(:4, k)
-        call {name}_evaluate(state, x(5:17, k), x(18:, k), w)
-        y(:20, k) = [w%force_bearing, w%moment_bearing, w%force_pin, w%moment_pin, &
-            w%penetration, w%penetration_rate]
-        y(21:25, k) = [w%normal_force, w%dissipated_power, w%elastic_energy, w%touched, &
-            real(w%flag, c_double)]
-        call {name}_accept(state, x(5:17, k), x(18:, k))
-        y(26:, k) = state%impact_rate
-    end do
-end subroutine run
-"""
-OCTAVE = """
-1;
-addpath('{folder}'); joint = element();
-id = fopen('{folder}/in', 'r'); x = fread(id, [30, {rows}], 'double'); fclose(id);
-y = zeros(29, {rows});
-for k = 1:{rows}
-    rates = x(1:4, k)'; bearing = x(5:17, k)'; pin = x(18:30, k)';
-    w = joint.evaluate(rates, bearing, pin);
-    y(:, k) = [struct2cell(w){{:}}, joint.accept(rates, bearing, pin)]';
-end
-id = fopen('{folder}/out', 'w'); fwrite(id, y, 'double'); fclose(id);
-"""
-
-
-def write(joint, target, folder):
-    for name, text in export_joint(joint, target, "element").items():
-        (folder / name).write_text(text, encoding="ascii")
-
-
-def run_compiled(joint, rows, folder, target):
-    write(joint, target, folder)
-    name = joint.planar.identifier
-    plus = target == "cpp"
-    driver, library = folder / f"run.{target}", folder / "run.so"
-    text = C.format(
-        header="element.hpp" if plus else "element.h", name=name,
-        linkage='extern "C"' if plus else "",
-    )  # fmt: skip
-    if plus:
-        text = text.replace("extern", f"using namespace cylcontact_{name};\nextern", 1)
-    driver.write_text(text, encoding="ascii")
-    sources = [] if plus else [folder / "element.c"]
-    flags = CPP_FLAGS if plus else C_FLAGS
-    compile_with("g++" if plus else "gcc", *flags, *sources, driver, "-o", library, "-lm")
-    return call(library, rows)
-
-
-def run_fortran(joint, rows, folder, _target):
-    write(joint, "fortran", folder)
-    driver, library = folder / "run.f90", folder / "run.so"
-    driver.write_text(FORTRAN.format(name=joint.planar.identifier), encoding="ascii")
-    flags = (*FORTRAN_FLAGS, f"-J{folder}")
-    compile_with("gfortran", *flags, folder / "element.f90", driver, "-o", library)
-    return call(library, rows)
-
-
-def run_matlab(joint, rows, folder, _target):
-    write(joint, "matlab", folder)
-    rows.tofile(folder / "in")
-    run_octave(OCTAVE.format(folder=folder, rows=len(rows)), folder)
-    return np.fromfile(folder / "out").reshape(-1, 29)
-
-
-def call(library, rows):
-    given, answers = np.ascontiguousarray(rows), np.empty((len(rows), 29))
-    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (given, answers)]
-    ctypes.CDLL(str(library)).run(ctypes.c_int(len(rows)), *pointers)
-    return answers
-
-
-def run_python(joint, rows, _folder, _target):
-    names = {}
-    exec(export_joint(joint, "python", "element")["element.py"], names)
-    answers = []
-    for row in rows.tolist():
-        given = (row[:4], row[4:17], row[17:])
-        wrench = names["evaluate"](*given)
-        answers.append(np.hstack([*map(np.atleast_1d, wrench), names["accept"](*given)]))
-    return np.array(answers)
-
-
-RUNNERS = {
-    "c": run_compiled, "cpp": run_compiled, "fortran": run_fortran, "matlab": run_matlab,
-    "python": run_python,
 }  # fmt: skip
 # Octave takes a few milliseconds for each.
 ROWS = {"matlab": 500}
@@ -166,7 +42,7 @@ def test_exports_agree_with_the_library_in_all_kinds_of_contact(target, kind, tm
     """To 1e-12 of the peak of each part of the wrench, and of each accepted rate."""
     joint = joint_for(**KINDS[kind])
     rows = rows_of(joint, ROWS.get(target, 2000))
-    answers = RUNNERS[target](joint, rows, tmp_path, target)
+    answers = RUNNERS[target](joint, rows, tmp_path)
     wanted = run_library(joint, rows[:, :4], rows[:, 4:17], rows[:, 17:])
     touching = wanted[:, 12:16] > 0
     kinds = {(*map(bool, row[:2]), bool(row[2:].any())) for row in touching}

@@ -1,53 +1,41 @@
 """Exported joints run in their own languages, each over rows of states.
 
-A row is the impact rate and the motion of bearing and pin; the answer is the wrench, the force on
-the pin and the accepted impact rate.
+A row is the impact rates and the motion of bearing and pin; the answer is the wrench, in the order
+of its results, and the accepted impact rates. Of a joint in the plane the force on the pin comes
+behind the flag.
 """
 
 import ctypes
+from functools import partial
 
 import numpy as np
 
-from cylcontact.export import JOINT_TARGETS, export_joint
-from tests.support.export_runners import C_FLAGS, FORTRAN_FLAGS, LIBRARY, compile_with, run_program
+from cylcontact.export import JOINT_TARGETS, export_joint, joint, spatial
+from cylcontact.mechanism import JointState, SpatialJoint
+from tests.support.export_runners import (
+    C_FLAGS,
+    CPP_FLAGS,
+    FORTRAN_FLAGS,
+    compile_with,
+    run_program,
+)
 from tests.support.programs import require_program
 
-CPP_FLAGS = ("-std=c++11", *LIBRARY, "-pedantic", "-Wconversion", "-Wshadow")
-GIVEN, ANSWERED = 13, 14
+# Where the answers in the plane are in the order of the results.
+PLANAR = [0, 1, 2, 5, *range(6, 13), 3, 4, 13]
 
 C_WRAPPER = """
-#include "{stem}.h"
-void run(int rows, const double *x, double *y);
+#include "element.{suffix}"
+{linkage} void run(int rows, const double *x, double *y);
 void run(int rows, const double *x, double *y)
 {{
-    for (int k = 0; k < rows; k++, x += 13, y += 14) {{
-        {name}_state state = {{x[0]}};
-        {name}_wrench w;
-        {name}_evaluate(&state, x + 1, x + 7, &w);
-        {answer}
-        {name}_accept(&state, x + 1, x + 7);
-        y[13] = state.impact_rate;
+    for (int k = 0; k < rows; k++, x += {given}, y += {answered}) {{
+        {evaluated}
+        {results}
+        {accepted};
+        {rates}
     }}
 }}
-"""
-CPP_WRAPPER = """
-#include "{stem}.hpp"
-extern "C" void run(int rows, const double *x, double *y)
-{{
-    for (int k = 0; k < rows; k++, x += 13, y += 14) {{
-        {name} joint(x[0]);
-        const {name}::wrench w = joint.evaluate(x + 1, x + 7);
-        {answer}
-        joint.accept(x + 1, x + 7);
-        y[13] = joint.state();
-    }}
-}}
-"""
-ANSWER = """\
-y[0] = w.force_bearing[0]; y[1] = w.force_bearing[1]; y[2] = w.moment_bearing;
-        y[3] = w.moment_pin; y[4] = w.penetration; y[5] = w.penetration_rate;
-        y[6] = w.normal_force; y[7] = w.friction_force; y[8] = w.tangential_velocity;
-        y[9] = w.dissipated_power; y[10] = w.flag; y[11] = w.force_pin[0]; y[12] = w.force_pin[1];\
 """
 FORTRAN_WRAPPER = """
 subroutine run(rows, x, y) bind(c)
@@ -55,55 +43,58 @@ subroutine run(rows, x, y) bind(c)
     use {name}
     implicit none
     integer(c_int), value :: rows
-    real(c_double), intent(in) :: x(13, rows)
-    real(c_double), intent(out) :: y(14, rows)
+    real(c_double), intent(in) :: x({given}, rows)
+    real(c_double), intent(out) :: y({answered}, rows)
     type({name}_state) :: state
     type({name}_wrench) :: w
     integer :: k
     do k = 1, rows
         call {name}_start(state)
-        state%impact_rate = x(1, k)
-        call {name}_evaluate(state, x(2:7, k), x(8:13, k), w)
-        y(1:2, k) = w%force_bearing
-        y(3:4, k) = [w%moment_bearing, w%moment_pin]
-        y(5:6, k) = [w%penetration, w%penetration_rate]
-        y(7:9, k) = [w%normal_force, w%friction_force, w%tangential_velocity]
-        y(10:11, k) = [w%dissipated_power, real(w%flag, c_double)]
-        y(12:13, k) = w%force_pin
-        call {name}_accept(state, x(2:7, k), x(8:13, k))
-        y(14, k) = state%impact_rate
+        state%impact_rate = x({rates}, k)
+        call {name}_evaluate(state, x({bearing}, k), x({pin}, k), w)
+        {results}
+        call {name}_accept(state, x({bearing}, k), x({pin}, k))
+        y({last}:, k) = state%impact_rate
     end do
 end subroutine run
 """
 OCTAVE_SCRIPT = """
 1;
 addpath('{folder}');
-id = fopen('{folder}/in', 'r'); x = fread(id, [13, {rows}], 'double'); fclose(id);
-y = zeros(14, {rows});
-joint = {stem}();
+id = fopen('{folder}/in', 'r'); x = fread(id, [{given}, {rows}], 'double'); fclose(id);
+y = zeros({answered}, {rows});
+joint = element();
 for k = 1:{rows}
-    b = x(2:7, k)'; p = x(8:13, k)';
-    w = joint.evaluate(x(1, k), b, p);
-    y(:, k) = [w.force_bearing, w.moment_bearing, w.moment_pin, w.penetration, ...
-        w.penetration_rate, w.normal_force, w.friction_force, w.tangential_velocity, ...
-        w.dissipated_power, w.flag, w.force_pin, joint.accept(x(1, k), b, p)]';
+    rates = x({rates}, k)'; b = x({bearing}, k)'; p = x({pin}, k)';
+    w = joint.evaluate(rates, b, p);
+    y(:, k) = [struct2cell(w){{:}}, joint.accept(rates, b, p)]';
 end
 id = fopen('{folder}/out', 'w'); fwrite(id, y, 'double'); fclose(id);
 """
 
 
-def write(joint, target, folder, stem="element"):
+def element_of(one):
+    """Return a joint's element, the count of numbers given, and that of each result's."""
+    element = (spatial if isinstance(one, SpatialJoint) else joint).element_of(one)
+    given = element.contacts + 2 * len(element.motion)
+    return element, given, {each.name: len(each.values) for each in element.results}
+
+
+def write(one, target, folder, stem="element"):
     """Write the files of an exported joint; return the path of the first."""
-    texts = export_joint(joint, target, stem)
+    texts = export_joint(one, target, stem)
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="ascii")
     return folder / f"{stem}{JOINT_TARGETS[target]}"
 
 
-def run_library(joint, rows):
-    """Return the answers of the library's own joint."""
-    from cylcontact.mechanism import JointState
+def in_order(one, answers):
+    """Return answers with those of a joint in the plane where its callers look for them."""
+    return answers if isinstance(one, SpatialJoint) else answers[:, PLANAR]
 
+
+def run_library(joint, rows):
+    """Return the answers of the library's own joint in the plane."""
     state, bearing, pin = JointState(rows[:, 0]), rows[:, 1:7], rows[:, 7:]
     w = joint.evaluate(state, bearing, pin)
     accepted = joint.accept(state, bearing, pin).impact_rate
@@ -112,29 +103,85 @@ def run_library(joint, rows):
     )
 
 
-def run_c(joint, rows, folder):
-    source = write(joint, "c", folder)
-    return _compiled("gcc", C_FLAGS, C_WRAPPER, "run.c", joint, rows, folder, source)
+def run_c(one, rows, folder, language="c"):
+    """Compile in C or C++ a loop over rows around the joint, and run that."""
+    source = write(one, language, folder)
+    element, given, sizes = element_of(one)
+    n, name, size = element.contacts, element.name, len(element.motion)
+    plus, parts = language == "cpp", [f"[{k}]" for k in range(n)] if n > 1 else [""]
+    items = [
+        f"w.{key}[{k}]" if count > 1 else f"w.{key}"
+        for key, count in sizes.items() for k in range(count)
+    ]  # fmt: skip
+    state, bodies = "joint.state()" if plus else "state.impact_rate", f"x + {n}, x + {n + size}"
+    given_rates = "".join(f" {state}{part} = x[{k}];" for k, part in enumerate(parts))
+    if plus:
+        made = f"{name} joint(x[0]);" if n == 1 else f"{name} joint;{given_rates}"
+        evaluated = f"{made} const {name}::wrench w = joint.evaluate({bodies});"
+        accepted = f"joint.accept({bodies})"
+    else:
+        evaluated = f"{name}_state state;{given_rates} {name}_wrench w; "
+        evaluated += f"{name}_evaluate(&state, {bodies}, &w);"
+        accepted = f"{name}_accept(&state, {bodies})"
+    answers = [*items, *(state + part for part in parts)]
+    lines = [f"y[{k}] = {item};" for k, item in enumerate(answers)]
+    driver, library = folder / f"run.{language}", folder / f"run_{language}.so"
+    text = C_WRAPPER.format(
+        suffix="hpp" if plus else "h", linkage='extern "C"' if plus else "", given=given,
+        answered=len(answers), evaluated=evaluated, accepted=accepted,
+        results=" ".join(lines[:-n]), rates=" ".join(lines[-n:]),
+    )  # fmt: skip
+    driver.write_text(text, encoding="ascii")
+    flags = CPP_FLAGS if plus else (*C_FLAGS, source)
+    compile_with("g++" if plus else "gcc", *flags, driver, "-o", library, "-lm")
+    return in_order(one, _called(library, rows, len(answers)))
 
 
-def run_cpp(joint, rows, folder):
-    write(joint, "cpp", folder)
-    return _compiled("g++", CPP_FLAGS, CPP_WRAPPER, "run.cpp", joint, rows, folder)
+def slices(element):
+    """Return where rates, bearing and pin are in a row, from 1."""
+    n, size = element.contacts, len(element.motion)
+    spans = {"bearing": f"{n + 1}:{n + size}", "pin": f"{n + size + 1}:{n + 2 * size}"}
+    return {"rates": "1" if n == 1 else f"1:{n}", **spans}
 
 
-def run_fortran(joint, rows, folder):
-    source = write(joint, "fortran", folder)
+def run_fortran(one, rows, folder):
+    source = write(one, "fortran", folder)
+    element, given, sizes = element_of(one)
+    lines, at = [], 1
+    for key, count in sizes.items():
+        item = f"real(w%{key}, c_double)" if key == "flag" else f"w%{key}"
+        lines.append(f"y({at}:{at + count - 1}, k) = {item}")
+        at += count
+    driver, library = folder / "run.f90", folder / "run_fortran.so"
+    text = FORTRAN_WRAPPER.format(
+        name=element.name, given=given, answered=at + element.contacts - 1, last=at,
+        results="\n        ".join(lines), **slices(element),
+    )  # fmt: skip
+    if element.contacts == 1:
+        text = text.replace(f"y({at}:, k)", f"y({at}, k)")
+    driver.write_text(text, encoding="ascii")
     flags = (*FORTRAN_FLAGS, f"-J{folder}")
-    return _compiled("gfortran", flags, FORTRAN_WRAPPER, "run.f90", joint, rows, folder, source)
+    compile_with("gfortran", *flags, source, driver, "-o", library, "-lm")
+    return in_order(one, _called(library, rows, at + element.contacts - 1))
 
 
-def run_matlab(joint, rows, folder):
-    require_program("octave-cli")
-    write(joint, "matlab", folder)
+def _called(library, rows, count):
+    given, answers = np.ascontiguousarray(rows), np.empty((len(rows), count))
+    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (given, answers)]
+    ctypes.CDLL(str(library)).run(ctypes.c_int(len(rows)), *pointers)
+    return answers
+
+
+def run_matlab(one, rows, folder):
+    write(one, "matlab", folder)
     rows.tofile(folder / "in")
-    text = OCTAVE_SCRIPT.format(folder=folder, rows=len(rows), stem="element")
-    run_octave(text, folder)
-    return np.fromfile(folder / "out").reshape(-1, ANSWERED)
+    element, given, sizes = element_of(one)
+    count = sum(sizes.values()) + element.contacts
+    shape = {"rows": len(rows), "given": given, "answered": count}
+    text = OCTAVE_SCRIPT.replace("{rates}", slices(element)["rates"])
+    spans = {key: span for key, span in slices(element).items() if key != "rates"}
+    run_octave(text.format(folder=folder, **shape, **spans), folder)
+    return in_order(one, np.fromfile(folder / "out").reshape(-1, count))
 
 
 def run_octave(text, folder):
@@ -145,31 +192,19 @@ def run_octave(text, folder):
     return run_program("octave-cli", "--no-gui", "--norc", "--quiet", script)
 
 
-def run_python(joint, rows, folder):
+def run_python(one, rows, folder):
     names = {}
-    exec(write(joint, "python", folder).read_text(encoding="ascii"), names)
-    answers = []
-    for rate, *motion in rows.tolist():
-        bearing, pin = motion[:6], motion[6:]
-        w = names["evaluate"](rate, bearing, pin)
-        parts = (*w.force_bearing, w.moment_bearing, w.moment_pin, *w[4:], *w.force_pin)
-        answers.append((*parts, names["accept"](rate, bearing, pin)))
-    return np.array(answers)
+    exec(write(one, "python", folder).read_text(encoding="ascii"), names)
+    element, _, _ = element_of(one)
+    n, size, answers = element.contacts, len(element.motion), []
+    for row in rows.tolist():
+        given = row[0] if n == 1 else row[:n], row[n : n + size], row[n + size :]
+        wrench, accepted = names["evaluate"](*given), names["accept"](*given)
+        answers.append(np.hstack([*map(np.atleast_1d, wrench), accepted]))
+    return in_order(one, np.array(answers))
 
 
 RUNNERS = {
-    "c": run_c, "cpp": run_cpp, "fortran": run_fortran, "matlab": run_matlab,
-    "python": run_python,
+    "c": run_c, "cpp": partial(run_c, language="cpp"), "fortran": run_fortran,
+    "matlab": run_matlab, "python": run_python,
 }  # fmt: skip
-
-
-def _compiled(compiler, flags, wrapper, name, joint, rows, folder, *sources):
-    """Compile an export with a loop over rows around it, and run that."""
-    driver, library = folder / name, folder / f"{name}.so"
-    text = wrapper.format(name=joint.identifier, stem="element", answer=ANSWER)
-    driver.write_text(text, encoding="ascii")
-    compile_with(compiler, *flags, *sources, driver, "-o", library, "-lm")
-    given, answers = np.ascontiguousarray(rows), np.empty((len(rows), ANSWERED))
-    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (given, answers)]
-    ctypes.CDLL(str(library)).run(ctypes.c_int(len(rows)), *pointers)
-    return answers

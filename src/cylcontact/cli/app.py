@@ -5,13 +5,7 @@ from collections.abc import Callable
 import typer
 
 import cylcontact
-from cylcontact.cli import (
-    finite_element,
-    fit,
-    init,
-    mechanism,
-    reporting,
-)
+from cylcontact.cli import finite_element, fit, init, mechanism, reporting
 from cylcontact.cli.options import keep_inputs, option
 
 

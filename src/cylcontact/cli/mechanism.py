@@ -166,6 +166,11 @@ def simulate(
         say(f"warning: {warning}", err=True)
 
 
+def _given(settings: Settings) -> dict[str, Any]:
+    """Return settings as the arguments of a run, which finds the longest step itself."""
+    return {name: value for name, value in vars(settings).items() if name != "max_step"}
+
+
 def _statistics(
     mechanism: Mechanism, settings: Settings, revolutions: int, first: int
 ) -> Statistics:
@@ -174,10 +179,7 @@ def _statistics(
 
     try:
         with progress_bars() as progress:
-            return long_run(
-                mechanism, revolutions, first, settings.method, settings.tolerance,
-                settings.beyond, progress, allowed_penetration=settings.allowed_penetration,
-            )  # fmt: skip
+            return long_run(mechanism, revolutions, first, progress=progress, **_given(settings))
     except Interrupted as interruption:
         if interruption.statistics is None:
             raise KeyboardInterrupt from None
@@ -197,10 +199,8 @@ def _film(
 
     require_film(out)
     with progress_bars() as progress:
-        trajectory = run(
-            mechanism, settings.method, revolutions, settings.tolerance, settings.beyond,
-            progress, None, settings.allowed_penetration,
-        )  # fmt: skip
+        given = {"revolutions": revolutions, **_given(settings)}
+        trajectory = run(mechanism, progress=progress, **given)
         film(trajectory, out, first, progress)
     return trajectory.statistics(first)
 
@@ -223,10 +223,9 @@ def _run(
         note = f"there is no {out} yet; the run starts anew"
     try:
         with progress_bars() as bars:
-            return run(
-                mechanism, settings.method, revolutions, settings.tolerance, settings.beyond,
-                noting(bars, "revolutions", note), earlier, settings.allowed_penetration,
-            )  # fmt: skip
+            progress = noting(bars, "revolutions", note)
+            given = {"revolutions": revolutions, **_given(settings)}
+            return run(mechanism, progress=progress, resume=earlier, **given)
     except (Interrupted, RunError) as error:
         complete = error.trajectory
         if complete is not None:

@@ -171,9 +171,7 @@ DIALECTS: Mapping[str, Dialect] = {
 JOINT_DIALECTS: Mapping[str, Dialect] = {
     **DIALECTS,
     "matlab": replace(
-        _MATLAB,
-        branch="if {test}\n    {name} = {yes};\nelse\n    {name} = {no};\nend",
-        helpers={},
+        _MATLAB, branch="if {test}\n    {name} = {yes};\nelse\n    {name} = {no};\nend", helpers={}
     ),
     "python": replace(_PYTHON, power="{x}**{y}"),
 }

@@ -173,9 +173,7 @@ def _assumptions(joint: ClearanceJoint, ends: bool) -> list[str]:
     ]
 
 
-def _checks(
-    joint: ClearanceJoint,
-) -> list[tuple[float, list[float], list[float], JointWrench]]:
+def _checks(joint: ClearanceJoint) -> list[tuple[float, list[float], list[float], JointWrench]]:
     """Return states and their wrenches: free, first touch, pressed and sliding, leaving."""
     mm, checks = joint.in_mm, []
     start, speed = [x / mm for x in joint.point_bearing], 50.0 / mm

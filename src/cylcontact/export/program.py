@@ -17,12 +17,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from cylcontact.export.function import (
-    CFunction,
-    FortranFunction,
-    Function,
-    MatlabFunction,
-)
+from cylcontact.export.function import CFunction, FortranFunction, Function, MatlabFunction
 
 
 @dataclass(frozen=True)
