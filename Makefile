@@ -24,7 +24,7 @@ MAIN_FIGURES := $(foreach number,15 01 02 03 04 05 06 07 08 09 10 11 12 13 14 16
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all committed env extras fits finite-element mechanism bifurcation readings tilt optimizers figures report paper claims verify \
+.PHONY: all committed env extras fits finite-element mechanism bifurcation readings tilt housing optimizers figures report paper claims verify \
 	bench references explore notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
 
 ##@ The main job
@@ -89,6 +89,9 @@ readings: $(VENV)/.editable ## Redo datasets/readings.csv, the searches under ot
 
 tilt: $(VENV)/.editable ## Redo datasets/tilted_pin.csv, a pin that tilts in three dimensions (a minute)
 	$(BIN)/python -m reports.tilted_pin
+
+housing: $(VENV)/.editable ## Redo datasets/housing.csv, one joint in fifteen housings by finite elements
+	$(BIN)/python -m reports.fig_housing
 
 optimizers: $(COMPARISONS) ## Compare the optimisers on both main campaigns, into fitting/results
 

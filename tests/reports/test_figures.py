@@ -9,6 +9,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+from _cylcontact_bench import fig_housing
 from _cylcontact_bench.fig_forms import CHOSEN, SIMPLEST
 from mpmath import mp
 from scipy.optimize import brentq
@@ -180,6 +181,13 @@ def test_a_map_of_noise_is_the_rise_of_the_loss_over_the_table(figures):
     rises = [huber(row.x, row.y) - optimum for row in noise.itertuples()]
     ratio = noise.height.to_numpy() / np.array(rises)
     assert ratio == pytest.approx(ratio.mean(), rel=2e-3)
+
+
+@pytest.mark.slow
+def test_the_finite_elements_of_the_housing_come_out_again():
+    rows = pd.read_csv(BENCH.root / fig_housing.ELEMENTS).set_index(["clamp", "ratio"])
+    found = fig_housing.by_elements(BENCH, "far_60", 1.5)
+    assert found == pytest.approx(rows["penetration_um"]["far_60", 1.5], rel=1e-6)
 
 
 # --- judged by conformal contact of equal bodies ---
