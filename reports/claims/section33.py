@@ -99,8 +99,8 @@ def logarithm_physical(bench: Bench) -> Finding:
             reading(growing, steps, falls == 0, steps),
             replace(
                 below(conformal, -shortfall, AGREEMENT),
-                ground="Sect. 1 has it from Liu and co-workers that the law is effective only at large "
-                "clearances and small or medium loads",
+                ground="Sect. 1 has it from Liu and co-workers that the law is effective only at "
+                "large clearances and small or medium loads",
             ),
         ],
         f"the penetration grows with the load up to ln = 2, but is {shortfall:.0f} % short of "

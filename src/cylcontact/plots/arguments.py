@@ -35,20 +35,6 @@ Range = tuple[float, float]
 def axes_for(ax: Axes | None, source: str, width: Width, height_mm: float) -> Iterator[Axes]:
     """Yield the caller's axes, or new ones in a figure and a style of our own.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes or None
-        The caller's.
-    source : str
-        The function, for errors.
-    width, height_mm : str, float
-        Of the new figure, as in `new_figure`.
-
-    Raises
-    ------
-    InputError
-        If `ax` is not a matplotlib Axes.
-
     Examples
     --------
     >>> with axes_for(None, "example", "column", 60.0) as axes:
@@ -78,11 +64,6 @@ def add_legend(axes: Axes) -> None:
 
 def as_law(law: AnyLaw, source: str, key: str) -> ContactLaw:
     """Return a law from itself or its name.
-
-    Raises
-    ------
-    InputError
-        If there is no law of that name, or the object is not a law.
 
     Examples
     --------
@@ -137,13 +118,7 @@ def pins_in_hole(
     material_j: Material | None = None,
     length: float | None = None,
 ) -> CylinderPair:
-    """Return pins of many clearances in one hole, in mm.
-
-    Raises
-    ------
-    InputError
-        If a material or the hole is wrong, or there are several of them.
-    """
+    """Return pins of many clearances in one hole, in mm."""
     one = CylinderPair.from_dR("internal", clearances.flat[0], material, length, R_i, material_j)
     require_one_pair(one, source, "material, R_i")
     return CylinderPair.from_dR("internal", clearances, material, length, R_i, material_j)

@@ -158,25 +158,6 @@ def map_grid(
     They are spaced logarithmically; the loads end where the reference does, so that a map is
     filled exactly to that line.
 
-    Parameters
-    ----------
-    reference : ContactLaw
-        The law that ends the loads.
-    material, dR, load, R_i, length, material_j
-        As for `plot_map`.
-
-    Returns
-    -------
-    pair : CylinderPair
-        With clearances of shape (161, 1).
-    loads : array of float
-        In N/mm, shape (161, 81); NaN at clearances where the reference ends below them all.
-
-    Raises
-    ------
-    InputError
-        If a range, a radius or a material is wrong.
-
     Examples
     --------
     >>> from cylcontact import laws

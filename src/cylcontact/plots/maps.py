@@ -51,20 +51,7 @@ def add_scale(figure: FigureBase, axes: Axes | Sequence[Axes], label: str) -> No
 
 
 def draw_contours(axes: Axes, x: FloatArray, y: FloatArray, percent: FloatArray) -> QuadContourSet:
-    """Fill a map and draw its contours, dashed below zero.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    x, y, percent : array of float
-        Of one two-dimensional shape; the grid need not be rectangular.
-
-    Returns
-    -------
-    matplotlib.contour.QuadContourSet
-        For `label_contours`.
-    """
+    """Fill a map and draw its contours, dashed below zero."""
     axes.contourf(x, y, percent, LEVELS, cmap=COLOUR_MAP, norm=NORM, extend="both")
     return axes.contour(
         x,
@@ -81,15 +68,6 @@ def label_contours(axes: Axes, lines: QuadContourSet, keep_clear: FloatArray) ->
     """Label each contour where there is most room, if there is enough.
 
     The layout must be settled, because labels interrupt their lines by their printed length.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where the contours are.
-    lines : matplotlib.contour.QuadContourSet
-        From `draw_contours`.
-    keep_clear : array of float
-        Points in data coordinates, shape (m, 2), that labels avoid.
 
     Examples
     --------

@@ -29,17 +29,7 @@ _PLAIN = FuncFormatter(lambda value, _: plain_number(value))
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """What a law predicts for one pair.
-
-    Attributes
-    ----------
-    load, reading : array of float, shape (m,)
-        In N/mm and mm.
-    low, high : array of float, shape (m,), optional
-        The band of a new reading in mm.
-    label : str
-        Its name in the legend.
-    """
+    """What a law predicts for one pair."""
 
     load: FloatArray
     reading: FloatArray
@@ -51,17 +41,7 @@ class Curve:
 def draw_readings(
     axes: Axes, load: FloatArray, reading: FloatArray, series: Sequence[str] | None = None
 ) -> None:
-    """Draw readings over the load, logarithmic if they span decades.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    load, reading : array of float, shape (N,)
-        In N/mm and mm.
-    series : sequence of str, optional
-        The series of each reading; up to five have markers of their own.
-    """
+    """Draw readings over the load, logarithmic if they span decades."""
     for label, rows, style in _styles(load.size, series, "measured"):
         axes.plot(load[rows], _MICROMETRES * reading[rows], linestyle="", label=label, **style)
     if reading.min() > 0 and load.max() > _WIDE * load.min():
@@ -72,17 +52,7 @@ def draw_readings(
 
 
 def draw_curves(axes: Axes, curves: Sequence[Curve], level: float = 0.95) -> None:
-    """Draw the curves of laws with their bands.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    curves : sequence of Curve
-        One for each pair, or for each law.
-    level : float
-        Of the bands, for the legend.
-    """
+    """Draw the curves of laws with their bands."""
     for number, curve in enumerate(curves):
         colour = COLOURS[2] if len(curves) == 1 else COLOURS[(number + 1) % len(COLOURS)]
         if curve.low is not None and curve.high is not None:
@@ -113,21 +83,7 @@ def draw_residuals(
     series: Sequence[str] | None = None,
     outliers: Mapping[int, str] | None = None,
 ) -> None:
-    """Draw residuals over the load.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    load, residual : array of float, shape (N,)
-        Loads in N/mm, and residuals in the unit of `label`.
-    label : str
-        Label of the axis.
-    series : sequence of str, optional
-        As for `draw_readings`.
-    outliers : mapping of int to str, optional
-        Words at some of the rows.
-    """
+    """Draw residuals over the load."""
     axes.axhline(0.0, color=QUIET, linewidth=0.6, linestyle="-", marker="")
     for name, rows, style in _styles(load.size, series, "measured"):
         axes.plot(load[rows], residual[rows], linestyle="", label=name, **style)

@@ -93,20 +93,6 @@ def find_recipes(bench: Bench) -> dict[str, Path]:
 
     Files without a figure, such as constants and helpers, do not appear.
 
-    Parameters
-    ----------
-    bench : Bench
-        Its `reports/*.py` are searched.
-
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    InputError
-        If there is none.
-
     Examples
     --------
     >>> import tempfile
@@ -250,13 +236,7 @@ def build(
 
 
 def chosen_recipes(bench: Bench, names: Iterable[str] = ()) -> list[str]:
-    """Return the recipes to draw: the ones named, or all that need no arguments.
-
-    Raises
-    ------
-    InputError
-        If there is no such recipe, so that a mistyped name is reported before any work.
-    """
+    """Return the recipes to draw: the ones named, or all that need no arguments."""
     recipes = find_recipes(bench)
     chosen = list(dict.fromkeys(names))
     for name in chosen:
@@ -268,29 +248,7 @@ def chosen_recipes(bench: Bench, names: Iterable[str] = ()) -> list[str]:
 def write(
     drawing: Drawing, name: str, folder: Path, options: FigureOptions = DEFAULT_OPTIONS
 ) -> tuple[Path, ...]:
-    """Write a drawing's pictures, the CSV of its numbers and its note; on an error, none of them.
-
-    Parameters
-    ----------
-    drawing : Drawing
-        The drawing.
-    name : str
-        The files' name without its ending.
-    folder : path
-        Where to write; made if it does not exist.
-    options : FigureOptions, optional
-        The style it was drawn in, and the formats; by default PNG and PDF.
-
-    Returns
-    -------
-    tuple of path
-        A picture in each format, in their order, the CSV, and the note if there is one.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be written to.
-    """
+    """Write a drawing's pictures, the CSV of its numbers and its note, all of them or none."""
     paths = [folder / f"{name}.{ending}" for ending in (*options.formats, "csv")]
     paths += [folder / f"{name}.txt"] if drawing.method else []
     with replacing_all(paths) as files:

@@ -26,7 +26,8 @@ from __future__ import annotations
 import inspect
 import operator
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
@@ -170,20 +171,10 @@ class Finding:
 
     Attributes
     ----------
-    ours : str
-        Our value, with its unit.
-    holds : bool or None
-        Whether the rule is met; None where the value is too uncertain to tell.
-    choice : str
-        The choice of ours that the number rests on; empty where the paper states everything.
-    missing : str
-        The missing input that the choice stands in for, if any.
-    miss : str
-        By how much the rule is missed, where it is not met.
+    ours, holds, choice, missing, miss, ground
+        The first reading, as of `Reading`; `choice` is empty where the paper states everything.
     alternatives : sequence of Reading
         The other reasonable ways to compute it.
-    ground : str
-        What in the text speaks for `choice`.
     reason : str
         Why nothing can be computed; see `untestable`.
     values : mapping
@@ -451,12 +442,7 @@ def ledger(bench: Bench, progress: Progress = silent) -> list[Claim]:
     InputError
         If two claims have the same id, or an input is wrong.
     """
-    modules = [
-        bench.module(f"claims.{file.stem}")
-        for file in sorted(
-            (bench.recipes_folder / "claims").glob("*.py"), key=lambda path: path.stem
-        )
-    ]
+    modules = _claim_modules(bench)
     for module in modules:
         if hasattr(module, "prepare"):
             module.prepare(bench, progress)
@@ -466,7 +452,10 @@ def ledger(bench: Bench, progress: Progress = silent) -> list[Claim]:
     for done, function in enumerate(functions, start=1):
         claims += function(bench)
         progress("claims", done, len(functions))
-    _require_different_ids(claims, bench)
+    for id, times in Counter(each.id for each in claims).items():
+        if times > 1:
+            rule, remedy = "two claims have this id", "give one of them another"
+            raise InputError(str(bench.recipes_folder / "claims"), "id", id, rule, remedy)
     return sorted(claims, key=lambda each: _place_in_paper(each.section))
 
 
@@ -500,21 +489,6 @@ def _claim_functions(module: ModuleType) -> list[ClaimFunction]:
         for value in vars(module).values()
         if isinstance(value, ClaimFunction) and value.function.__module__ == module.__name__
     ]
-
-
-def _require_different_ids(claims: Iterable[Claim], bench: Bench) -> None:
-    """Refuse two claims with one id."""
-    seen: set[str] = set()
-    for each in claims:
-        if each.id in seen:
-            raise InputError(
-                str(bench.recipes_folder / "claims"),
-                "id",
-                each.id,
-                "two claims have this id",
-                "give one of them another",
-            )
-        seen.add(each.id)
 
 
 # Helpers for the texts of claims.

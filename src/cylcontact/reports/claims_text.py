@@ -101,23 +101,7 @@ def to_text(
     gone: Mapping[str, str] | None = None,
     width: int = 100,
 ) -> str:
-    """Return the ledger for reading: what to rely on, the claims by verdict, the terms.
-
-    Parameters
-    ----------
-    claims : sequence of Claim
-        In the order to print.
-    terms : mapping of str to str
-        The paper's definitions, term → meaning.
-    gone : mapping of str to str, optional
-        The claims withdrawn, id → reason.
-    width : int
-        Columns of the terminal.
-
-    Returns
-    -------
-    str
-    """
+    """Return the ledger for reading: what to rely on, the claims by verdict, the terms."""
     lines = [*wrap(what_stands(claims), width), ""]
     for title, members in relied_on(claims).items():
         if members:

@@ -16,19 +16,7 @@ __all__ = ["runs_drawing", "runs_table"]
 
 
 def runs_table(result: LawFit) -> pd.DataFrame:
-    """Return the runs of a result, best first.
-
-    Parameters
-    ----------
-    result : LawFit
-        The fit.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns run, population, crossover, searched and polished (the objective before and after
-        the polish), evaluations, seconds, and each coefficient of the search before the polish.
-    """
+    """Return the runs of a result, best first."""
     ordered = sorted(result.runs, key=lambda run: (run.objective, run.index))
     return pd.DataFrame(
         {
@@ -51,18 +39,7 @@ def runs_table(result: LawFit) -> pd.DataFrame:
 
 @figure_style()
 def runs_drawing(result: LawFit) -> Drawing:
-    """Draw the objective of every run before and after the polish, best first.
-
-    Parameters
-    ----------
-    result : LawFit
-        The fit.
-
-    Returns
-    -------
-    Drawing
-        Its headline has the best objective and the number of runs within 0.1 % of it.
-    """
+    """Draw the objective of every run before and after the polish, best first."""
     table = runs_table(result)
     figure = new_figure("column", 66.0)
     axes = figure.subplots()

@@ -16,40 +16,14 @@ from cylcontact.reports.build import NUMBER_FORMAT, save_picture
 
 
 def write_choice(choice: Choice, folder: Path) -> None:
-    """Write ranked laws into a folder, as `choices.CHOICE_FILES`; on an error, write none of them.
-
-    Parameters
-    ----------
-    choice : Choice
-        The ranked laws.
-    folder : path
-        Where to write; made if it does not exist.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be written to.
-    """
+    """Write ranked laws into a folder, as `choices.CHOICE_FILES`, all of them or none."""
     with figure_style():
         drawing = choice.drawing()
     _write(drawing, folder, CHOICE_FILES, lambda _: None)
 
 
 def write_fit(result: DataFit, folder: Path) -> None:
-    """Write a fit to measurements into a folder; on an error, write none of its files.
-
-    Parameters
-    ----------
-    result : DataFit
-        Of measurements.
-    folder : path
-        Where to write `choices.FIT_FILES`; made if it does not exist.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be written to.
-    """
+    """Write a fit to measurements into a folder; on an error, write none of its files."""
     with figure_style():
         drawing = result.drawing()
     _write(drawing, folder, FIT_FILES, lambda paths: result.write(paths[".json"]))

@@ -64,15 +64,6 @@ def truth_of(pair: CylinderPair) -> ContactLaw:
 def departure_number(percent: float) -> float:
     """Return the φ at which Johnson's penetration is that percentage below Persson's.
 
-    Parameters
-    ----------
-    percent : float
-        From 0 to the 47.8 % at Johnson's largest load, both excluded.
-
-    Returns
-    -------
-    float
-
     Examples
     --------
     >>> print(f"{departure_number(10.0):.6f}")
@@ -106,19 +97,6 @@ def departures(
 ) -> pd.DataFrame:
     """Tabulate the loads at which Johnson's law departs from conformal contact.
 
-    Parameters
-    ----------
-    material : Material, optional
-        Of both bodies.
-    clearances : sequence of float, optional
-        ΔR in mm.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns johnson_low_by_percent, load_number (φ) and, for each ΔR in mm, the load φ·E*·ΔR
-        in N/mm; the last row is the end of Johnson's law (Eq 8).
-
     Examples
     --------
     >>> print(departures(clearances=[0.05]).round(3).to_string(index=False))
@@ -142,14 +120,6 @@ def departures(
 @cache
 def explicit_error() -> dict[str, float]:
     """Return the largest errors of the explicit law, by a dense scan and local refinement.
-
-    Returns
-    -------
-    dict
-        "internal load" and "internal penetration" (against Persson's law), "external load" and
-        "external penetration" (against Johnson's), "one-line penetration" (of
-        `explicit_penetration` against Persson's), each in percent. The same names followed by
-        ", at φ" give the φ of these errors.
 
     Examples
     --------

@@ -60,23 +60,7 @@ _PLACES = {
 
 @dataclass(frozen=True)
 class _Candidate:
-    """A law to compare.
-
-    Attributes
-    ----------
-    name : str
-        What the table calls it.
-    formula : str
-        Its load.
-    constants : mapping
-        Its constants by name.
-    form : Form
-        The law, as a form of one candidate.
-    units, defined, calibrated : str
-        The units of its constants, where it is defined, and what it was fitted to.
-    timed : str
-        A key of `_TIMED`.
-    """
+    """A law to compare."""
 
     name: str
     formula: str
@@ -91,27 +75,9 @@ class _Candidate:
 def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") -> pd.DataFrame:
     """Compare laws on the samples that the enhanced one was refitted to.
 
-    Parameters
-    ----------
-    contact : {"internal", "external"}
-        Pin in a hole, or two rollers.
-    bench : Bench
-        With the results of the campaigns.
-    ranges : {"practical", "paper"}
-        For a pin in a hole: materials of machines with ΔR from 0.0075 to 2 mm, or the paper's.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row for each law: formula, constants, error of the penetration at equal load, units, where
-        it is defined, what it was fitted to, and the time of a compiled load relative to a power
-        law, from the committed benchmarks. The error is the root mean square of ln(δ/δ_Johnson) and
-        the largest |Eq 9| in percent; for internal contact also against conformal contact.
-
-    Raises
-    ------
-    InputError
-        If a result is missing.
+    Errors are of the penetration at equal load: the root mean square of ln(δ/δ_Johnson) and the
+    largest |Eq 9| in percent; for a pin in a hole also against conformal contact. Times are those
+    of a compiled load relative to a power law's, from the committed benchmarks.
 
     Examples
     --------
@@ -159,17 +125,7 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
 
 
 def to_text(contact: Contact, bench: Bench) -> str:
-    """Return the comparison of `laws_to_use` as text, with the constants beneath.
-
-    Parameters
-    ----------
-    contact, bench
-        As for `laws_to_use`.
-
-    Returns
-    -------
-    str
-    """
+    """Return the comparison of `laws_to_use` as text, with the constants beneath."""
     table = laws_to_use(contact, bench).to_dict("records")
     place = _PLACES[_REFITS[contact, "practical"][0]]
     references = [name for name in ("johnson", "conformal") if f"rms_{name}" in table[0]]
@@ -291,13 +247,7 @@ def _fitted(fit: FitResult, coefficients: Mapping[str, float], samples: Samples)
 
 
 def _relative_times(bench: Bench) -> dict[str, float]:
-    """Return the measured times of compiled loads over that of a power law.
-
-    Raises
-    ------
-    InputError
-        If there are no benchmarks, or they lack one.
-    """
+    """Return the measured times of compiled loads over that of a power law."""
     remedy = "measure them: make bench"
     path = bench.required(BENCHMARKS, "the measured times do not exist", remedy)
     try:

@@ -20,11 +20,6 @@ REMEDY = "run `make extras` in the repository, or: pip install 'cylcontact[noteb
 def require_extra(module: str) -> ModuleType:
     """Return a module of the extra `notebooks`, or raise `InputError` with the remedy.
 
-    Raises
-    ------
-    InputError
-        If it is not installed.
-
     Examples
     --------
     >>> require_extra("no_such_module")
@@ -40,13 +35,7 @@ def require_extra(module: str) -> ModuleType:
 
 @contextmanager
 def live_progress() -> Iterator[Progress]:
-    """Show a bar per stage of a long computation below the running cell.
-
-    Yields
-    ------
-    callable
-        Takes the stage, the number of parts done and their total.
-    """
+    """Show a bar per stage of a long computation below the running cell."""
     display = require_extra("IPython.display")
     handles: dict[str, Any] = {}
 

@@ -24,8 +24,6 @@ class Paper:
         The reference, plain text.
     figures : mapping of int to str
         The paper's figures, number → what it shows; recipe figNN redraws number NN.
-    variants : mapping of str to str
-        What letters behind the number of a recipe mean, such as r → "refitted".
     fits : tuple of str
         The fit results that the report opens with.
     fits_note : str
@@ -46,7 +44,6 @@ class Paper:
     equation: str = ""
     citation: str = ""
     figures: Mapping[int, str] = field(default_factory=dict)
-    variants: Mapping[str, str] = field(default_factory=dict)
     fits: tuple[str, ...] = ()
     fits_note: str = ""
     definitions: Mapping[str, str] = field(default_factory=dict)

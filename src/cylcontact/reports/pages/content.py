@@ -61,21 +61,7 @@ class _ReadableBench(Bench):
 
 
 def collect(bench: Bench, home: str, progress: Progress = silent) -> Content:
-    """Draw the figures that have changed, compute the statements, and fill the pages.
-
-    Parameters
-    ----------
-    bench : Bench
-        The recipes and their inputs.
-    home : str
-        The address of the page that opens the results.
-    progress : callable, optional
-        Called with the stage, the number of parts done and their total.
-
-    Returns
-    -------
-    Content
-    """
+    """Draw the figures that have changed, compute the statements, and fill the pages."""
     recipes, paper = find_recipes(bench), paper_of(bench)
     numbered, others = sections(draw_changed(bench, progress), recipes, paper)
     drawn = [each.result for each in (*numbered, *others) if each.result]

@@ -6,7 +6,7 @@ import ast
 import hashlib
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -19,7 +19,6 @@ from cylcontact.reports.paper import Paper
 __all__ = ["Shown", "draw_changed", "sections"]
 
 PACKAGE = Path(__file__).parents[3]
-NAME = re.compile(r"fig(\d\d)([a-z]*)")
 # Figures are drawn in parts, so that an interrupted build goes on where it was.
 PART = 12
 
@@ -94,35 +93,17 @@ def sections(
     results: Sequence[FigureResult], recipes: Mapping[str, Path], paper: Paper
 ) -> tuple[list[Shown], list[Shown]]:
     """Return the figures that the paper numbers, in its order, and the others."""
-    by_number: dict[int, list[FigureResult]] = {number: [] for number in paper.figures}
-    others = []
-    for result in results:
-        match = NAME.fullmatch(result.name)
-        if match and int(match[1]) in by_number:
-            by_number[int(match[1])].append(result)
-        else:
-            heading = _title(recipes[result.name]) or result.name
-            others.append(_shown(result, heading, recipes))
-    numbered = [
-        shown for number in paper.figures for shown in _numbered(number, by_number, recipes, paper)
+    rest = {result.name: result for result in results}
+    numbered = []
+    for number, title in paper.figures.items():
+        name, heading = f"fig{number:02d}", f"Figure {number}. {title}"
+        found = rest.pop(name, None)
+        lacking = Shown(name, heading, f"there is no recipe reports/{name}.py")
+        numbered.append(_shown(found, heading, recipes) if found else lacking)
+    others = [
+        _shown(each, _title(recipes[each.name]) or each.name, recipes) for each in rest.values()
     ]
     return numbered, others
-
-
-def _numbered(
-    number: int,
-    results: Mapping[int, Sequence[FigureResult]],
-    recipes: Mapping[str, Path],
-    paper: Paper,
-) -> Iterator[Shown]:
-    """Yield a figure of the paper with its variants, the plain one first."""
-    name, heading = f"fig{number:02d}", f"Figure {number}. {paper.figures[number]}"
-    variants = {result.name.removeprefix(name): result for result in results[number]}
-    if "" not in variants:
-        yield Shown(name, heading, f"there is no recipe reports/{name}.py")
-    for letters in sorted(variants):
-        words = f", {paper.variants.get(letters, letters)}" if letters else ""
-        yield _shown(variants[letters], heading + words, recipes)
 
 
 def _shown(result: FigureResult, heading: str, recipes: Mapping[str, Path]) -> Shown:

@@ -25,15 +25,7 @@ MARK = "search/search_index.json"
 
 @dataclass(frozen=True)
 class Site:
-    """The site on disk.
-
-    Attributes
-    ----------
-    index : path
-        The page to open.
-    missing : tuple of str
-        The missing parts, each with its reason.
-    """
+    """The site on disk."""
 
     index: Path
     missing: tuple[str, ...]
@@ -44,25 +36,6 @@ def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
 
     They need no server and no network. Figures, fits and statements that fail are listed as
     missing, with the reason. The folder changes only when all pages are made.
-
-    Parameters
-    ----------
-    bench : Bench
-        The recipes and their inputs; its `jobs` processes draw and run long computations.
-    folder : path
-        Where to write: a new or an empty folder, or a site, which is replaced.
-    progress : callable, optional
-        Called with the stage, the number of parts done and their total.
-
-    Returns
-    -------
-    Site
-
-    Raises
-    ------
-    InputError
-        If mkdocs is not installed, there is no recipe at all, the folder holds other files or
-        cannot be written to, or a page of the documentation has a fault.
     """
     _require_mkdocs()
     require_writable(folder / "index.html")
