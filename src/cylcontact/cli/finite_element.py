@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cylcontact.cli.options import FORCE, JOBS, RESUME, argument, output, resumable
+from cylcontact.cli.options import FORCE, JOBS, RESUME, argument, output, require_output, resumable
 from cylcontact.cli.terminal import cores, noting, progress_bars, say
 from cylcontact.errors import InputError
-from cylcontact.files import require_suffix, require_writable
 
 
 def finite_element(
@@ -23,8 +22,7 @@ def finite_element(
 
     study = read_study(spec)
     target = out or spec.with_name(f"{spec.stem}-embedded.csv")
-    require_writable(target)
-    require_suffix(target, ".csv")
+    require_output(target, ".csv")
     if out is None and not force:
         require_same_inputs(target, study)
     with resumable(target, "case") as journal:

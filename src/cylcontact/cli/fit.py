@@ -26,6 +26,7 @@ from cylcontact.cli.options import (
     option,
     output,
     plain_numbers,
+    require_output,
     resumable,
     several,
     split,
@@ -96,7 +97,7 @@ def sample(
     """Sample a reference law over a grid, in bounded memory."""
     from cylcontact.datasets import read_grid, write_samples
 
-    require_writable(out)
+    require_output(out)
     grid = read_grid(spec)
     with progress_bars() as progress:
         counts = write_samples(grid, out, lambda n: progress("sampling", n, grid.dR.size))
@@ -223,9 +224,7 @@ def optimizers(
     where, chosen = workers(jobs, scheduler), names or [*OPTIMIZERS]
     for name in chosen:
         planned = read_campaign(campaign, runs, seed, name)
-    if out is not None:
-        require_suffix(out, ".csv")
-        require_writable(out)
+    require_output(out, ".csv")
     with progress_bars() as progress:
         compared = compare_optimizers(planned, chosen, where, progress)
     if out is not None:
@@ -266,9 +265,7 @@ def uncertainty(
     require(0.5 <= level < 1, source, "--level", level, rule, remedy)
     rule, remedy = "is for the bootstrap", "add --bootstrap 500"
     require(over is None or bootstrap is not None, source, "--over", over, rule, remedy)
-    if out is not None:
-        require_suffix(out, ".json")
-        require_writable(out)
+    require_output(out, ".json")
     fitted = FitResult.read(result)
     study: Any = None
     with progress_bars() as progress:

@@ -22,13 +22,14 @@ from cylcontact.cli.options import (
     numbers,
     option,
     output,
+    require_output,
     resumable,
     several,
     takes,
 )
 from cylcontact.cli.terminal import noting, progress_bars, say, workers
 from cylcontact.errors import InputError, require
-from cylcontact.files import require_suffix, require_writable, write_table
+from cylcontact.files import write_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -123,10 +124,8 @@ def simulate(
     from cylcontact.mechanism.study import agreement, first_of
 
     filmed = out is not None and out.suffix in FILM_SUFFIXES
-    if out is not None:
-        require_suffix(out, ".parquet", *FILM_SUFFIXES)
-    if table is not None:
-        require_suffix(table, *OUTPUT_SUFFIXES)
+    require_output(out, ".parquet", *FILM_SUFFIXES)
+    require_output(table, *OUTPUT_SUFFIXES)
     require(
         not resume or (out is not None and not filmed), "simulate", "--resume", None,
         "needs a file to go on from", "name it: -o run.parquet",
@@ -146,7 +145,6 @@ def simulate(
         first < total, "simulate", "--first", first, f"leaves none of {total} revolutions",
         "start earlier, or simulate more",
     )  # fmt: skip
-    require_writable(*filter(None, (out, table)))
     if out is None:
         statistics = _statistics(mechanism, settings, total, first)
     elif filmed:
@@ -266,7 +264,7 @@ def sweep(
     from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.study import first_of
 
-    _require_table(out)
+    require_output(out, *OUTPUT_SUFFIXES)
     if fit is not None:
         changes = {**changes, "clearance": _of_fit(fit, changes.get("clearance"))}
     mechanism = read_mechanism(spec, materials)
@@ -305,7 +303,7 @@ def tolerances(
     from cylcontact.mechanism import tolerances as tabulate
     from cylcontact.mechanism.slider_crank import recognise
 
-    _require_table(out)
+    require_output(out, *OUTPUT_SUFFIXES)
     mechanism = read_mechanism(spec, materials)
     total = revolutions or mechanism.integration.revolutions
     wanted, where = _combined(changes), workers(jobs, scheduler)
@@ -354,7 +352,7 @@ def bifurcation(
     from cylcontact.mechanism import bifurcation as tabulate
     from cylcontact.mechanism import read_mechanism
 
-    _require_table(out)
+    require_output(out, *OUTPUT_SUFFIXES)
     mechanism = read_mechanism(spec, materials, law=law, restitution=restitution, friction=friction)
     ends = numbers("--clearance", clearance) or [0.01, 0.5]
     require(
@@ -383,9 +381,3 @@ def _counted(periods: pd.Series) -> Sequence[str]:
     ]
     short = int(periods.isna().sum())
     return [*texts, f"{short} too short to tell"] if short else texts
-
-
-def _require_table(out: Path) -> None:
-    """Refuse a table that cannot be written, before anything is computed."""
-    require_suffix(out, *OUTPUT_SUFFIXES)
-    require_writable(out)

@@ -15,7 +15,7 @@ import typer
 
 from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
-from cylcontact.files import require_apart
+from cylcontact.files import require_apart, require_suffix, require_writable
 from cylcontact.reading import plain_number
 
 RESULTS = Path("fitting/results")
@@ -140,6 +140,14 @@ def takes(name: str, options: Options, listed: bool = True) -> Callable[..., Cal
         return expanded
 
     return expand
+
+
+def require_output(path: Path | None, *suffixes: str) -> None:
+    """Refuse an output that cannot be written or has none of some suffixes, before any work."""
+    if path is not None:
+        require_writable(path)
+        if suffixes:
+            require_suffix(path, *suffixes)
 
 
 def keep_inputs(command: Callable[..., None]) -> Callable[..., None]:

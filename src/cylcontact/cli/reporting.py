@@ -18,6 +18,7 @@ from cylcontact.cli.options import (
     option,
     output,
     plain_numbers,
+    require_output,
     several,
     takes,
 )
@@ -29,7 +30,6 @@ from cylcontact.files import (
     replacing_all,
     require_apart,
     require_suffix,
-    require_writable,
     shipped_bench,
     write_table,
 )
@@ -114,9 +114,8 @@ def claims(
     from cylcontact.reports.paper import paper_of
 
     bench = Bench(Path(), results, jobs or cores())
+    require_output(out, ".csv", ".json")
     if out is not None:
-        require_suffix(out, ".csv", ".json")
-        require_writable(out)
         require_apart([out], bench.inputs)
     folder = bench.recipes_folder / "claims"
     remedy = "run it in a folder that has them; cylcontact init FOLDER lays one out"
@@ -329,8 +328,7 @@ def export(
     if what is None:
         remedy = "name one, e.g. explicit, or a joint with --joint"
         raise InputError("export", "RESULT|LAW", None, "is missing", remedy)
-    if out is not None:
-        require_writable(out)
+    require_output(out)
     housing = _housing_of(pair, "export")
     if housing is not None:
         law = in_housing(what, housing, "export", "RESULT|LAW")
@@ -412,8 +410,7 @@ def _export_joint(
     for key, value in others.items():
         rule = "is in the file of the joint already"
         raise InputError("export", key, value, rule, "leave it out, or --joint")
-    if out is not None:
-        require_writable(out)
+    require_output(out)
     joint: SpatialJoint | ClearanceJoint
     if read_toml(path).get("kind") == "spatial":
         joint = SpatialJoint.read(path, pair.get("materials"))

@@ -7,7 +7,7 @@ from collections.abc import Collection
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from cylcontact.arrays import require
 from cylcontact.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, Contact, listed
@@ -220,16 +220,11 @@ def _of_result(path: str, contact: Contact | None) -> tuple[ContactLaw, Contact,
 
 
 def _require_target(target: str, targets: Collection[str] = TARGETS) -> None:
-    if target not in targets:
-        raise InputError(
-            "export", "--to", target, "is not a known target", f"choose {listed(targets)}"
-        )
+    rule, remedy = "is not a known target", f"choose {listed(targets)}"
+    require(target in targets, "export", "--to", target, rule, remedy)
 
 
 def _contact(contact: str | None) -> Contact | None:
-    known: tuple[Contact | None, ...] = (*CONTACTS, None)
-    if contact in known:
-        return known[known.index(contact)]
-    raise InputError(
-        "export", "--contact", contact, "is not a contact", f"choose {listed(CONTACTS)}"
-    )
+    rule, remedy = "is not a contact", f"choose {listed(CONTACTS)}"
+    require(contact in (*CONTACTS, None), "export", "--contact", contact, rule, remedy)
+    return cast("Contact | None", contact)

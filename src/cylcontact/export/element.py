@@ -24,14 +24,13 @@ from cylcontact.export.exported_law import (
     MEANINGS,
     declared,
     expression,
-    flat,
     paragraph,
     renamed,
     safe_names,
 )
 from cylcontact.export.program import Program
 from cylcontact.export.render import WIDTH, Dialect, filled_template
-from cylcontact.laws.formula import Step, names_in, needed, steps_of
+from cylcontact.laws.formula import Step, flat, names_in, needed, steps_of
 from cylcontact.laws.kernels import TABLE, Kernel
 from cylcontact.laws.law import ContactLaw, Law
 from cylcontact.pair import CylinderPair

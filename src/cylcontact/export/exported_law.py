@@ -25,6 +25,7 @@ from cylcontact.laws.formula import (
     Formula,
     Step,
     assigned_in,
+    flat,
     names_in,
     needed,
     steps_of,
@@ -207,24 +208,16 @@ class ExportedLaw:
 
 def _names_in_c(name: str, in_cpp: bool) -> dict[str, str]:
     """Return what differs between C and C++, which has a namespace in a header."""
-    if in_cpp:
-        return {
-            "standard": "C++11: load, stiffness, and evaluate for both, in a namespace.",
-            "guard": name.upper(),
-            "declared": "",
-            "inline": "inline ",
-            "both": "evaluate",
-            "of_load": "load",
-            "of_stiffness": "stiffness",
-        }
+    before = "" if in_cpp else f"{name}_"
+    cpp = "C++11: load, stiffness, and evaluate for both, in a namespace."
     return {
-        "standard": "C99; link with -lm.",
-        "guard": "",
-        "declared": "functions",
-        "inline": "",
-        "both": name,
-        "of_load": f"{name}_load",
-        "of_stiffness": f"{name}_stiffness",
+        "standard": cpp if in_cpp else "C99; link with -lm.",
+        "guard": name.upper() if in_cpp else "",
+        "declared": "" if in_cpp else "functions",
+        "inline": "inline " if in_cpp else "",
+        "both": "evaluate" if in_cpp else name,
+        "of_load": f"{before}load",
+        "of_stiffness": f"{before}stiffness",
     }
 
 
@@ -335,13 +328,6 @@ def safe_names(
         taken.add(word.lower())
         names[name] = word
     return names
-
-
-def flat(steps: Iterable[Step]) -> Iterable[Step]:
-    """Yield all steps, those of loops too."""
-    for step in steps:
-        yield step
-        yield from flat(step.body)
 
 
 def renamed(step: Step, names: Mapping[str, str]) -> Step:

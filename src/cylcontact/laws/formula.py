@@ -107,7 +107,7 @@ def needed(steps: Sequence[Step], *results: str) -> tuple[Step, ...]:
             inside = needed(step.body, *wanted)
             if inside:  # what one turn needs, the turn before has to give
                 while True:
-                    used = wanted.union(*(names_in(each.value) for each in _flat(inside)))
+                    used = wanted.union(*(names_in(each.value) for each in flat(inside)))
                     if used == wanted:
                         break
                     wanted, inside = used, needed(step.body, *used)
@@ -176,7 +176,7 @@ class Formula:
     @cached_property
     def arguments(self) -> tuple[str, ...]:
         """The properties of a pair that the formula uses, those of `OF_PAIR`."""
-        used = set().union(*(names_in(step.value) for step in _flat(self.steps)))
+        used = set().union(*(names_in(step.value) for step in flat(self.steps)))
         return tuple(name for name in OF_PAIR if name in used)
 
     @cached_property
@@ -198,7 +198,7 @@ class Formula:
     def numbers_of(self, *results: str) -> tuple[str, ...]:
         """Return the names of a pair's numbers that some results need besides the penetration."""
         steps = needed(self.at_depth, *results)
-        used = {*results}.union(*(names_in(step.value) for step in _flat(steps)))
+        used = {*results}.union(*(names_in(step.value) for step in flat(steps)))
         own = {*assigned_in(steps), _DEPTH, *FUNCTIONS, "range", "inf", "nan", "pi"}
         taken = _constants(self.function, 2)
         known = dict.fromkeys((*OF_PAIR, *taken, *self.constants, *assigned_in(self.at_pair)))
@@ -233,11 +233,11 @@ class Formula:
         return _compiled((_DEPTH, *others, "**_"), steps, result)
 
 
-def _flat(steps: Iterable[Step]) -> Iterator[Step]:
+def flat(steps: Iterable[Step]) -> Iterator[Step]:
     """Yield all steps, those of loops too."""
     for step in steps:
         yield step
-        yield from _flat(step.body)
+        yield from flat(step.body)
 
 
 def _dependent(steps: Sequence[Step]) -> set[str]:
@@ -245,7 +245,7 @@ def _dependent(steps: Sequence[Step]) -> set[str]:
     depends = {_DEPTH}
     while True:
         more = depends | {
-            s.name for s in _flat(steps) if names_in(s.value) & depends and not s.body
+            s.name for s in flat(steps) if names_in(s.value) & depends and not s.body
         }
         for s in steps:  # a loop runs as a whole
             if s.body and more & {*assigned_in([s])}:
