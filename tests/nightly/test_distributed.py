@@ -9,10 +9,10 @@ from dataclasses import replace
 import pytest
 
 from cylcontact import InputError, parallel
-from cylcontact.fitting import FitResult, calibrate
+from cylcontact.fitting import calibrate
 from cylcontact.parallel import Cluster, call, run_calls
 from tests.support.dask_cluster import LoopbackCluster, kill
-from tests.support.spec_files import assert_told, write_bench
+from tests.support.spec_files import assert_told
 
 pytestmark = [
     pytest.mark.slow,
@@ -75,15 +75,6 @@ def test_a_worker_killed_on_the_way_changes_nothing(short_lived, small_campaign,
     assert bits(actual) == bits(small_result)
 
 
-@pytest.mark.long
-def test_the_command_line_fits_on_a_cluster(loopback, tmp_path, monkeypatch, run, small_result):
-    write_bench(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    arguments = ("fit", "fitting/small.toml", "--scheduler", loopback.address, "-o", "r.json")
-    assert run(*arguments)[0] == 0
-    assert bits(FitResult.read("r.json")) == bits(small_result)
-
-
 # --- one clear line ---------------------------------------------------------------------------
 
 
@@ -105,27 +96,20 @@ def test_a_cluster_without_workers(tmp_path, monkeypatch):
     assert_told(caught, "--scheduler", "", started.address, "has no workers after 1 s", remedy)
 
 
-def of_another_version(folder, package="cylcontact"):
-    """The environment of a process that finds another version of a package.
-
-    A package's version is what the first of its metadata on the path says.
-    """
-    metadata = folder / f"{package}-0.0.0.dist-info/METADATA"
-    metadata.parent.mkdir()
-    metadata.write_text(f"Name: {package}\nVersion: 0.0.0")
-    return {"PYTHONPATH": os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")])}
-
-
 @pytest.mark.long
 def test_another_version_is_refused_before_any_work(tmp_path):
-    package = "numpy"
+    """A package's version is what the first of its metadata on the path says."""
+    metadata = tmp_path / "numpy-0.0.0.dist-info/METADATA"
+    metadata.parent.mkdir()
+    metadata.write_text("Name: numpy\nVersion: 0.0.0")
+    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
     with LoopbackCluster(tmp_path, workers=0) as started:
-        started.add_worker(of_another_version(tmp_path, package))
+        started.add_worker({"PYTHONPATH": path})
         with pytest.raises(InputError) as caught:
             list(run_calls([call(abs, -1)], Cluster(started.address)))
     remedy = "install the same on all machines"
     assert caught.value.rule.startswith("its worker tcp://127.0.0.1:")
-    assert_told(caught, "--scheduler", "", started.address, f"has {package} 0.0.0, here", remedy)
+    assert_told(caught, "--scheduler", "", started.address, "has numpy 0.0.0, here", remedy)
 
 
 @pytest.mark.long

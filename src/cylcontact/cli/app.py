@@ -5,7 +5,7 @@ from collections.abc import Callable
 import typer
 
 import cylcontact
-from cylcontact.cli import finite_element, fit, init, mechanism, reporting
+from cylcontact.cli import finite_element, fit, init, laws, mechanism, reporting
 from cylcontact.cli.options import keep_inputs, option
 
 
@@ -46,8 +46,8 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         fit.compare: "compare fitting/results/internal.json",
     },
     "Laws": {
-        reporting.laws: 'laws --pin "low-carbon steel" --hole bronze --dR 0.05',
-        reporting.export: "export johnson --to c",
+        laws.laws: 'laws --pin "low-carbon steel" --hole bronze --dR 0.05',
+        laws.export: "export johnson --to c",
     },
     "Mechanism": {
         mechanism.simulate: "simulate datasets/slider_crank.toml --law explicit --revolutions 3",

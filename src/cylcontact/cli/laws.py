@@ -1,0 +1,296 @@
+"""The commands `laws` and `export`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from cylcontact.choices import CODES, JOINT_TARGETS, TARGETS, listed
+from cylcontact.cli.options import (
+    argument,
+    number,
+    option,
+    output,
+    plain_numbers,
+    require_output,
+    takes,
+)
+from cylcontact.cli.pair import PAIR, blaming_options, constants_of, housing_of, option_of, pair_of
+from cylcontact.cli.terminal import say
+from cylcontact.errors import InputError, require
+from cylcontact.files import replacing_all, require_suffix, shipped_bench
+
+if TYPE_CHECKING:
+    from cylcontact.laws import Housing
+    from cylcontact.pair import CylinderPair
+
+
+@takes("pair", PAIR)
+def laws(
+    *,
+    load: float = number("Load per unit length, N/mm.", default=100.0),
+    own: str | None = option("A function of your own to list as well.", metavar="MODULE:FUNCTION"),
+    fit: str | None = option("A fit, 20H7/g6, in place of the radii.", metavar="CODE"),
+    temperature: str | None = option(
+        "Of pin and hole, °C, or PIN,HOLE; radii hold at 20.", metavar="T"
+    ),
+    find: str | None = option("dR, E or length, for a stiffness or penetration.", metavar="WHAT"),
+    stiffness: float | None = number("For --find, N/mm²; of a length N/mm."),
+    penetration: float | None = number("For --find, µm."),
+    pair: dict[str, Any],
+) -> None:
+    """Compare the laws for a pair, and say which one to use.
+
+    Without options it is a steel pin (207 GPa, 0.3) in a hole of 10 mm radius with ΔR = 0.05 mm.
+    With --fit it begins with the band of the fit. With --find it prints a clearance, a modulus or a
+    length alone; for a length --load is the total force in N.
+    """
+    from cylcontact.laws.user import user_law
+    from cylcontact.limits import yield_warning
+    from cylcontact.pair import unusual_lengths
+    from cylcontact.reports import laws_to_use
+    from cylcontact.reports.bench import Bench
+    from cylcontact.reports.laws_table import to_text
+
+    around = _housing_of(pair, "laws")
+    cylinders = _pair_of(pair, "laws")
+    warm = _temperatures(temperature)
+    if fit is not None:
+        cylinders = _of_fit(fit, cylinders, pair, load, warm)
+    if temperature is not None:
+        cylinders = cylinders.at_temperature(**warm)
+    if find is not None:
+        _find(find, cylinders, load, stiffness, penetration)
+        return
+    for name, value in (("--stiffness", stiffness), ("--penetration", penetration)):
+        require(value is None, "laws", name, value, "is for --find", "add --find dR")
+    advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
+    listed_too = None if own is None else user_law(own, Path.cwd())
+    say(f"{advice}\n\n{to_text(cylinders, load, listed_too, around)}")
+    for warning in (yield_warning(load, cylinders, around), *unusual_lengths(cylinders)):
+        if warning is not None:
+            say(f"warning: {warning}", err=True)
+
+
+def _temperatures(text: str | None) -> dict[str, float]:
+    """Return the temperatures of pin and hole by name; none without the option."""
+    if text is None:
+        return {}
+    values = plain_numbers(text.split(","))
+    rule, remedy = "must be one number or two, PIN,HOLE", "e.g. 80 or 80,60"
+    if values is None or len(values) > 2:
+        raise InputError("laws", "--temperature", text, rule, remedy)
+    return {"pin": values[0], "hole": values[-1]}
+
+
+def _of_fit(
+    code: str, pair: CylinderPair, given: Mapping[str, Any], load: float, warm: dict[str, float]
+) -> CylinderPair:
+    """Print the bands of a fit, and return the pair in its middle."""
+    from dataclasses import replace
+
+    from cylcontact.fits import Fit
+    from cylcontact.sizing import bands
+
+    sizes = ("dR_mm", "R_i_mm", "R_j_mm", "hole_diameter", "pin_diameter")
+    for name in filter(given.__contains__, sizes):
+        rule = f"is given by the fit {code}"
+        raise InputError("laws", option_of(name), given[name], rule, "leave one of them out")
+    rule, remedy = "has no fit", "leave out --contact, or --fit"
+    require(pair.contact == "internal", "laws", "--contact", pair.contact, rule, remedy)
+    fit = Fit.read(code, "laws", "--fit")
+    fit.require_clearance("laws", "--fit")
+    over = bands(
+        fit, pair, load, pin_temperature=warm.get("pin"), hole_temperature=warm.get("hole")
+    )
+    say(f"{over}\n")
+    R_i, R_j = fit.radii(0.5)
+    return replace(pair, dR=R_i - R_j, R_i=R_i, R_j=R_j)
+
+
+def _find(
+    what: str, pair: CylinderPair, load: float, stiffness: float | None, penetration: float | None
+) -> None:
+    """Print the clearance, modulus or length that meets a stiffness or a penetration."""
+    from cylcontact.sizing import UNKNOWNS
+    from cylcontact.sizing import find as found
+
+    with blaming_options({"stiffness": "--stiffness", "load": "--load", "": "--find"}, "laws"):
+        depth = None if penetration is None else 1e-3 * penetration
+        value = found(what, pair, load, stiffness=stiffness, penetration=depth)  # type: ignore[arg-type]
+    wanted = f"{stiffness:g} N/mm{'' if what == 'length' else '²'}"
+    if stiffness is None:
+        wanted = f"{penetration:g} µm"
+    unit = "N" if what == "length" else "N/mm"
+    say(f"{what} = {value:.6g} {UNKNOWNS[what][0]} gives {wanted} under {load:g} {unit}")  # type: ignore[index]
+
+
+def _housing_of(pair: dict[str, Any], source: str) -> Housing | None:
+    """Return the housing that options give, and take them away."""
+    housing = housing_of(pair, source, pair.get("contact", "internal"))
+    if housing is None:
+        return None
+    from cylcontact.materials import own_table
+
+    own = own_table(pair.get("materials"), Path(), source, "--materials")
+    return housing.with_numbers(own, source, "--layer").housing
+
+
+def _pair_of(pair: Mapping[str, Any], source: str) -> CylinderPair:
+    """Return the pair that options give, and for the rest that which is compared by default."""
+    from cylcontact.materials import known_materials, own_table
+    from cylcontact.reports.laws_table import case
+
+    contact = pair.get("contact", "internal")
+    constants, options = constants_of(pair, source, contact)
+    rows = known_materials(own_table(pair.get("materials"), Path(), source, "--materials"))
+    return pair_of(constants, options, contact, rows, source, case())
+
+
+@takes("pair", PAIR, listed=False)
+def export(
+    what: str | None = argument(
+        "A fit result, or a law: johnson, or mine:load.", metavar="[RESULT|LAW]", default=None
+    ),
+    *,
+    joint: Path | None = option(
+        "A joint, e.g. datasets/joint.toml, as a force element.", metavar="JOINT"
+    ),
+    target: str = option(
+        f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}, or with --range {listed(CODES)}.",
+        "--to",
+        metavar="TARGET",
+        default=...,
+    ),
+    force_range: str | None = option(
+        "Total force in N for a code's own contact.", "--range", metavar="LOW:HIGH"
+    ),
+    mass: float | None = number("Effective mass of its impacts, kg; 1."),
+    speed: float | None = number("Their speed, m/s; by the middle of the range."),
+    out: Path | None = output("The file; standard output by default, but for a joint."),
+    pair: dict[str, Any],
+) -> None:
+    """Write a law, or a clearance joint, in another language.
+
+    A law in a housing (--R-o, --clamp) is of one pair, which takes the options of cylcontact laws;
+    others are of any. With --range, print the parameters of the code's own contact that follow a
+    joint's law over a range.
+    """
+    from cylcontact.export import export as exported
+    from cylcontact.export import export_named
+    from cylcontact.export.in_housing import law_in_housing
+    from cylcontact.housing_spec import in_housing
+
+    if target in CODES:
+        _print_parameters(joint, target, force_range, mass, speed, pair.get("materials"), out)
+        return
+    for name, value in (("--range", force_range), ("--mass", mass), ("--speed", speed)):
+        remedy = f"leave it out, or choose --to {listed(CODES)}"
+        require(value is None, "export", name, value, "is for a code's own contact", remedy)
+    if joint is not None:
+        _export_joint(joint, target, out, what, pair)
+        return
+    if what is None:
+        remedy = "name one, e.g. explicit, or a joint with --joint"
+        raise InputError("export", "RESULT|LAW", None, "is missing", remedy)
+    require_output(out)
+    housing = _housing_of(pair, "export")
+    if housing is not None:
+        law = in_housing(what, housing, "export", "RESULT|LAW")
+        law, words = law_in_housing(law, _pair_of(pair, "export"))
+        say(f"{what} in this housing: {words}", err=True)
+        source = exported(law, None, target, words)
+    else:
+        contact = pair.pop("contact", None)
+        for name, value in pair.items():
+            rule, remedy = "is for a law in a housing or a joint", "leave it out, or add --R-o"
+            raise InputError("export", option_of(name), value, rule, remedy)
+        source = export_named(what, contact, target)
+    _write_law(what, source, out)
+
+
+def _write_law(what: str, source: str | bytes, out: Path | None) -> None:
+    """Write an exported law to the file `out`, or as text to standard output."""
+    if out is not None:
+        _write(what, {out: source})
+        return
+    remedy = "name the file, e.g. -o law.fmu"
+    require(isinstance(source, str), "export", "--out", None, "is missing for an FMU", remedy)
+    typer.echo(source, nl=False)
+
+
+def _write(name: str, texts: Mapping[Path, str | bytes]) -> None:
+    """Write what is exported, all of its files or none."""
+    with replacing_all(texts) as files:
+        for file, text in zip(files, texts.values(), strict=True):
+            file.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
+    say(f"{name} written to {', '.join(map(str, texts))}")
+
+
+def _print_parameters(
+    path: Path | None,
+    code: str,
+    force_range: str | None,
+    mass: float | None,
+    speed: float | None,
+    materials: str | None,
+    out: Path | None,
+) -> None:
+    """Print the parameters of a code's own contact, or write them to the file `out`."""
+    from cylcontact.export import contact_parameters
+    from cylcontact.mechanism import read_joint
+    from cylcontact.pair import unusual_lengths
+
+    if path is None:
+        remedy = "name its file, e.g. --joint datasets/joint.toml"
+        raise InputError("export", "--joint", None, f"is missing for {code}", remedy)
+    ends = plain_numbers((force_range or "").split(":"))
+    if ends is None or len(ends) != 2:
+        rule, remedy = "must be the smallest and the largest total force in N", "e.g. 100:5000"
+        raise InputError("export", "--range", force_range, rule, remedy)
+    joint = read_joint(path, materials)
+    low, high = ends
+    parameters = contact_parameters(joint, code, low, high, 1.0 if mass is None else mass, speed)
+    if out is None:
+        typer.echo(parameters)
+    else:
+        _write(joint.name, {out: f"{parameters}\n"})
+    if high > joint.first_yield:
+        say(f"warning: {path}: first yield is at {joint.first_yield:.4g} N", err=True)
+    for warning in unusual_lengths(joint.pair):
+        say(f"warning: {path}: {warning}", err=True)
+
+
+def _export_joint(
+    path: Path, target: str, out: Path | None, what: str | None, pair: Mapping[str, Any]
+) -> None:
+    """Write a joint as a force element, next to the file `out`."""
+    from cylcontact.export import export_joint
+    from cylcontact.mechanism import ClearanceJoint, SpatialJoint, read_joint
+    from cylcontact.pair import unusual_lengths
+    from cylcontact.spec import read_toml
+
+    others = {"RESULT|LAW": what} if what else {}
+    others |= {option_of(name): value for name, value in pair.items() if name != "materials"}
+    for key, value in others.items():
+        rule = "is in the file of the joint already"
+        raise InputError("export", key, value, rule, "leave it out, or --joint")
+    require_output(out)
+    joint: SpatialJoint | ClearanceJoint
+    if read_toml(path).get("kind") == "spatial":
+        joint = SpatialJoint.read(path, pair.get("materials"))
+        planar = joint.planar
+    else:
+        joint = planar = read_joint(path, pair.get("materials"))
+    texts = export_joint(joint, target, out.stem if out else "")
+    suffix = JOINT_TARGETS[target]
+    if out is None:
+        remedy = f"name the file, e.g. -o {planar.identifier}{suffix}"
+        raise InputError("export", "--out", None, "is missing for a joint", remedy)
+    require_suffix(out, suffix)
+    _write(planar.name, {out.with_name(name): text for name, text in texts.items()})
+    for warning in unusual_lengths(planar.pair):
+        say(f"warning: {path}: {warning}", err=True)
