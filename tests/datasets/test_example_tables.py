@@ -93,12 +93,6 @@ def test_the_rig_with_its_compliance_and_drift_gives_the_truth(corrected):
     assert not result.uncertainty.findings
 
 
-def test_the_plain_fit_of_the_specimens_asks_for_their_column():
-    result = fit(SPECIMENS)
-    assert "--group COLUMN" in remedies(result)["sequence"]
-    assert "--noise both" in remedies(result)["spread"]
-
-
 @pytest.mark.parametrize("scale", [0.0, 0.5, 2.0])
 def test_offsets_of_the_series_are_no_misfit_of_the_law(scale):
     pair = script(SPECIMENS)["PAIR"]
@@ -111,27 +105,6 @@ def test_offsets_of_the_series_are_no_misfit_of_the_law(scale):
     result = cc.fit(table, "explicit", pair, group="specimen")
     assert result.r_squared == pytest.approx(fit(SPECIMENS, group="specimen").r_squared, abs=1e-3)
     assert "does not describe" not in str(result)
-
-
-def test_a_scatter_that_grows_is_told_from_a_constant_one():
-    result = fit(SPECIMENS, group="specimen", noise="constant")
-    assert remedies(result) == {"spread": "allow for both kinds of scatter with --noise both"}
-
-
-@pytest.mark.slow
-def test_an_error_of_the_load_takes_its_part_of_the_scatter():
-    pair, truth = script(SPECIMENS)["PAIR"], script(SPECIMENS)["TRUTH"]
-    shares = [
-        fit(SPECIMENS, group="specimen", load_error=error).uncertainty.noise.deviations
-        for error in (None, 0.01)
-    ]
-    before, after = (each["proportional"] for each in shares)
-    assert before == pytest.approx(truth["proportional"], rel=0.2, abs=0)
-    # 1 % of load is so much of the penetration at the loads that tell the proportional scatter.
-    load = np.array([600.0, 2000.0])
-    ratio = np.log(np.divide(*cc.laws.Explicit().penetration(load, pair)))
-    exponent = ratio / np.log(load[0] / load[1])
-    assert after == pytest.approx(np.sqrt(before**2 - (0.01 * exponent) ** 2), rel=0.05, abs=0)
 
 
 def test_the_specimens_by_groups_give_the_truth():
