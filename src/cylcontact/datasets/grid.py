@@ -47,17 +47,21 @@ class AxisSpec(Spec):
     def _check(self) -> AxisSpec:
         ranged = {k: getattr(self, k) for k in ("min", "max", "points", "spacing")}
         if self.values is not None:
-            _check_values(self.values, [k for k, v in ranged.items() if v is not None])
+            others = [key for key, value in ranged.items() if value is not None]
+            if others:
+                rule, remedy = (
+                    "cannot be combined with values",
+                    "keep either the range or the values",
+                )
+                raise broken(others[0], None, rule, remedy)
+            if not self.values or any(b <= a for a, b in pairwise(self.values)):
+                rule, remedy = "must be a list of increasing numbers", "sort it, drop repeats"
+                raise broken("values", list(self.values), rule, remedy)
             return self
-        missing = [key for key, value in ranged.items() if value is None]
-        if missing:
-            rule = "is required"
-            remedy = "an axis takes min, max, points and spacing, or values = [...]"
-            raise broken(missing[0], None, rule, remedy)
-        self._check_range()
-        return self
-
-    def _check_range(self) -> None:
+        for key, value in ranged.items():
+            if value is None:
+                remedy = "an axis takes min, max, points and spacing, or values = [...]"
+                raise broken(key, None, "is required", remedy)
         low, high, points = self.min or 0.0, self.max or 0.0, self.points or 0
         if low >= high:
             raise broken("min", low, f"must be below max = {high}", "exchange or correct them")
@@ -66,9 +70,9 @@ class AxisSpec(Spec):
         if points > _MAX_POINTS:
             raise broken("points", points, f"must be at most {_MAX_POINTS}", "thin the axis")
         if self.spacing == "log" and low <= 0:
-            raise broken(
-                "min", low, "log spacing needs a positive min", 'raise it, or use "linear"'
-            )
+            rule, remedy = "log spacing needs a positive min", 'raise it, or use "linear"'
+            raise broken("min", low, rule, remedy)
+        return self
 
     def numbers(self) -> FloatArray:
         """Return the axis's values, shape (points,)."""
@@ -76,18 +80,6 @@ class AxisSpec(Spec):
             return np.array(self.values, dtype=np.float64)
         spaced = np.geomspace if self.spacing == "log" else np.linspace
         return np.asarray(spaced(self.min or 0.0, self.max or 0.0, self.points or 0))
-
-
-def _check_values(values: tuple[float, ...], others: list[str]) -> None:
-    """Raise an error for an empty or unordered list, or one combined with a range."""
-    if others:
-        raise broken(
-            others[0], None, "cannot be combined with values", "keep either the range or the values"
-        )
-    if not values or any(b <= a for a, b in pairwise(values)):
-        raise broken(
-            "values", list(values), "must be a list of increasing numbers", "sort it, drop repeats"
-        )
 
 
 class AxesSpec(Spec):
@@ -380,23 +372,9 @@ def grid_from(data: dict[str, Any], source: str) -> AnyGrid:
     axes = data.get("axes")
     if isinstance(axes, dict) and not axes.keys().isdisjoint(DimensionlessGrid.axes):
         own = parse_spec(DimensionlessGridSpec, data, source)
-        alpha, beta, phi = own.axes.alpha, own.axes.beta, own.axes.phi
-        numbers = (alpha.numbers(), beta.numbers(), phi.numbers())
-        return DimensionlessGrid(own.reference, *numbers, source)
-    return _grid_from(data, source)
-
-
-def _grid_from(data: dict[str, Any], source: str) -> Grid:
-    """Return the grid of E, ν, ΔR and load."""
+        alpha, beta, phi = (getattr(own.axes, name).numbers() for name in DimensionlessGrid.axes)
+        return DimensionlessGrid(own.reference, alpha, beta, phi, source)
     spec = parse_spec(GridSpec, data, source)
-    axes = spec.axes
-    return Grid(
-        contact=spec.contact,
-        reference=spec.reference,
-        E=axes.E.numbers(),
-        nu=axes.nu.numbers(),
-        dR=axes.dR.numbers(),
-        load=axes.load.numbers(),
-        source=source,
-        penetrations=None if spec.penetrations is None else np.array(spec.penetrations),
-    )
+    E, nu, dR, load = (getattr(spec.axes, name).numbers() for name in AxesSpec.model_fields)
+    penetrations = None if spec.penetrations is None else np.array(spec.penetrations)
+    return Grid(spec.contact, spec.reference, E, nu, dR, load, source, penetrations)

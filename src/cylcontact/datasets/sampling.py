@@ -97,32 +97,12 @@ def _blocks_of_rows(grid: AnyGrid, dR: float, rows: IndexArray) -> Iterator[Bloc
         for first in range(0, grid.load.size, loads_per_block):
             load = grid.load[first : first + loads_per_block]
             penetration = law.penetration(load, pair)
-            yield _masked_block(dR, grid.row_values(here), load, penetration, pair.E_star)
-
-
-def _masked_block(
-    dR: float,
-    row_values: tuple[FloatArray, FloatArray],
-    load: FloatArray,
-    penetration: FloatArray,
-    E_star: FloatArray,
-) -> Block:
-    """Return a flat block without the samples outside the domain of the reference."""
-    inside = np.isfinite(penetration)
-    whole = bool(inside.all())
-
-    def masked(column: FloatArray) -> FloatArray:
-        full = np.broadcast_to(column, penetration.shape)
-        return full.ravel() if whole else full[inside]
-
-    return Block(
-        dR=dR,
-        row_values=(masked(row_values[0]), masked(row_values[1])),
-        load=masked(load),
-        penetration=masked(penetration),
-        E_star=masked(E_star),
-        masked=int(penetration.size - np.count_nonzero(inside)),
-    )
+            inside = np.isfinite(penetration)
+            columns = *grid.row_values(here), load, penetration, pair.E_star
+            one, other, f, depth, E_star = (
+                np.broadcast_to(column, inside.shape)[inside] for column in columns
+            )
+            yield Block(dR, (one, other), f, depth, E_star, inside.size - f.size)
 
 
 def reduce_grid(
