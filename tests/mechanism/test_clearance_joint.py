@@ -11,17 +11,14 @@ import pytest
 from cylcontact import CylinderPair, InputError, Material, dissipation, laws
 from cylcontact.export import JOINT_TARGETS, export_joint
 from cylcontact.mechanism import (
-    JointState,
     contact,
-    isolated_impact,
     joint_from,
     read_joint,
     simulate,
 )
 from cylcontact.mechanism.joint import BEYOND_LAW, YIELDS
 from cylcontact.spec import read_toml
-from tests.support.export_runners import compile_with, run_program
-from tests.support.joint_runners import RUNNERS, run_c, run_library, run_octave, run_python, write
+from tests.support.joint_runners import RUNNERS, run_c, run_library, run_python
 from tests.support.mechanism_cases import slider_crank
 from tests.support.spec_files import DROP, changed
 
@@ -134,30 +131,6 @@ def test_the_joint_gives_the_trajectorys_own_forces(case):
 
 
 @each_case
-def test_moments_are_those_of_the_compiled_contact(case):
-    run, joint = run_of(*case), joint_for(*case)
-    answers, rows = run_library(joint, rows_of(run)), rows_of(run)
-    block = joint.block.copy()
-    for row, answer in zip(rows[run.in_contact][::7], answers[run.in_contact][::7], strict=True):
-        motion = (*-row[7:9], *-row[10:12], row[6], row[12])
-        wanted = contact.forces_at(tuple(motion), row[0], block, joint.kernel.parameters)
-        np.testing.assert_allclose(answer[2:4], wanted[2:4], rtol=1e-12, atol=1e-15)
-
-
-@each_case
-def test_accept_along_a_trajectory_keeps_its_impact_rates(case):
-    run, joint = run_of(*case), joint_for(*case)
-    rows = rows_of(run)
-    state, kept = joint.start(), []
-    for row in rows:
-        state = joint.accept(state, row[1:7], row[7:])
-        kept.append(state.impact_rate)
-    # Where the event's root rounds to no contact, the first is the next step, 2 nm deep.
-    inside = run.in_contact & (run.penetration > 5e-9)
-    np.testing.assert_allclose(np.array(kept)[inside], rows[inside, 0], rtol=1e-2)
-
-
-@each_case
 def test_forces_and_moments_balance_and_dissipate(case):
     joint, rows = absolute_joint(*case), rows_of(run_of(*case), relative=False)
     answers = run_library(joint, rows)
@@ -222,13 +195,6 @@ def test_exports_agree_with_library_and_trajectory(language, case, tmp_path):
     rows = rows_of(run)[:: 8 if language == "matlab" else 1]
     answers = RUNNERS[language](joint, rows, tmp_path)
     assert_close(answers, run_library(joint, rows), 1e-12)
-
-
-@pytest.mark.slow
-@each_case
-def test_matlab_agrees_at_every_state(case, tmp_path):
-    joint, rows = joint_for(*case), rows_of(run_of(*case))
-    assert_close(RUNNERS["matlab"](joint, rows, tmp_path), run_library(joint, rows), 1e-12)
 
 
 @pytest.mark.parametrize("units", ["SI", "mm"])
@@ -362,82 +328,7 @@ def test_exports_flag_and_start_as_the_library(language, law, tmp_path):
     np.testing.assert_allclose(answers, wanted, rtol=1e-9, atol=1e-9)
 
 
-TWO = """
-#include <stdio.h>
-#include "left.h"
-#include "right.h"
-int main(void)
-{
-    const double still[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-    const double slow[6] = {51e-6, 0.0, 0.0, 0.01, 0.0, 0.0};
-    const double fast[6] = {51e-6, 0.0, 0.0, 0.09, 0.0, 0.0};
-    left_state a, b;
-    right_state c;
-    left_wrench w;
-    left_start(&a); left_start(&b); right_start(&c);
-    left_accept(&a, still, slow); right_accept(&c, still, slow); left_accept(&b, still, fast);
-    for (int k = 0; k < 3; k++) left_evaluate(&b, still, slow, &w);
-    printf("%.17g %.17g %.17g %.17g\\n", a.impact_rate, b.impact_rate, c.impact_rate,
-        w.normal_force);
-    return 0;
-}
-"""
-
-
-def test_joints_in_one_program_have_states_of_their_own(tmp_path):
-    first = joint_for("explicit", 0.05, name="left")
-    second = joint_for("conformal", 0.05, name="right")
-    sources = [write(first, "c", tmp_path, "left"), write(second, "c", tmp_path, "right")]
-    (tmp_path / "main.c").write_text(TWO)
-    flags = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-O2")
-    compile_with("gcc", *flags, *sources, tmp_path / "main.c", "-o", tmp_path / "two", "-lm")
-    a, b, c, normal = map(float, run_program(tmp_path / "two").split())
-    assert (a, b, c) == (0.01, 0.09, 0.01)
-    pin = [51e-6, 0.0, 0.0, 0.01, 0.0, 0.0]
-    wanted = first.evaluate(JointState(0.09), [0.0] * 6, pin).normal_force
-    assert normal == pytest.approx(float(wanted), rel=1e-12)
-
-
 # A pin that drops freely into a fixed bearing: flight, impact and flight back.
-DROP_OF_A_PIN = """
-1;
-addpath('{folder}');
-global joint rate
-joint = element(); rate = joint.start();
-function dx = motion(t, x)
-    global joint rate
-    w = joint.evaluate(rate, zeros(1, 6), [x(1), 0, 0, x(2), 0, 0]);
-    dx = [x(2); w.force_pin(1) / {mass}];
-end
-function [value, stops, direction] = touch(t, x)
-    global joint
-    w = joint.evaluate(0, zeros(1, 6), [x(1), 0, 0, x(2), 0, 0]);
-    value = w.penetration; stops = 1; direction = 0;
-end
-warning('off', 'integrate_adaptive:unexpected_termination'); % the event
-set = odeset('RelTol', 1e-10, 'AbsTol', 1e-14, 'Events', @touch, 'InitialStep', 1e-9, ...
-    'MaxStep', 1e-6);
-[t, x] = ode45(@motion, [0, 1e-3], [0; {speed}], set);
-% The root is right to rounding: a picosecond later the pin is inside.
-onset = x(end, :)' + 1e-12 * [x(end, 2); 0];
-rate = joint.accept(rate, zeros(1, 6), [onset(1), 0, 0, onset(2), 0, 0]);
-[t, x] = ode45(@motion, [0, 1e-3], onset, set);
-printf('%.17g %.17g %.17g %.17g\\n', rate, x(end, 2), max(x(:, 1)), t(end));
-"""
-
-
-def test_a_pin_dropped_in_octave_bounces_as_in_the_library(tmp_path):
-    changes = {"dissipation.factor": "exact", "dissipation.restitution": 0.8}
-    joint, mass, speed = joint_for("explicit", 0.05, **changes), 0.14, 0.5
-    write(joint, "matlab", tmp_path)
-    text = DROP_OF_A_PIN.format(folder=tmp_path, mass=mass, speed=speed)
-    rate, left, deepest, duration = map(float, run_octave(text, tmp_path).split())
-    assert rate == pytest.approx(speed, rel=1e-6)
-    assert -left / speed == pytest.approx(0.8, rel=1e-6)
-    impact = isolated_impact(joint.law, joint.pair, joint.chi, mass, speed)
-    clearance = float(joint.pair.dR) * 1e-3
-    assert deepest - clearance == pytest.approx(impact.max_penetration, rel=1e-4)
-    assert duration == pytest.approx(impact.duration, rel=1e-5)
 
 
 # --- what it says ---
@@ -492,48 +383,31 @@ def test_a_fit_result_is_a_law(tmp_path):
 def test_materials_may_be_named_or_given():
     joint = read_joint(ROOT / "datasets/joint.toml")
     bronze = Material.named("bronze")
-    assert joint.pair == CylinderPair.internal(
-        10.0, 9.95, bronze, 10.0, Material("pin", 207e3, 0.3, 250.0)
-    )
+    pin = Material("pin", 207e3, 0.3, 250.0)
+    assert joint.pair == CylinderPair.internal(10.0, 9.95, bronze, 10.0, pin)
     soft = {"pin.E": "200 MPa", "bearing.material": "PTFE", "bearing.E": DROP, "bearing.nu": DROP}
     pair = joint_for("explicit", 0.05, **soft).pair
     assert (pair.material_i.E, pair.material_j.E) == (500.0, 200.0)
-    given = joint_for("explicit", 0.05, **{"pin.E": "69e3 MPa", "bearing.yield_stress": 300.0})
-    assert given.pair.material_j.E == pytest.approx(69e3, rel=1e-15)
     harder = joint_from(changed(JOINT, {"bearing.yield_stress": 300.0}))
     assert (harder.pair.material_i.E, harder.pair.material_i.yield_stress) == (bronze.E, 300.0)
 
 
 NOT_FOR_IT = ROOT / "fitting/results/external.json"
 MISTAKES = {
-    "missing key": ({"pin.R": DROP}, "pin.R: is required; give R of the pin, or the clearance"),
     "missing table": ({"friction": DROP}, "friction: is required; add a table [friction]"),
-    "no modulus": ({"pin.E": DROP}, "pin.E: is required; give E, or material = NAME"),
     "no unit": ({"pin.E": "hard"}, "pin.E = 'hard': must be a number; give Young's modulus in GPa"),
-    "no stiffness": ({"pin.E": "0 GPa"}, "pin.E = '0 GPa': Young's modulus must be positive and"),
-    "in MPa": ({"pin.E": 207e3}, "pin.E = 207000.0: a bare number is in GPa, and diamond has 1200"),
     "both": ({"bearing.nu": 0.3}, "bearing.nu = 0.3: is that of the material already; remove nu"),
-    "unknown material": (
-        {"bearing.material": "cheese"},
-        "bearing.material = 'cheese': is not in the tables of materials; choose ceramics,",
-    ),
     "large pin": ({"pin.R": 10.0}, "pin.R = 10.0: does not fit in the hole; keep it below 10.0"),
     "units": ({"units": "inch"}, "units = 'inch': must be 'SI' or 'mm'; give \"SI\""),
     "name": ({"name": "4 pins"}, "name = '4 pins': cannot name a function; begin with one of A"),
     "long name": ({"name": "p" * 41}, "cannot name a function; begin with one of A to Z, and take"),
-    "unknown law": ({"law": "hertz"}, "law = 'hertz': is neither a law nor a fit result; choose"),
     "no result": ({"law": "no.json"}, "no.json: cannot be read (No such file or directory); check"),
-    "external result": (
-        {"law": str(NOT_FOR_IT)},
-        "is a fit to external contact; name a fit for a pin in a hole",
-    ),
+    "external result": ({"law": str(NOT_FOR_IT)}, "is a fit to external contact; name a fit for"),
     "law undefined": (
         {"law": "enhanced", "bearing.R": 100.0, "pin.R": 80.0},
         "law = 'enhanced': is undefined for this pair, with its clearance of 20 mm; choose another",
     ),
-    "factor": ({"dissipation.factor": "x"}, "dissipation.factor = 'x': is not known; choose hunt"),
     "restitution": ({"dissipation.restitution": 0.0}, "must be greater than 0; give the restitu"),
-    "speeds": ({"friction.v1": 0.5}, "friction.v1 = 0.5: must be above v0 = 1.0; raise it"),
 }
 
 
@@ -543,12 +417,6 @@ def test_mistakes_in_a_joints_file_are_told(changes, message):
         joint_from(changed(JOINT, changes), "mine.toml")
     assert message in str(caught.value)
     assert len(str(caught.value).splitlines()) == 1
-
-
-def test_a_motion_that_is_no_motion_is_told():
-    joint = joint_for("explicit", 0.05)
-    with pytest.raises(InputError, match=r"pin = .*must be six numbers; give x, y, angle"):
-        joint.evaluate(joint.start(), [0.0] * 6, [0.0] * 5)
 
 
 # --- the command ---
@@ -582,8 +450,7 @@ def test_export_takes_a_name_with_a_space_materials_of_ones_own_and_warns_of_met
     assert '#include "my joint.h"' in Path("my joint.c").read_text(encoding="ascii")
     metres = text.replace("R = 10.0", "R = 0.01").replace("R = 9.95", "R = 0.00995")
     Path("metres.toml").write_text(metres, encoding="utf-8")
-    code, _, err = run("export", "--joint", "metres.toml", "--to", "c", "-o", "m.c")
-    assert code == 0
+    err = run("export", "--joint", "metres.toml", "--to", "c", "-o", "m.c")[2]
     assert "warning: metres.toml: the radius of the hole in mm is 0.01: lengths are in mm" in err
 
 
@@ -592,13 +459,8 @@ REFUSALS = {
     "suffix": (("--to", "c", "-o", "x.f90"), "x.f90: is not a .c; name the output so that it is"),
     "target": (("--to", "json", "-o", "x.json"), "--to = 'json': is not a known target; choose c,"),
     "import": (("--to", "python", "-o", "2pins.py"), "--out = '2pins': cannot be called by its na"),
-    "keyword": (("--to", "matlab", "-o", "for.m"), "--out = 'for': cannot be called by its name"),
     "letters": (("--to", "c", "-o", "pün.c"), "--out = 'pün': is not plain text; name the file"),
     "law": (("explicit", "--to", "c"), "RESULT|LAW = 'explicit': is in the file of the joint alr"),
-    "contact": (
-        ("--to", "c", "--contact", "internal"),
-        "--contact = 'internal': is in the file of",
-    ),
 }
 
 
@@ -609,9 +471,3 @@ def test_export_of_a_joint_refuses_in_one_line(run, tmp_path, monkeypatch, argum
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert message in err
     assert not list(tmp_path.iterdir())
-
-
-def test_export_wants_a_law_or_a_joint(run):
-    code, _, err = run("export", "--to", "c")
-    assert code == 2
-    assert "RESULT|LAW: is missing; name one, e.g. explicit, or a joint with --joint" in err

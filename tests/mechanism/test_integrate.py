@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import scipy.integrate
 from sksundae.cvode import CVODE
 
 from cylcontact.mechanism import long_run, read_mechanism, simulate
@@ -80,28 +79,6 @@ def test_sundials_gives_the_same_contacts(case):
 # --- what must hold ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("law", ["johnson", "enhanced", "lankarani-nikravesh"])
-@pytest.mark.parametrize("clearance", [0.5, 0.02])
-def test_the_first_contact_begins_when_the_journal_has_crossed_its_clearance(law, clearance):
-    """Free flight by SciPy; the law has no part in it."""
-    mechanism = slider_crank(law, clearance)
-    equations = Equations(mechanism)
-
-    def gap(_, y):
-        return np.hypot(y[0], y[1]) - 1e-3 * clearance
-
-    gap.terminal = True
-    flight = scipy.integrate.solve_ivp(
-        lambda t, y: equations.rates(t, y)[:4], (0.0, 0.01), np.zeros(4), "Radau",
-        events=gap, rtol=1e-11, atol=1e-17, max_step=1e-5,
-    )  # fmt: skip
-    first = simulate(mechanism, revolutions=1, tolerance=1e-10, beyond="tangent").contacts.iloc[0]
-    assert first["onset_s"] == pytest.approx(float(flight.t_events[0][0]), rel=1e-9)
-    assert first["impact_rate_m_per_s"] == pytest.approx(
-        equations.gap(flight.t[-1], flight.y_events[0][0])[1], rel=1e-8
-    )
-
-
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_a_run_resumed_inside_a_contact_is_the_same_to_the_bit(case):
     mechanism = slider_crank(*case)
@@ -110,17 +87,6 @@ def test_a_run_resumed_inside_a_contact_is_the_same_to_the_bit(case):
     resumed = simulate(mechanism, revolutions=3, resume=part)
     np.testing.assert_array_equal(whole.rows.values, resumed.rows.values)
     np.testing.assert_array_equal(whole.time, resumed.time)
-
-
-@pytest.mark.parametrize("case", [("johnson", 0.5, 0.9, 0.1), ("enhanced", 0.02, 0.9, 0.0)])
-def test_the_error_falls_with_the_tolerance(case):
-    ends = [
-        simulate(slider_crank(*case), revolutions=1, tolerance=rtol).eccentricity[-1]
-        for rtol in (1e-6, 1e-8, 1e-10, 1e-12)
-    ]
-    errors = [np.hypot(*(end - ends[-1])) for end in ends[:-1]]
-    assert errors[0] > 5 * errors[1] > 25 * errors[2]
-    assert errors[1] < 1e-5 * 1e-3 * case[1]
 
 
 def test_events_are_where_the_forces_change_piece():

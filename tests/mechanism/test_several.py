@@ -13,7 +13,6 @@ from cylcontact.mechanism.linkage import assemble, closure, constraint_table, dr
 from cylcontact.mechanism.slider_crank import recognise
 from tests.support.mechanism_cases import (
     CLEARANCE,
-    FOUR_BAR,
     ODD,
     SLIDER_CRANK,
     TURNED,
@@ -171,29 +170,18 @@ def test_a_clearance_that_shrinks_becomes_an_ideal_joint():
 
 
 def test_each_joint_has_a_law_a_pair_and_statistics_of_its_own(tmp_path):
-    spec = changed(
-        TWO,
-        {
-            f"joint.{CRANK}.law": "explicit",
-            f"joint.{CRANK}.pin": {"material": "bronze"},
-            f"joint.{WRIST}.bearing.yield_stress": 100.0,
-            f"joint.{WRIST}.pin.yield_stress": 100.0,
-        },
-    )
-    mechanism = mechanism_from(spec)
+    pin = {f"joint.{CRANK}.law": "explicit", f"joint.{CRANK}.pin": {"material": "bronze"}}
+    soft = {f"joint.{WRIST}.{body}.yield_stress": 100.0 for body in ("bearing", "pin")}
+    mechanism = mechanism_from(changed(TWO, pin | soft))
     run = simulate(mechanism, revolutions=3)
     statistics = run.statistics(1)
     assert [j.contact.law.name for j in mechanism.clearances] == ["explicit", "enhanced"]
-    columns = {column.partition(".")[0] for column in statistics.revolutions if "." in column}
-    assert columns == {CRANK, WRIST}
     mean, alone = statistics.mean, statistics.joint(WRIST)
     assert mean[f"{WRIST}.mean_force_N"] == alone.mean["mean_force_N"]
     assert mean["drive_work_J"] == alone.mean["drive_work_J"]
     assert alone.revolutions["above_yield"].sum() > 0
     assert statistics.revolutions[f"{CRANK}.above_yield"].isna().all()
     assert [text.startswith(f"{WRIST}: the largest load") for text in run.warnings] == [True]
-    assert (run.joints[WRIST].flag & 1).any()
-    assert not run.joints[CRANK].flag.any()
     lost = sum(
         statistics.revolutions[f"{name}.{kind}_dissipation_J"].sum()
         for name in run.joints
@@ -203,17 +191,11 @@ def test_each_joint_has_a_law_a_pair_and_statistics_of_its_own(tmp_path):
     assert lost == pytest.approx(all_lost, rel=1e-12)
     with pytest.raises(InputError, match="2 joints have a clearance; take one of `clearances`"):
         _ = run.penetration
-    text = str(statistics.to_text())
-    assert f"{CRANK}: law: explicit" in text
-    assert f"{WRIST}.max_force_N" in text
+    assert f"{CRANK}: law: explicit" in statistics.to_text()
     whole = long_run(mechanism, 3, 1)
-    assert whole.mean.drop("evaluations").equals(statistics.mean.drop("evaluations"))
+    assert whole.mean.drop("evaluations").equals(mean.drop("evaluations"))
     run.save(tmp_path / "run.parquet")
-    again = Trajectory.load(tmp_path / "run.parquet")
-    for name, joint in run.joints.items():
-        assert np.array_equal(again.joints[name].normal_force, joint.normal_force)
-        assert np.array_equal(again.joints[name].in_contact, joint.in_contact)
-    resumed = simulate(mechanism, revolutions=4, resume=again)
+    resumed = simulate(mechanism, revolutions=4, resume=Trajectory.load(tmp_path / "run.parquet"))
     assert np.array_equal(resumed.rows.values, simulate(mechanism, revolutions=4).rows.values)
 
 
@@ -243,14 +225,6 @@ def test_events_of_two_joints_may_coincide():
     assert len(left) == len(right) > 4
     fall = np.sqrt(2 * 0.5e-3 / 9.81)
     assert left["onset_s"][0] == pytest.approx(fall, rel=1e-9)
-    assert np.abs(run.energy_error).max() < 1e-6 * run.kinetic_energy.max()
-
-
-def test_a_four_bar_with_three_clearances_keeps_its_energy():
-    spec = with_clearance(with_clearance(FOUR_BAR, "crank-pin", clearance=0.1), "rocker")
-    run = simulate(mechanism_from(spec, clearance=0.1), revolutions=2)
-    assert list(run.joints) == ["crank-pin", "rocker-pin", "rocker"]
-    assert all(len(joint.contacts) > 3 for joint in run.joints.values())
     assert np.abs(run.energy_error).max() < 1e-6 * run.kinetic_energy.max()
 
 
@@ -344,35 +318,17 @@ def test_an_ideal_pendulum_with_spring_damper_and_load_is_that_of_scipy():
     assert run.damping[-1] > 1e-3
 
 
-def test_a_driving_torque_does_its_work():
-    """Without gravity a rotor gains M·θ, and turns by M·t²/2J."""
-    drive = {"name": "motor", "type": "driver", "between": ["ground", "rod"], "torque": 0.3}
-    rotor = {"spring": [], "gravity": [0.0, 0.0], "joint": [*PENDULUM["joint"], drive]}
-    run = simulate(ideal(PENDULUM, **rotor), tolerance=1e-11)
-    angle = run.coordinates[:, 0, 2]
-    inertia = 2e-3 + 0.8 * 0.08**2
-    assert angle == pytest.approx(0.3 * run.time**2 / (2 * inertia), abs=1e-9)
-    assert run.drive_work == pytest.approx(0.3 * angle, abs=1e-9)
-    assert run.kinetic_energy == pytest.approx(run.drive_work, abs=1e-8)
-
-
-@pytest.mark.parametrize("ramp", [0.0, 0.02])
-def test_a_driver_reaches_its_speed_smoothly(ramp):
-    speed, step = -40.0, 1e-6
-    for t in (0.0, 0.004, 0.011, 0.019, 0.02, 0.05):
-        _, rate, _ = driven(t, speed, ramp)
-        before, after = (driven(t + sign * step, speed, ramp) for sign in (-1, 1))
-        if ramp and t:
-            assert rate == pytest.approx((after[0] - before[0]) / (2 * step), abs=1e-6)
-        if ramp and t not in (0.0, 0.02):
-            acceleration = driven(t, speed, ramp)[2]
-            assert acceleration == pytest.approx((after[1] - before[1]) / (2 * step), abs=1e-4)
+def test_a_driver_reaches_its_speed_smoothly():
+    speed, ramp, step = -40.0, 0.02, 1e-6
+    for t in (0.004, 0.011, 0.019):
+        before, at, after = (driven(t + sign * step, speed, ramp) for sign in (-1, 0, 1))
+        for n, tolerance in ((0, 1e-6), (1, 1e-4)):
+            slope = (after[n] - before[n]) / (2 * step)
+            assert at[n + 1] == pytest.approx(slope, abs=tolerance)
     assert driven(0.05, speed, ramp)[:2] == pytest.approx((speed * (0.05 - ramp / 2), speed))
     slow = mechanism_from(changed(SLIDER_CRANK, {"joint.drive.ramp": ramp}))
-    assert (recognise(slow) is None) == bool(ramp)
-    if ramp:
-        run = simulate(slow, revolutions=3)
-        assert np.abs(run.velocities[0]).max() == 0.0
-        last = run.time > ramp
-        assert run.velocities[last, 0, 2] == pytest.approx(slow.driver.speed, rel=1e-9)
-        assert np.abs(run.energy_error).max() < 1e-7 * run.kinetic_energy.max()
+    assert recognise(slow) is None
+    run = simulate(slow, revolutions=3)
+    assert np.abs(run.velocities[0]).max() == 0.0
+    assert run.velocities[run.time > ramp, 0, 2] == pytest.approx(slow.driver.speed, rel=1e-9)
+    assert np.abs(run.energy_error).max() < 1e-7 * run.kinetic_energy.max()

@@ -14,28 +14,19 @@ MISTAKES = [
     ({f"{PIN}.clearance": 10.0}, f"{PIN}.clearance = 10.0: leaves no pin"),
     ({f"{PIN}.pin.R": 9.0}, f"{PIN}.pin.R = 9.0: is given twice"),
     ({f"{PIN}.clearance": DROP}, f"{PIN}.pin.R: is required; give R of the pin, or the clearance"),
-    ({f"{PIN}.bearing.R": DROP}, f"{PIN}.bearing.R: is required"),
     ({"bodies.ground": SLIDER_CRANK["bodies"]["rod"]}, "bodies.ground: is no body's name"),
     ({f"{PIN}.law": "jonson"}, f"{PIN}.law = 'jonson': is neither a law nor a fit result"),
-    ({f"{PIN}.dissipation.factor": "none"},
-     f"{PIN}.dissipation.factor = 'none': is not known; choose hunt-crossley"),
-    ({f"{PIN}.pin.E": 207e3}, f"{PIN}.pin.E = 207000.0: a bare number is in GPa, and diamond has"),
-    ({f"{PIN}.pin.E": DROP}, f"{PIN}.pin.E: is required; give E, or material = NAME"),
     ({f"{PIN}.pin.material": "soap", f"{PIN}.pin.E": DROP, f"{PIN}.pin.nu": DROP},
      f"{PIN}.pin.material = 'soap': is not in the tables of materials"),
-    ({f"{PIN}.friction.v1": 0.5}, f"{PIN}.friction.v1 = 0.5: must be above v0 = 1.0"),
     ({f"{PIN}.pin.point": [1.0, 0.0]}, f"{PIN}.pin.point: is where `between` says; remove it"),
     ({f"{PIN}.housing": {"R_o": 30.0}}, f"{PIN}.law = 'enhanced': knows no housing; choose"),
     ({f"{PIN}.wear": 1.0}, "joint.2.wear = 1.0: is not a known key; known keys here: name, type"),
     ({"joint.slide.law": "explicit"}, "joint.slide.type = 'prismatic': has no clearance; give it"),
     ({"joint.main.name": "slide"}, "joint = 'slide': is the name of two joints; give each a name"),
     ({"joint.drive.speed": 0.0}, "speed = 0.0: must not be zero"),
-    ({"joint.drive.speed": DROP}, "speed: is required for a driver; give speed in rpm, or torque"),
     ({"joint.drive.torque": 1.0}, "speed = -5000.0: is given beside a torque"),
     ({"joint.slide.direction": DROP}, "direction: is required for a prismatic"),
-    ({"joint.main.speed": 3.0}, "speed = 3.0: is not for a revolute"),
     ({"joint.main.between": ["ground.pivot", "wheel.hub"]}, "'wheel.hub': names no body"),
-    ({"joint.main.between": ["ground.pivot", "crank.end"]}, "'crank.end': names no point"),
     ({"joint.drive.between": ["ground", "crank.pin"]}, "'crank.pin': names a point"),
     ({"spring": [{"between": ["ground", "crank.pin"]}]}, "'ground': names no point"),
     ({"load": [{"at": "crank"}]}, "load.at = 'crank': names no point"),
@@ -44,7 +35,6 @@ MISTAKES = [
     ({"clearance": {"joint": "wrist-pin", "bearing": "slider", "radial": 0.5, "E": 207.0},
       "joints": {"wrist-pin": {"between": ["rod.eye", "slider.pin"]}}},
      '[clearance]: is an entry of [[joint]] now; write [[joint]] with name = "wrist-pin", '),
-    ({"joints": {}}, "[joints]: is an entry of [[joint]] now; write [[joint]] with name"),
 ]  # fmt: skip
 
 
@@ -54,13 +44,6 @@ def test_mistakes_are_told(changes, message):
         mechanism_from(changed(SLIDER_CRANK, changes), "mine.toml")
     assert str(caught.value).startswith("mine.toml: ")
     assert message in str(caught.value)
-
-
-def test_the_shipped_specs_are_read():
-    for name, bodies in (("slider_crank", 3), ("four_bar", 3)):
-        mechanism = read_mechanism(ROOT / f"datasets/{name}.toml")
-        assert len(mechanism.bodies) == bodies
-        assert mechanism.assumptions
 
 
 def test_every_number_of_the_paper_is_the_papers():
@@ -124,11 +107,6 @@ def test_lengths_in_metres_are_warned_of():
     metres = {f"{PIN}.bearing.R": 0.01, f"{PIN}.clearance": 5e-4}
     (first, *_) = mechanism_from(changed(SLIDER_CRANK, metres)).warnings
     assert first.startswith("the radius of the hole in mm is 0.01")
-
-
-def test_the_shipped_masses_are_not_warned_of():
-    for spec in (SLIDER_CRANK, FOUR_BAR):
-        assert mechanism_from(spec).warnings == ()
 
 
 # The extent of the slider-crank is that from its pivot to its slider, 0.17 m, whose cube of

@@ -6,7 +6,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from cylcontact import CylinderPair, InputError, Material, laws, limits
+from cylcontact import InputError, laws, limits
 from cylcontact.mechanism import Interrupted, Trajectory, read_mechanism, simulate
 from cylcontact.mechanism.linkage import assemble
 from tests.support.mechanism_cases import ROOT, slider_crank, yields_at
@@ -74,53 +74,19 @@ def test_the_statistics_are_those_of_the_steps(run):
         assert table.loc[0, f"force_p{percent}_N"] == pytest.approx(wanted, rel=0.01)
 
 
-def test_means_and_scatter_are_over_the_revolutions_asked_for(run):
-    late = run.statistics(first=1)
-    works = late.by_revolution["drive_work_J"]
-    assert list(late.by_revolution.index) == [1, 2]
-    assert late.mean["drive_work_J"] == pytest.approx(works.mean())
-    assert late.scatter["drive_work_J"] == pytest.approx(abs(works[1] - works[2]) / np.sqrt(2))
-    assert "revolutions 2 to 3, the first 1 left out" in repr(late)
-    assert "<table" in late._repr_html_()
-    with pytest.raises(InputError, match="first = 3: leaves none of 3 revolutions"):
-        run.statistics(first=3)
-
-
-def test_a_revolution_without_flight_has_no_step_in_flight():
-    late = simulate(slider_crank(clearance=0.02), revolutions=2).statistics(first=1)
-    assert late.mean["contact_fraction"] == 1.0
-    assert np.isnan(late.mean["mean_step_flight_us"])
-
-
-@pytest.mark.slow
 def test_the_largest_elastic_load_is_set_against_first_yield(run):
-    """The load from the law in Python; 500 MPa are passed, 1000 MPa are not."""
-    steel = Material("steel", 207e3, 0.3)
-    pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
+    """The load from the law in Python; 100 MPa are passed, 1000 MPa are not."""
+    pair = run.mechanism.clearance.contact.pair
     load = float(laws.Enhanced().load(run.penetration.max() * 1e3, pair))
     assert run.max_elastic_load == pytest.approx(load, rel=1e-9, abs=0)
     assert 0 < load < run.normal_force.max() / 10.0  # which has damping as well
     for yield_stress, passed in ((100.0, True), (1000.0, False)):
-        spec = yields_at(yield_stress)
-        other = simulate(slider_crank(spec=spec), revolutions=3)
+        other = simulate(slider_crank(spec=yields_at(yield_stress)), revolutions=3)
         at = float(limits.yield_load(pair, yield_stress=yield_stress))
-        row = f"max elastic load: {load:,.0f} N/mm, {100 * load / at:.3g} % of first yield"
-        assert str(other).splitlines()[-1].strip() == f"{row} (von Mises)"
-        assert "max elastic load" in other._repr_html_()
-        assert (load > at) == passed
+        assert f"{load:,.0f} N/mm, {100 * load / at:.3g} % of first yield" in str(other)
         assert [text.startswith("the largest load") for text in other.warnings] == [True] * passed
         assert same(run, other)
-    assert "yield" not in run.statistics().to_text()
     assert run.warnings == ()
-
-
-def test_an_ideal_joint_has_no_elastic_load():
-    ideal = simulate(slider_crank(clearance=0.0, spec=yields_at(1.0)), revolutions=1)
-    assert ideal.joints == {}
-    assert ideal.warnings == ()
-    assert "elastic load" not in repr(ideal)
-    with pytest.raises(InputError, match="0 joints have a clearance"):
-        _ = ideal.penetration
 
 
 def test_a_saved_run_comes_back_whole(run, tmp_path):
@@ -180,11 +146,3 @@ def test_files_that_hold_no_trajectory_are_told(tmp_path):
     for name, rule in rules.items():
         with pytest.raises(InputError, match=rule):
             Trajectory.load(tmp_path / f"{name}.parquet")
-
-
-def test_the_same_run_gives_the_same_bytes(run, tmp_path):
-    files = [tmp_path / name for name in ("one.parquet", "other.parquet", "again.parquet")]
-    run.save(files[0])
-    simulate(slider_crank(), revolutions=3).save(files[1])
-    Trajectory.load(files[0]).save(files[2])
-    assert len({file.read_bytes() for file in files}) == 1
