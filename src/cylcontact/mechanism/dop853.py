@@ -22,6 +22,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.mechanism import linkage as cartesian
 from cylcontact.mechanism import slider_crank
 from cylcontact.mechanism.contact import Joint, Motion
+from cylcontact.mechanism.slider_crank import Turn
 from cylcontact.numba_cache import compiled, inlined
 
 STAGES = 12
@@ -29,10 +30,6 @@ STAGES = 12
 # the last row; E3 and E5 weight its differences to solutions of the orders 3 and 5.
 A = np.vstack((DOP853.A[:STAGES, :STAGES], DOP853.B))
 C, E3, E5 = DOP853.C[:STAGES].copy(), DOP853.E3[:STAGES].copy(), DOP853.E5[:STAGES].copy()
-
-
-# Cosine and sine of the crank's angle.
-Turn = tuple[float, float]
 
 
 class Model(NamedTuple):
@@ -72,11 +69,9 @@ def _evaluate(
     t: float, turn: Turn, y: FloatArray, row: int, m: Model, crank: Any, pin: Any, linkage: Any
 ) -> None:
     if pin is not None:
-        slider_crank.derivatives_of_two(
-            turn[0], turn[1], y, m.rates, row, m.joints, m.laws, crank, pin
-        )
+        slider_crank.derivatives_of_two(turn, y, m.rates, row, m.joints, m.laws, crank, pin)
     elif crank is not None:
-        slider_crank.derivatives(turn[0], turn[1], y, m.rates, row, m.joints[0], m.laws, crank)
+        slider_crank.derivatives(turn, y, m.rates, row, m.joints[0], m.laws, crank)
     if linkage is not None:
         cartesian.derivatives(t, y, m.rates, row, m.joints, m.laws, linkage)
 

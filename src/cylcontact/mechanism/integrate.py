@@ -20,20 +20,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cylcontact.arrays import BoolArray, FloatArray
-from cylcontact.mechanism import contact
+from cylcontact.mechanism import contact, dop853
 from cylcontact.mechanism.contact import Joint
-from cylcontact.mechanism.dop853 import (
-    STAGES,
-    Model,
-    Turn,
-    clock,
-    error,
-    later,
-    motion,
-    rates_at,
-    step,
-    sum_ledgers,
-)
+from cylcontact.mechanism.dop853 import STAGES, Model, later, rates_at, step
+from cylcontact.mechanism.slider_crank import Turn
 from cylcontact.numba_cache import compiled, inlined
 
 # Where a run is: time in s, the next step in s (0 at a start), the error of the last one,
@@ -86,7 +76,7 @@ class Start(NamedTuple):
 @compiled
 def _look(turn: Turn, y: FloatArray, joint: Joint, m: Model) -> Look:
     """Return δ, δ̇, v_t and ė of a joint at a state."""
-    e_x, e_y, u_x, u_y, spin_i, spin_j = motion(turn, y, joint, m.crank, m.pin, m.linkage)
+    e_x, e_y, u_x, u_y, spin_i, spin_j = dop853.motion(turn, y, joint, m.crank, m.pin, m.linkage)
     distance = math.sqrt(e_x * e_x + e_y * e_y)
     delta = distance - joint.clearance
     if distance == 0.0:
@@ -143,10 +133,7 @@ def _margin(kind: int, delta: float, v_t: float, joint: Joint) -> float:
 
 @compiled
 def _turning(h: float, start: FloatArray, end: FloatArray) -> tuple[float, float]:
-    """Return where δ turns within a step, as a fraction of it, and δ there.
-
-    From δ and δ̇ at both ends by Hermite's cubic; δ̇ must have opposite signs.
-    """
+    """Return the fraction of a step at which δ turns, and δ there, by Hermite's cubic."""
     a, b, c = h * start[1], end[0] - start[0], h * end[1]
     cubic, square = a + c - 2 * b, 3 * b - 2 * a - c
     low, high = 0.0, 1.0
@@ -163,10 +150,7 @@ def _turning(h: float, start: FloatArray, end: FloatArray) -> tuple[float, float
 def _first_event(
     start: FloatArray, end: FloatArray, joints: Any, but: int = -1
 ) -> tuple[int, int, bool]:
-    """Return what a step has passed first, of which joint, and whether its start was inside.
-
-    The joint `but` is left out.
-    """
+    """Return what a step has passed first, of which joint but one, and if its start was inside."""
     event, at, starts_inside, earliest = _NOTHING, but, True, 2.0
     for k in range(joints.shape[0]):
         joint = joints[k]
@@ -187,10 +171,7 @@ def _first_event(
 def _interpolate(
     x: float, h: float, y: FloatArray, new: FloatArray, rates: FloatArray, out: FloatArray
 ) -> None:
-    """Write the state at a fraction x of a step to `out`, by quintic Hermite interpolation.
-
-    Row 0 and the last row of `rates` have the rates at its ends.
-    """
+    """Write the state at a fraction x of a step, by Hermite's quintic from first and last rates."""
     half, last = y.size // 2, rates.shape[0] - 1
     for n in range(half):
         d, v = new[n] - y[n], h * y[half + n]
@@ -206,10 +187,7 @@ def _interpolate(
 def _guess(
     kind: int, k: int, h: float, margins: tuple[float, float], at: Start, new: FloatArray, m: Model
 ) -> float:
-    """Return about when an event of a joint occurs within a step, from interpolation.
-
-    `margins` are those at its ends, and `new` is the state at the second.
-    """
+    """Return about when an event of a joint occurs within a step, from margins at its ends."""
     rates_at(at.time + h, later(at.turn, h, m.crank), new, STAGES, m)
     low, high, last = 0.0, 1.0, 2.0
     g_low, g_high = margins
@@ -319,10 +297,7 @@ def _switch_others(looks: FloatArray, now: Now, joints: Any) -> None:
 def _length(
     now: Now, looks: FloatArray, accelerations: FloatArray, end: float, max_step: float, joints: Any
 ) -> float:
-    """Return the next step in s, which ends at `end` rather than just before it.
-
-    It is bounded towards a release, and in flight.
-    """
+    """Return the next step in s, bounded towards a release, in flight, and by the end."""
     h = min(now.step, max_step)
     for k in range(joints.shape[0]):
         c, delta, rate = joints[k].clearance, looks[k, 0], looks[k, 1]
@@ -340,10 +315,7 @@ def _length(
 
 @compiled
 def _turn(h: float, start: FloatArray, end: FloatArray, joints: Any) -> tuple[float, bool]:
-    """Return where a step should end because some δ turns in it, and whether it missed an event.
-
-    The deepest point of a contact becomes a row.
-    """
+    """Return where a step should end as some δ turns in it, and whether it missed an event."""
     length, missed = h, False
     for k in range(joints.shape[0]):
         if start[k, 1] * end[k, 1] >= 0.0:
@@ -449,22 +421,11 @@ def _begin(looks: FloatArray, joints: Any, now: Now) -> None:
 
 
 @compiled
-def _accelerate(
-    length: float, looks: FloatArray, after: FloatArray, accelerations: FloatArray
-) -> None:
-    """Write the mean size of ë over a step for every joint, and update `looks`."""
-    for k in range(accelerations.size):
-        u_x, u_y = after[k, 3] - looks[k, 3], after[k, 4] - looks[k, 4]
-        accelerations[k] = math.hypot(u_x, u_y) / length
-    looks[:] = after
-
-
-@compiled
-def _control(length: float, measure: float, grow: float, now: Now) -> None:
-    """Set the step after one without an event."""
-    factor = _SAFETY * now.error**_BETA / max(measure, 1e-10) ** (0.125 - 0.2 * _BETA)
-    now.step = length * min(max(factor, _SHRINK), grow)
-    now.error = max(measure, 1e-4)
+def _accelerate(h: float, before: FloatArray, after: FloatArray, out: FloatArray) -> None:
+    """Write the mean size of ë over a step for every joint, and update the looks before it."""
+    for k in range(out.size):
+        out[k] = math.hypot(after[k, 3] - before[k, 3], after[k, 4] - before[k, 4]) / h
+    before[:] = after
 
 
 @compiled
@@ -495,7 +456,7 @@ def integrate(
     new, count = np.empty(y.size), joints.shape[0]
     looks, after, accelerations = np.zeros((count, 5)), np.zeros((count, 5)), np.zeros(count)
 
-    turn = clock(now.time, crank)
+    turn = dop853.clock(now.time, crank)
     _look_at_all(turn, y, m, looks)
     _begin(looks, joints, now)
     rates_at(now.time, turn, y, 0, m)
@@ -510,7 +471,7 @@ def integrate(
             return rows, COLLAPSED
         step(t, h, turn, y, new, m)
         now.evaluations += STAGES - 1
-        measure = error(h, y, new, rates, relative, absolute)
+        measure = dop853.error(h, y, new, rates, relative, absolute)
         if not measure <= 1.0:
             shrink = _SAFETY * measure**-0.125 if measure < math.inf else 0.0
             now.step, grow = h * max(shrink, _SHRINK), 1.0
@@ -520,16 +481,17 @@ def integrate(
             event, length, rest = _examine(h, Start(t, turn, y, looks), after, new, m, now)
             if event == _RETRY:
                 continue
-        sum_ledgers(length, rest, ledgers, rates)
+        dop853.sum_ledgers(length, rest, ledgers, rates)
         _shift(rest, new, rates)
         y[:] = new
         now.time = end if length == h and t + h * (1.0 + 1e-9) >= end else t + (length + rest)
-        turn = clock(now.time, crank)
+        turn = dop853.clock(now.time, crank)
         _look_at_all(turn, y, m, after)
         _accelerate(length, looks, after, accelerations)
         rows = _record(rows, now, y, ledgers, joints, buffers)
         if event == _NOTHING:
-            _control(length, measure, grow, now)
+            factor = _SAFETY * now.error**_BETA / max(measure, 1e-10) ** (0.125 - 0.2 * _BETA)
+            now.step, now.error = length * min(max(factor, _SHRINK), grow), max(measure, 1e-4)
         elif event == _LAW and joints[now.joint].stop_penetration < math.inf:
             return rows, LAW_LEFT
         else:

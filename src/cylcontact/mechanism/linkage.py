@@ -61,8 +61,8 @@ class Linkage(NamedTuple):
     """A mechanism as compiled functions take it.
 
     The rows of `inertia` are masses with moments of inertia, their reciprocals, and weights;
-    `settings` are Baumgarte's α and β. In `work` functions keep what they write. They are few
-    because compiled functions take a tuple apart at every call.
+    `settings` are Baumgarte's α and β. In `work` functions keep what they write.
+    They are few, as compiled functions take a tuple apart at every call.
     """
 
     inertia: FloatArray
@@ -138,18 +138,15 @@ def room(work: FloatArray, size: int, constraints: Any) -> Room:
 
 def constraint_table(joints: list[Joint] | tuple[Joint, ...]) -> Any:
     """Return joints as records of the type `CONSTRAINT`."""
-    table = np.zeros(len(joints), CONSTRAINT)
-    row = 0
-    for record, joint in zip(table, joints, strict=True):
-        record["kind"], record["row"] = _KINDS[joint.kind], row
-        record["rows"] = _ROWS[int(record["kind"])]
-        row += record["rows"]
-        record["i"], record["j"] = joint.i, joint.j
-        record["x_i"], record["y_i"] = joint.point_i
-        record["x_j"], record["y_j"] = joint.point_j
-        record["along_x"], record["along_y"] = math.cos(joint.direction), math.sin(joint.direction)
-        record["angle"], record["speed"], record["ramp"] = joint.angle, joint.speed, joint.ramp
-    return table
+    rows, row = [], 0
+    for joint in joints:
+        kind, along = _KINDS[joint.kind], (math.cos(joint.direction), math.sin(joint.direction))
+        about = (*along, joint.angle, joint.speed, joint.ramp)
+        rows.append(
+            (kind, row, _ROWS[kind], joint.i, joint.j, *joint.point_i, *joint.point_j, *about)
+        )
+        row += _ROWS[kind]
+    return np.array(rows, CONSTRAINT)
 
 
 @inlined
@@ -167,8 +164,14 @@ def point(
     """Return a body's point: arm from the centre, position, velocity (global axes) and spin."""
     if body < 0:
         return x, y, x, y, 0.0, 0.0, 0.0
+    return _swung(q, v, turns[body, 0], turns[body, 1], body, x, y)
+
+
+@inlined
+def _swung(
+    q: FloatArray, v: FloatArray, c: float, s: float, body: int, x: float, y: float
+) -> tuple[float, float, float, float, float, float, float]:
     k = 3 * body
-    c, s = turns[body, 0], turns[body, 1]
     arm_x, arm_y, spin = c * x - s * y, s * x + c * y, v[k + 2]
     x, y = q[k] + arm_x, q[k + 1] + arm_y
     return arm_x, arm_y, x, y, v[k] - spin * arm_y, v[k + 1] + spin * arm_x, spin
@@ -257,57 +260,55 @@ def _apply(force: FloatArray, body: int, f_x: float, f_y: float, moment: float) 
 
 
 @inlined
-def _swung(
+def _placed(
     q: FloatArray, v: FloatArray, body: int, x: float, y: float
 ) -> tuple[float, float, float, float, float]:
     """Return position, velocity and spin of a body's point."""
     if body < 0:
         return x, y, 0.0, 0.0, 0.0
-    k = 3 * body
-    c, s, spin = math.cos(q[k + 2]), math.sin(q[k + 2]), v[k + 2]
-    arm_x, arm_y = c * x - s * y, s * x + c * y
-    return q[k] + arm_x, q[k + 1] + arm_y, v[k] - spin * arm_y, v[k + 1] + spin * arm_x, spin
+    angle = q[3 * body + 2]
+    _, _, x, y, v_x, v_y, spin = _swung(q, v, math.cos(angle), math.sin(angle), body, x, y)
+    return x, y, v_x, v_y, spin
 
 
 @inlined
 def joint_motion(q: FloatArray, v: FloatArray, joint: contact.Joint) -> contact.Motion:
     """Return the motion of a joint at a state."""
-    i_x, i_y, vi_x, vi_y, spin_i = _swung(q, v, joint.i, joint.x_i, joint.y_i)
-    j_x, j_y, vj_x, vj_y, spin_j = _swung(q, v, joint.j, joint.x_j, joint.y_j)
+    i_x, i_y, vi_x, vi_y, spin_i = _placed(q, v, joint.i, joint.x_i, joint.y_i)
+    j_x, j_y, vj_x, vj_y, spin_j = _placed(q, v, joint.j, joint.x_j, joint.y_j)
     return i_x - j_x, i_y - j_y, vi_x - vj_x, vi_y - vj_y, spin_i, spin_j
 
 
-@inlined
-def touch(
-    q: FloatArray,
-    v: FloatArray,
-    turns: FloatArray,
-    force: FloatArray,
-    joint: contact.Joint,
-    law: FloatArray,
-) -> tuple[float, float, float, float]:
-    """Add the contact forces of Eq 13 to `force`; return the rates of the ledgers.
+@compiled
+def _touch(
+    q: FloatArray, v: FloatArray, w: Room, joints: Any, laws: FloatArray, ledgers: FloatArray
+) -> None:
+    """Add the contact forces of Eq 13, and write the rates of the ledgers of all joints.
 
-    These are the powers that the normal and the friction force dissipate in W, the penetration
-    in m and the normal force in N.
+    These are the powers that normal and friction force dissipate, δ and the normal force, in SI.
     """
-    ai_x, ai_y, i_x, i_y, vi_x, vi_y, spin_i = point(q, v, turns, joint.i, joint.x_i, joint.y_i)
-    aj_x, aj_y, j_x, j_y, vj_x, vj_y, spin_j = point(q, v, turns, joint.j, joint.x_j, joint.y_j)
-    motion = i_x - j_x, i_y - j_y, vi_x - vj_x, vi_y - vj_y, spin_i, spin_j
-    f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power, delta = contact.forces(
-        motion, joint.impact_rate, joint, law
-    )
-    _apply(force, joint.i, f_x, f_y, ai_x * f_y - ai_y * f_x + moment_i)
-    _apply(force, joint.j, -f_x, -f_y, -(aj_x * f_y - aj_y * f_x) + moment_j)
-    return normal_power, friction_power, delta, normal
+    turns, force = w.turns, w.force
+    ledgers[:] = 0.0
+    for k in range(joints.shape[0]):
+        joint, n = joints[k], 4 * k
+        if not joint.touching:
+            continue
+        law = laws[joint.first : joint.first + joint.size]
+        ai_x, ai_y, i_x, i_y, vi_x, vi_y, spin_i = point(q, v, turns, joint.i, joint.x_i, joint.y_i)
+        aj_x, aj_y, j_x, j_y, vj_x, vj_y, spin_j = point(q, v, turns, joint.j, joint.x_j, joint.y_j)
+        motion = i_x - j_x, i_y - j_y, vi_x - vj_x, vi_y - vj_y, spin_i, spin_j
+        f_x, f_y, moment_i, moment_j, normal, lost, rubbed, delta = contact.forces(
+            motion, joint.impact_rate, joint, law
+        )
+        _apply(force, joint.i, f_x, f_y, ai_x * f_y - ai_y * f_x + moment_i)
+        _apply(force, joint.j, -f_x, -f_y, -(aj_x * f_y - aj_y * f_x) + moment_j)
+        ledgers[n], ledgers[n + 1], ledgers[n + 2], ledgers[n + 3] = lost, rubbed, delta, normal
 
 
 @compiled
-def _push(
-    q: FloatArray, v: FloatArray, turns: FloatArray, force: FloatArray, springs: Any, loads: Any
-) -> tuple[float, float]:
+def _push(q: FloatArray, v: FloatArray, w: Room, springs: Any, loads: Any) -> tuple[float, float]:
     """Add the forces of springs, dampers and loads; return the powers of drives and dampers."""
-    driving, damping = 0.0, 0.0
+    turns, force, driving, damping = w.turns, w.force, 0.0, 0.0
     for number in range(springs.shape[0]):
         s = springs[number]
         if s.turning:
@@ -375,11 +376,8 @@ def _schur(constraints: Any, mobility: FloatArray, w: Room) -> None:
                 if body < 0:
                     continue
                 k = 3 * body
-                x, y, z = (
-                    jacobian[row, k] * mobility[k],
-                    jacobian[row, k + 1] * mobility[k + 1],
-                    jacobian[row, k + 2] * mobility[k + 2],
-                )
+                x, y = jacobian[row, k] * mobility[k], jacobian[row, k + 1] * mobility[k + 1]
+                z = jacobian[row, k + 2] * mobility[k + 2]
                 over_mass[row, k], over_mass[row, k + 1], over_mass[row, k + 2] = x, y, z
                 right[row] += x * force[k] + y * force[k + 1] + z * force[k + 2]
                 for other in range(number + 1):
@@ -387,30 +385,8 @@ def _schur(constraints: Any, mobility: FloatArray, w: Room) -> None:
                     if body not in (b.i, b.j):
                         continue
                     for s in range(b.row, min(b.row + b.rows, row + 1)):
-                        matrix[row, s] += (
-                            x * jacobian[s, k] + y * jacobian[s, k + 1] + z * jacobian[s, k + 2]
-                        )
-
-
-@compiled
-def _touch_all(
-    q: FloatArray,
-    v: FloatArray,
-    turns: FloatArray,
-    force: FloatArray,
-    joints: Any,
-    laws: FloatArray,
-    ledgers: FloatArray,
-) -> None:
-    """Add the contact forces of all joints to `force`, and write the rates of their ledgers."""
-    ledgers[:] = 0.0
-    for k in range(joints.shape[0]):
-        joint, first = joints[k], 4 * k
-        if joint.touching:
-            law = laws[joint.first : joint.first + joint.size]
-            lost, rubbed, delta, normal = touch(q, v, turns, force, joint, law)
-            ledgers[first], ledgers[first + 1] = lost, rubbed
-            ledgers[first + 2], ledgers[first + 3] = delta, normal
+                        j_x, j_y, j_z = jacobian[s, k], jacobian[s, k + 1], jacobian[s, k + 2]
+                        matrix[row, s] += x * j_x + y * j_y + z * j_z
 
 
 @compiled
@@ -435,13 +411,7 @@ def _constrained(
 
 @compiled
 def derivatives(
-    t: float,
-    y: FloatArray,
-    rates: FloatArray,
-    row: int,
-    joints: Any,
-    laws: FloatArray,
-    m: Linkage,
+    t: float, y: FloatArray, rates: FloatArray, row: int, joints: Any, laws: FloatArray, m: Linkage
 ) -> None:
     """Write the rates of coordinates and ledgers to a row of `rates`."""
     size = m.inertia.shape[1]
@@ -450,8 +420,8 @@ def derivatives(
     q, v, lam = y[:size], y[size:], w.right
     constrain(t, q, v, m.constraints, w)
     w.force[:] = m.inertia[2]
-    driving, damping = _push(q, v, w.turns, w.force, m.springs, m.loads)
-    _touch_all(q, v, w.turns, w.force, joints, laws, rates[row, ledger + 2 :])
+    driving, damping = _push(q, v, w, m.springs, m.loads)
+    _touch(q, v, w, joints, laws, rates[row, ledger + 2 :])
     for r in range(lam.size):
         # lam holds γ; the right-hand side is Φ_q·M⁻¹·g − γ*.
         lam[r] = 2.0 * m.settings[0] * w.rate[r] + m.settings[1] ** 2 * w.value[r] - lam[r]
@@ -501,12 +471,11 @@ _TURNS = 100
 def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArray]:
     """Return coordinates and velocities at time t with every joint closed.
 
-    This is the start of a simulation: pins are centred in their bearings and at rest relative to
-    them, as if the joints were ideal. Newton's method on the constraints finds the positions, first
-    at the driver's angle of the spec's guess. The driver then moves in small steps to its initial
-    angle, so that the mechanism stays in the configuration of the guess. What the joints leave free
-    stays as near to the guess as it can, and at rest. It is an `InputError` if the joints cannot be
-    closed, or hold a body twice.
+    This is the start of a simulation: pins are centred in their bearings and at rest in them, as if
+    the joints were ideal. Newton's method finds the positions, first at the driver's angle of the
+    spec's guess, from which the driver moves in small steps to its initial angle. What the joints
+    leave free stays as near to the guess as it can, and at rest. It is an `InputError` if the
+    joints cannot be closed, or hold a body twice.
     """
     joints = [joint for joint in mechanism.joints if not joint.torque]
     table = constraint_table(joints)
@@ -558,11 +527,8 @@ def _close(mechanism: Mechanism, table: Any, q: FloatArray) -> FloatArray:
 
 
 def _solve(mechanism: Mechanism, jacobian: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve for a step or for velocities, the least that will do.
-
-    Constraints may be redundant only where there are more of them than coordinates, as of a body
-    in several clearances.
-    """
+    """Solve for a step or for velocities, the least that will do."""
+    # Redundant only where there are more constraints than coordinates: a body in many clearances.
     rows, coordinates = jacobian.shape
     try:
         if rows == coordinates:

@@ -136,11 +136,10 @@ def settings_for(
 ) -> Settings:
     """Return the settings of a run, checked and with defaults filled in; see `simulate`."""
     fits = recognise(mechanism) is not None
-    if method is None:
-        method = "minimal" if fits else "multiplier"
+    method = method or ("minimal" if fits else "multiplier")
     for key, value, known in (("method", method, METHODS), ("beyond", beyond, BEYOND)):
-        if value not in known:
-            raise InputError("simulate", key, value, "is not known", f"choose {', '.join(known)}")
+        remedy = f"choose {', '.join(known)}"
+        require(value in known, "simulate", key, value, "is not known", remedy)
     require(
         fits or method != "minimal", mechanism.source, "method", method,
         "is for a slider-crank at constant speed with a clearance between rod and slider, and none "
@@ -148,17 +147,12 @@ def settings_for(
         'use "multiplier", which takes any mechanism',
     )  # fmt: skip
     tolerance = mechanism.integration.tolerance if tolerance is None else tolerance
-    require(
-        1e-14 <= tolerance <= 1e-3, "simulate", "tolerance", tolerance,
-        "must lie in [1e-14, 1e-3]", "give e.g. 1e-8",
-    )  # fmt: skip
-    require(
-        allowed_penetration is None or 0 < allowed_penetration < np.inf, "simulate",
-        "allowed_penetration", allowed_penetration, "must be positive",
-        "give it in m, or leave it out",
-    )  # fmt: skip
-    max_step = mechanism.integration.max_step
-    return Settings(method, tolerance, max_step, beyond, allowed_penetration)
+    rule, good = "must lie in [1e-14, 1e-3]", 1e-14 <= tolerance <= 1e-3
+    require(good, "simulate", "tolerance", tolerance, rule, "give e.g. 1e-8")
+    depth, remedy = allowed_penetration, "give it in m, or leave it out"
+    good = depth is None or 0 < depth < np.inf
+    require(good, "simulate", "allowed_penetration", depth, "must be positive", remedy)
+    return Settings(method, tolerance, mechanism.integration.max_step, beyond, depth)
 
 
 @dataclass
@@ -193,17 +187,18 @@ class Run:
         for k, joint in enumerate(mechanism.clearances):
             require_defined(joint.contact, mechanism.source, f"joint.{joint.name}.law")
             joints[k] = joint.contact.record(settings.beyond)
-            joints[k]["allowed_penetration"] = settings.allowed_penetration or 0.0
-            joints[k]["i"], joints[k]["j"] = joint.i, joint.j
-            joints[k]["x_i"], joints[k]["y_i"] = joint.point_i
-            joints[k]["x_j"], joints[k]["y_j"] = joint.point_j
-            joints[k]["first"] = sum(part.size for part in laws)
+            record = joints[k]
+            record["allowed_penetration"] = settings.allowed_penetration or 0.0
+            record["i"], record["j"] = joint.i, joint.j
+            record["x_i"], record["y_i"] = joint.point_i
+            record["x_j"], record["y_j"] = joint.point_j
+            record["first"] = sum(part.size for part in laws)
             laws.append(joint.contact.kernel.parameters)
-        ledgers = len(LEDGERS) + len(JOINT_LEDGERS) * joints.size
         if state is None:
-            values = np.concatenate((coordinates, np.zeros(ledgers)))
+            ledgers = np.zeros(len(LEDGERS) + len(JOINT_LEDGERS) * joints.size)
             free = np.zeros(joints.size)
-            state = State(0.0, values, free.astype(bool), free)
+            state = State(0.0, np.concatenate((coordinates, ledgers)), free.astype(bool), free)
+        relative = shape is not None and shape.pin is None
         return cls(
             mechanism,
             settings,
@@ -213,7 +208,7 @@ class Run:
             None if shape is None else shape.pin,
             linkage_of(mechanism) if shape is None else None,
             np.repeat([_LENGTH_SCALE, _SPEED_SCALE], coordinates.size // 2),
-            settings.tolerance if shape is not None and shape.pin is None else _NOT_RELATIVE,
+            settings.tolerance if relative else _NOT_RELATIVE,
             state,
         )
 
@@ -228,30 +223,21 @@ class Run:
         self.joints["touching"], self.joints["onset_rate"] = state.in_contact, state.impact_rate
         now = np.zeros(1, integrate.NOW)
         now["time"] = state.time
-        tolerances = (
-            self.relative,
-            self.settings.tolerance * self.scale,
-            self.settings.max_step,
-        )
+        forms = self.joints, self.laws, self.crank, self.pin, self.linkage
+        absolute = self.settings.tolerance * self.scale
+        tolerances = self.relative, absolute, self.settings.max_step
         most = _MOST_STEPS + _MORE_PER_SECOND * (end - state.time)
         parts: list[StepHistory] = []
         status = integrate.FULL
         while status == integrate.FULL and len(parts) * _BUFFER < most:
-            buffers = (
+            buffers: tuple[Any, ...] = (
                 np.empty(_BUFFER), np.empty((_BUFFER, state.values.size)),
                 np.empty((_BUFFER, count), np.bool_), np.empty((_BUFFER, count)),
             )  # fmt: skip
-            n, status = integrate.integrate(
-                now[0], y, ledgers, end, self.joints, self.laws, self.crank, self.pin,
-                self.linkage, tolerances, buffers,
-            )  # fmt: skip
-            revolution = np.full(n, label, dtype=np.int32)
-            time_s, values, touching, rates = buffers
-            parts.append(
-                StepHistory(
-                    time_s[:n], values[:n], touching[:n], rates[:n], revolution, np.empty((0, 3))
-                )
-            )
+            n, status = integrate.integrate(now[0], y, ledgers, end, *forms, tolerances, buffers)
+            time_s, values, touching, rates = (buffer[:n] for buffer in buffers)
+            labels, counts = np.full(n, label, dtype=np.int32), np.empty((0, 3))
+            parts.append(StepHistory(time_s, values, touching, rates, labels, counts))
         values = np.concatenate((y, ledgers))
         in_contact = self.joints["touching"].astype(bool)
         reached = float(now["time"][0])
@@ -259,16 +245,14 @@ class Run:
         if status == integrate.LAW_LEFT:
             raise self._law_left(int(now["joint"][0]))
         if status == integrate.FULL:
-            raise self._error(
-                f"revolution {label} has not ended after {len(parts) * _BUFFER:,} steps, at",
-                "check masses, inertias and units, change the tolerance, or lower a restitution "
-                "of 1",
+            what = f"revolution {label} has not ended after {len(parts) * _BUFFER:,} steps, at"
+            remedy = (
+                "check masses, inertias and units, change the tolerance, or lower a restitution"
             )
+            raise self._error(what, f"{remedy} of 1")
         if status == integrate.COLLAPSED or not np.isfinite(values).all():
-            raise self._error(
-                "the steps collapse at",
-                "loosen the tolerance, or look for a dead centre of the mechanism there",
-            )
+            remedy = "loosen the tolerance, or look for a dead centre of the mechanism there"
+            raise self._error("the steps collapse at", remedy)
         return concatenate(parts), int(now["evaluations"][0])
 
     def revolutions(self, total: int, progress: Progress, first: int = 0) -> Iterator[StepHistory]:
@@ -286,12 +270,10 @@ class Run:
 
     def penetration(self, number: int) -> float:
         """Return δ of a joint at the present state in m."""
-        turn = dop853.clock(self.state.time, self.crank)
+        turn, joint = dop853.clock(self.state.time, self.crank), self.joints[number]
         values = self.state.values[: self.scale.size]
-        e_x, e_y, *_ = dop853.motion(
-            turn, values, self.joints[number], self.crank, self.pin, self.linkage
-        )
-        return float(np.hypot(e_x, e_y) - self.joints[number]["clearance"])
+        e_x, e_y, *_ = dop853.motion(turn, values, joint, self.crank, self.pin, self.linkage)
+        return float(np.hypot(e_x, e_y) - joint["clearance"])
 
     def _law_left(self, number: int) -> LawDomainError:
         joint, record = self.mechanism.clearances[number], self.joints[number]

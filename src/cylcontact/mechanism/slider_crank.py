@@ -71,6 +71,8 @@ PIN = np.dtype(
     ]
 )
 
+# Cosine and sine of the crank's angle.
+Turn = tuple[float, float]
 # Of Taylor's series.
 _COS = (-1 / 2, 1 / 24, -1 / 720, 1 / 40320)
 _SIN = (-1 / 6, 1 / 120, -1 / 5040, 1 / 362880)
@@ -98,10 +100,7 @@ def turned(c: float, s: float, dt: float, m: Crank) -> tuple[float, float]:
 
 @inlined
 def _rod_motion(c: float, s: float, up: float, rate: float, m: Crank) -> tuple[float, float, float]:
-    """Return sin φ, cos φ and φ̇ of the rod; c and s are those of the crank's angle.
-
-    The eccentricities together lift the slider by `up`, which has a `rate`.
-    """
+    """Return sin φ, cos φ and φ̇ of the rod if eccentricities lift the slider by `up`."""
     sine = (m.offset - m.crank * s - up) * m.per_rod
     cosine = math.sqrt(1.0 - sine * sine)
     spin = -(m.omega * m.crank * c + rate) * m.per_rod / cosine
@@ -150,19 +149,10 @@ def _of_two(spin: float, y: FloatArray, joint: contact.Joint, m: Crank, pin: Any
 
 @inlined
 def derivatives(
-    c: float,
-    s: float,
-    y: FloatArray,
-    rates: FloatArray,
-    row: int,
-    joint: contact.Joint,
-    law: FloatArray,
-    m: Crank,
+    turn: Turn, y: FloatArray, rates: FloatArray, row: int, joint: Any, law: FloatArray, m: Crank
 ) -> None:
-    """Write the rates of coordinates and ledgers to a row of `rates`.
-
-    c and s are the cosine and sine of the crank's angle.
-    """
+    """Write the rates of coordinates and ledgers to a row of `rates`."""
+    c, s = turn
     sine, cosine, spin = _rod_motion(c, s, y[1], y[3], m)
     omega, length = m.omega, m.rod
     A_x, A_y = m.crank * c, m.crank * s
@@ -170,9 +160,8 @@ def derivatives(
 
     # Force on the slider, f, and moment on the rod about its end P.
     f_x, f_y, moment = 0.0, 0.0, 0.0
-    rates[row, 5], rates[row, 6], rates[row, 7], rates[row, 8], rates[row, 9] = (
-        0.0, 0.0, 0.0, 0.0, 0.0,
-    )  # fmt: skip
+    for n in range(5, 10):
+        rates[row, n] = 0.0
     if joint.touching:
         side, motion = m.side, _of_joint(m.side, y, 0, 2, spin, 0.0)
         f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power, delta = contact.forces(
@@ -207,8 +196,7 @@ def derivatives(
 
 @inlined
 def derivatives_of_two(
-    c: float,
-    s: float,
+    turn: Turn,
     y: FloatArray,
     rates: FloatArray,
     row: int,
@@ -217,10 +205,8 @@ def derivatives_of_two(
     m: Crank,
     pin: Any,
 ) -> None:
-    """Write the rates with two clearances, like `derivatives`.
-
-    Coordinates are the eccentricity of the slider, then that of the rod at the crank.
-    """
+    """Write the rates with two eccentricities, of the slider and of the rod at the crank."""
+    c, s = turn
     sine, cosine, spin = _rod_motion(c, s, y[1] + y[3], y[5] + y[7], m)
     omega, length = m.omega, m.rod
 
@@ -304,10 +290,10 @@ class SliderCrank:
         """Return e of a joint and its rate in global axes, shapes (n, 2)."""
         E, E_rate, D, D_rate = self._displaced(values)
         turn = np.exp(1j * self.slide)
-        if self.pin is None or number == self.pin["wrist"]:
-            e, rate = turn * self.record["side"] * E, turn * self.record["side"] * E_rate
-        else:
-            e, rate = turn * self.pin["side"] * D, turn * self.pin["side"] * D_rate
+        side = self.record["side"]
+        if self.pin is not None and number != self.pin["wrist"]:
+            side, E, E_rate = self.pin["side"], D, D_rate
+        e, rate = turn * side * E, turn * side * E_rate
         return np.column_stack((e.real, e.imag)), np.column_stack((rate.real, rate.imag))
 
     def motion(self, t: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -325,22 +311,18 @@ class SliderCrank:
         joint_rate = B_rate + 1j * phi_rate * m["rod"] * rod + E_rate
         rod_centre = complex(m["rod_a"], m["rod_b"]) * rod
         crank_centre = complex(m["crank_a"], m["crank_b"]) * np.exp(1j * theta)
-        ones, zeros = np.ones_like(t), np.zeros_like(t)
         # Centre, velocity, angle and spin of each body.
         motions = (
-            (crank_centre, 1j * m["omega"] * crank_centre, theta - self.crank_turn,
-             m["omega"] * ones),
+            (crank_centre, 1j * m["omega"] * crank_centre, theta - self.crank_turn, m["omega"]),
             (B + rod_centre, B_rate + 1j * phi_rate * rod_centre, phi - self.rod_turn, phi_rate),
-            (joint + self.slider_centre, joint_rate, self.slider_angle * ones, zeros),
-        )  # fmt: skip
+            (joint + self.slider_centre, joint_rate, self.slider_angle, 0.0),
+        )
         turn, pivot = np.exp(1j * self.slide), complex(*self.pivot)
         q, v = np.empty((t.size, 9)), np.empty((t.size, 9))
-        for body, (local_centre, local_velocity, angle, spin) in zip(
-            self.bodies, motions, strict=True
-        ):
-            centre, velocity = pivot + turn * local_centre, turn * local_velocity
-            q[:, 3 * body : 3 * body + 3] = np.column_stack((centre.real, centre.imag, angle))
-            v[:, 3 * body : 3 * body + 3] = np.column_stack((velocity.real, velocity.imag, spin))
+        for body, (centre, velocity, angle, spin) in zip(self.bodies, motions, strict=True):
+            place, speed, n = pivot + turn * centre, turn * velocity, 3 * body
+            q[:, n], q[:, n + 1], q[:, n + 2] = place.real, place.imag, angle
+            v[:, n], v[:, n + 1], v[:, n + 2] = speed.real, speed.imag, spin
         return q, v
 
 
@@ -366,17 +348,14 @@ def recognise(mechanism: Mechanism) -> SliderCrank | None:
                 joints[pair] = joint
     if len(joints) != 3:
         return None
-    open_joints, wrist = mechanism.clearances, joints[rod, slider]
-    if wrist not in open_joints or any(
-        joint not in (wrist, joints[crank, rod]) for joint in open_joints
-    ):
+    main, pin, wrist = joints.values()
+    if wrist.clearance is None or main.clearance is not None:
         return None
-    shape = _measure(mechanism, bodies, (*joints.values(), slides[0]), drivers[0])
+    about = mechanism, bodies, (main, pin, wrist, slides[0]), drivers[0]
+    shape = _measure(*about)
     q, _ = assemble(mechanism)
-    if math.cos(q[3 * rod + 2] + shape.rod_turn) > 0:
-        return shape
-    # The rod points backwards along the slide: reverse the frame.
-    return _measure(mechanism, bodies, (*joints.values(), slides[0]), drivers[0], math.pi)
+    backwards = math.cos(q[3 * rod + 2] + shape.rod_turn) <= 0
+    return _measure(*about, math.pi) if backwards else shape
 
 
 def _measure(
@@ -386,7 +365,7 @@ def _measure(
     driver: Joint,
     turn: float = 0.0,
 ) -> SliderCrank:
-    """Return the lengths and angles from the points of the joints, in a frame turned by `turn`."""
+    """Return lengths and angles from the points of the joints, in a frame turned by `turn`."""
     crank, rod, slider = bodies
     main, pin, wrist, slide = joints
     pivot, centre = _at(main, GROUND), _at(main, crank)
@@ -417,21 +396,11 @@ def _measure(
         second = np.zeros(1, PIN)[0]
         second["side"] = 1.0 if pin.i == rod else -1.0
         second["wrist"], second["slider"] = mechanism.clearances.index(wrist), slider
-        second["per_rod_mass"], second["per_rod_inertia"] = (
-            1 / masses[1].mass,
-            1 / masses[1].inertia,
-        )
-    return SliderCrank(
-        bodies,
-        (pivot.real, pivot.imag),
-        along,
-        crank_angle - along,
-        rod_angle - along,
-        slide.angle,
-        _turned(-_at(wrist, slider), slide.angle - along),
-        m,
-        second,
-    )
+        second["per_rod_mass"] = 1 / masses[1].mass
+        second["per_rod_inertia"] = 1 / masses[1].inertia
+    centre_on_slider = _turned(-_at(wrist, slider), slide.angle - along)
+    turns = along, crank_angle - along, rod_angle - along, slide.angle
+    return SliderCrank(bodies, (pivot.real, pivot.imag), *turns, centre_on_slider, m, second)
 
 
 def _at(joint: Joint, body: int) -> complex:
