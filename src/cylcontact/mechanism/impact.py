@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cylcontact.arrays import require
-from cylcontact.errors import InputError
 from cylcontact.laws import ContactLaw
 from cylcontact.mechanism.joint import ClearanceJoint
 from cylcontact.mechanism.model import GROUND, Body, IntegrationSpec, Joint, Mechanism
@@ -89,24 +88,16 @@ def isolated_impact(
     0.9131767 0.9131767
     """
     for key, value in (("mass", mass), ("speed", speed)):
-        require(
-            0 < value < np.inf, "isolated_impact", key, value, "must be positive", "give it in SI"
-        )
+        good = 0 < value < np.inf
+        require(good, "isolated_impact", key, value, "must be positive", "give it in SI")
     joint = ClearanceJoint("impact", "SI", pair, law, chi, 0.0, 0.0, 1.0, data={"law": law.name})
     flight = joint.radial * 1e-3 / speed
-    mechanism = Mechanism(
-        name="impact",
-        bodies=(Body("pin", mass, mass, (0.0, 0.0, 0.0)),),
-        joints=(Joint("impact", "revolute", GROUND, 0, clearance=joint),),
-        springs=(),
-        loads=(),
-        gravity=(0.0, 0.0),
-        integration=IntegrationSpec(
-            alpha=0.0, beta=0.0, max_step=flight, tolerance=1e-8, revolutions=1, period=flight
-        ),
-        data={},
-        source="isolated_impact",
+    pin = Body("pin", mass, mass, (0.0, 0.0, 0.0))
+    held = Joint("impact", "revolute", GROUND, 0, clearance=joint)
+    how = IntegrationSpec(
+        alpha=0.0, beta=0.0, max_step=flight, tolerance=1e-8, revolutions=1, period=flight
     )
+    mechanism = Mechanism("impact", (pin,), (held,), (), (), (0.0, 0.0), how, {}, "isolated_impact")
     settings = Settings("multiplier", tolerance, flight, "stop")
     run = Run.start(mechanism, settings)
     values = run.state.values.copy()
@@ -117,11 +108,8 @@ def isolated_impact(
     rows, _ = run.advance(_CROSSINGS * flight)
     (contact,) = [Trajectory(mechanism, settings, rows).joint]
     first = contact.contacts.iloc[:1]
-    if first["release_s"].isna().all():
-        raise InputError(
-            "isolated_impact", "speed", None, "the pin does not come back in time",
-            "give a faster or lighter pin",
-        )  # fmt: skip
+    rule, remedy = "the pin does not come back in time", "give a faster or lighter pin"
+    require(first["release_s"].notna().any(), "isolated_impact", "speed", None, rule, remedy)
     onset, release = first[["onset_s", "release_s"]].to_numpy()[0]
     begins, ends = (int(np.searchsorted(rows.time, at)) for at in (onset, release))
     lost = contact.normal_dissipation

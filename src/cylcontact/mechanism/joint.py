@@ -108,22 +108,21 @@ class ClearanceJointSpec(Spec):
                 "name", self.name, "cannot name a function",
                 f"begin with one of A to Z, and take up to {_LONGEST_NAME} characters",
             )  # fmt: skip
+        hole, pin, clearance = self.bearing.R, self.pin.R, self.clearance
         if self.fit is not None:
-            given = {"bearing.R": self.bearing.R, "pin.R": self.pin.R, "clearance": self.clearance}
-            for key, value in given.items():
+            for key, value in {"bearing.R": hole, "pin.R": pin, "clearance": clearance}.items():
                 if value is not None:
                     raise broken(key, value, f"is given by the fit {self.fit}", "remove one")
             return self
-        if self.bearing.R is None:
+        if hole is None:
             raise broken("bearing.R", None, "is required", "add the radius in mm")
-        if (self.pin.R is None) == (self.clearance is None):
-            rule = "is required" if self.pin.R is None else "is given twice"
-            raise broken("pin.R", self.pin.R, rule, "give R of the pin, or the clearance")
-        radius, R = self.bearing.R, self.pin.R or 0.0
-        if R >= radius:
-            raise broken("pin.R", R, "does not fit in the hole", f"keep it below {radius}")
-        if (self.clearance or 0.0) >= radius:
-            raise broken("clearance", self.clearance, "leaves no pin", f"keep it below {radius} mm")
+        if (pin is None) == (clearance is None):
+            rule = "is required" if pin is None else "is given twice"
+            raise broken("pin.R", pin, rule, "give R of the pin, or the clearance")
+        if pin is not None and pin >= hole:
+            raise broken("pin.R", pin, "does not fit in the hole", f"keep it below {hole}")
+        if clearance is not None and clearance >= hole:
+            raise broken("clearance", clearance, "leaves no pin", f"keep it below {hole} mm")
         return self
 
 
@@ -345,15 +344,11 @@ class ClearanceJoint:
         out = np.empty((rate.size, _COLUMNS))
         first, second = (body.reshape(-1, 6) for body in bodies)
         _wrenches(rate.ravel(), first, second, numbers, self.block, self.kernel.parameters, out)
-        x, y, moment_bearing, moment_pin, *others, flag = (
-            as_floats(column.reshape(rate.shape)) for column in out.T
-        )
-        delta, delta_rate, normal, tangential, v_t, power = others
+        columns: list[Any] = [as_floats(column.reshape(rate.shape)) for column in out.T]
+        x, y, on_bearing, on_pin, *others, flag = columns
         force = np.stack((x, y), axis=-1)
-        return JointWrench(
-            force, moment_bearing, -force, moment_pin, delta, delta_rate, normal, tangential, v_t,
-            power, flag.astype(np.int64),
-        )  # fmt: skip
+        parts = force, on_bearing, -force, on_pin, *others, flag.astype(np.int64)
+        return JointWrench._make(parts)
 
     def accept(self, state: JointState, bearing: ArrayLike, pin: ArrayLike) -> JointState:
         """Return the state after an accepted step, or at the onset of a contact.
@@ -388,10 +383,8 @@ def _rows(
     bodies = []
     for key, body in (("bearing", bearing), ("pin", pin)):
         numbers = np.asarray(body, dtype=np.float64)
-        require(
-            numbers.ndim > 0 and numbers.shape[-1] == 6, "joint", key, body,
-            "must be six numbers", "give x, y, angle, v_x, v_y, spin",
-        )  # fmt: skip
+        rule, remedy = "must be six numbers", "give x, y, angle, v_x, v_y, spin"
+        require(numbers.shape[-1:] == (6,), "joint", key, body, rule, remedy)
         bodies.append(numbers)
     rate = np.asarray(state.impact_rate, dtype=np.float64)
     shape = np.broadcast_shapes(rate.shape, *(b.shape[:-1] for b in bodies))
@@ -409,24 +402,18 @@ def _wrenches(
     law: NDArray[np.float64],
     out: NDArray[np.float64],
 ) -> None:
-    """Write the wrench of each row.
+    """Write wrenches by row: force on the bearing, moments, δ, δ̇, f_n, f_t, v_t, power, flag.
 
-    Columns of `out`: force on the bearing, moments on bearing and pin, δ, δ̇, f_n, f_t, v_t, power,
-    flag. `numbers` has the centres of hole and pin in the joint's units, the unit of length in m,
-    the floor of the impact rate in the joint's units and the force at first yield.
+    `numbers` has the centres of hole and pin in the joint's units, the unit of length in m, the
+    floor of the impact rate in the joint's units and the force at first yield.
     """
     metres, floor, first_yield = numbers[4], numbers[5], numbers[6]
     for k in range(impact_rate.size):
         b, j = bearing[k], pin[k]
         cos_b, sin_b, cos_j, sin_j = np.cos(b[2]), np.sin(b[2]), np.cos(j[2]), np.sin(j[2])
-        arm_bx, arm_by = (
-            cos_b * numbers[0] - sin_b * numbers[1],
-            sin_b * numbers[0] + cos_b * numbers[1],
-        )
-        arm_jx, arm_jy = (
-            cos_j * numbers[2] - sin_j * numbers[3],
-            sin_j * numbers[2] + cos_j * numbers[3],
-        )
+        hole_x, hole_y, pin_x, pin_y = numbers[0], numbers[1], numbers[2], numbers[3]
+        arm_bx, arm_by = cos_b * hole_x - sin_b * hole_y, sin_b * hole_x + cos_b * hole_y
+        arm_jx, arm_jy = cos_j * pin_x - sin_j * pin_y, sin_j * pin_x + cos_j * pin_y
         e_x, e_y = b[0] + arm_bx - (j[0] + arm_jx), b[1] + arm_by - (j[1] + arm_jy)
         u_x = b[3] - b[5] * arm_by - (j[3] - j[5] * arm_jy)
         u_y = b[4] + b[5] * arm_bx - (j[4] + j[5] * arm_jx)
@@ -506,10 +493,8 @@ def build_joint(
     data: dict[str, Any], source: str, own: Path | None = None, law: ContactLaw | None = None
 ) -> ClearanceJoint:
     """Return the joint of a file's data, with another law if one is given."""
-    require(
-        data.get("kind") != "spatial", source, "kind", "spatial", "is a spatial joint",
-        "read it with SpatialJoint.read",
-    )  # fmt: skip
+    rule, remedy = "is a spatial joint", "read it with SpatialJoint.read"
+    require(data.get("kind") != "spatial", source, "kind", "spatial", rule, remedy)
     spec = parse_spec(ClearanceJointSpec, data, source)
     hole, pin = (
         body.named(key, own, source, f"{key}.material")
@@ -538,20 +523,10 @@ def build_joint(
         np.isfinite(chi), source, "dissipation.restitution", damping.restitution,
         f"leaves the hysteresis factor {damping.factor!r} no finite value", "give a larger one",
     )  # fmt: skip
-    return ClearanceJoint(
-        name=spec.name,
-        units=spec.units,
-        pair=pair,
-        law=law,
-        chi=chi,
-        friction=spec.friction.coefficient,
-        v0=spec.friction.v0,
-        v1=spec.friction.v1,
-        point_bearing=spec.bearing.point,
-        point_pin=spec.pin.point,
-        origin=origin,
-        data=data,
-    )
+    friction = spec.friction.coefficient, spec.friction.v0, spec.friction.v1
+    points = spec.bearing.point, spec.pin.point
+    about = spec.name, spec.units, pair, law, chi
+    return ClearanceJoint(*about, *friction, *points, origin, data)
 
 
 def _in_housing(
@@ -589,8 +564,6 @@ def _law(what: str, source: str) -> tuple[ContactLaw, str]:
     from cylcontact.fitting.results import FitResult
 
     result = FitResult.read(what)
-    require(
-        result.contact == "internal", source, "law", what, "is a fit to external contact",
-        "name a fit for a pin in a hole",
-    )  # fmt: skip
+    rule, remedy = "is a fit to external contact", "name a fit for a pin in a hole"
+    require(result.contact == "internal", source, "law", what, rule, remedy)
     return result.to_law(what), f"fit result '{result.name}', fitted to {result.reference}"

@@ -482,10 +482,8 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     q = np.concatenate([np.array(body.guess) for body in mechanism.bodies])
     ideal = constraint_table([joint for joint in joints if joint.clearance is None])
     rows = row_count(ideal)
-    require(
-        rows <= q.size, mechanism.source, "joint", len(joints),
-        f"make {rows} constraints for {q.size} coordinates", "hold nothing twice",
-    )  # fmt: skip
+    rule, remedy = f"make {rows} constraints for {q.size} coordinates", "hold nothing twice"
+    require(rows <= q.size, mechanism.source, "joint", len(joints), rule, remedy)
     drives, held = table["kind"] == DRIVER, table.copy()
     held["speed"] = 0.0
     angles = np.append(q[2::3], 0.0)  # last that of the ground, body −1

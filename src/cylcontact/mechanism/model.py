@@ -284,20 +284,16 @@ class Mechanism:
     def clearance(self) -> Joint:
         """The joint with clearance; an `InputError` unless there is one."""
         names = [joint.name for joint in self.clearances]
-        require(
-            len(names) == 1, self.source, "joint", ", ".join(names) or None,
-            f"{len(names)} joints have a clearance", "take one of `clearances`",
-        )  # fmt: skip
+        rule, remedy = f"{len(names)} joints have a clearance", "take one of `clearances`"
+        require(len(names) == 1, self.source, "joint", ", ".join(names) or None, rule, remedy)
         return self.clearances[0]
 
     @property
     def driver(self) -> Joint:
         """The first joint that turns at a given speed; an `InputError` without one."""
         drivers = [joint for joint in self.joints if joint.speed]
-        require(
-            len(drivers) > 0, self.source, "joint", None, "none turns at a given speed",
-            "give a driver its speed",
-        )  # fmt: skip
+        rule, remedy = "none turns at a given speed", "give a driver its speed"
+        require(len(drivers) > 0, self.source, "joint", None, rule, remedy)
         return drivers[0]
 
     @property
@@ -391,17 +387,10 @@ def mechanism_from(
         require(not isinstance(data.get(former), dict), source, f"[{former}]", None, rule, _ENTRY)
     changed, law = copy.deepcopy(data), changes.get("law")
     _change(changed, source, changes)
-    given = changed.get("joint")
-    entries: list[Any] = given if isinstance(given, list) else []
-    kinematic = [
-        {k: v for k, v in entry.items() if k == "name" or k not in _OF_CONTACT}
-        if isinstance(entry, dict)
-        else entry
-        for entry in entries
-    ]
-    spec = parse_spec(
-        MechanismSpec, {**changed, "joint": kinematic} if entries else changed, source
-    )
+    entries, kinematic = _entries(changed), dict(changed)
+    if entries:
+        kinematic["joint"] = [_without_contact(entry) for entry in entries]
+    spec = parse_spec(MechanismSpec, kinematic, source)
     points = {f"ground.{name}": at for name, at in spec.ground.points.items()}
     for body, its in spec.bodies.items():
         points |= {f"{body}.{name}": at for name, at in its.points.items()}
@@ -413,29 +402,18 @@ def mechanism_from(
     joints = []
     for about, entry in zip(spec.joint, entries, strict=True):
         (i, point_i), (j, point_j) = map(end, about.between)
-        joint = Joint(
-            about.name, about.type, i, j, point_i, point_j,
-            direction=math.radians(about.direction or 0.0),
-            angle=math.radians(about.angle),
-            speed=(about.speed or 0.0) * 2 * math.pi / 60,
-            ramp=about.ramp,
-            torque=about.torque or 0.0,
-        )  # fmt: skip
-        joints.append(_with_contact(joint, entry, source, own, law))
-    return Mechanism(
-        name=spec.name,
-        bodies=tuple(
-            Body(name, body.mass, body.inertia, (*body.guess[:2], math.radians(body.guess[2])))
-            for name, body in spec.bodies.items()
-        ),
-        joints=tuple(joints),
-        springs=tuple(_spring(about, *map(end, about.between)) for about in spec.spring),
-        loads=tuple(Load(*end(about.at), about.force, about.moment) for about in spec.load),
-        gravity=spec.gravity,
-        integration=spec.integration,
-        data=changed,
-        source=source,
-    )
+        direction, angle = math.radians(about.direction or 0.0), math.radians(about.angle)
+        speed, torque = (about.speed or 0.0) * 2 * math.pi / 60, about.torque or 0.0
+        kind = about.type, i, j, point_i, point_j, direction, angle, speed, about.ramp, torque
+        joints.append(_with_contact(Joint(about.name, *kind), entry, source, own, law))
+    bodies = []
+    for name, its in spec.bodies.items():
+        x, y, degrees = its.guess
+        bodies.append(Body(name, its.mass, its.inertia, (x, y, math.radians(degrees))))
+    springs = tuple(_spring(about, *map(end, about.between)) for about in spec.spring)
+    loads = tuple(Load(*end(about.at), about.force, about.moment) for about in spec.load)
+    parts = tuple(bodies), tuple(joints), springs, loads, spec.gravity
+    return Mechanism(spec.name, *parts, spec.integration, changed, source)
 
 
 _ENTRY = (
@@ -453,14 +431,25 @@ _OF_JOINTS = {
 _OF_INTEGRATION = ("revolutions", "tolerance")
 
 
+def _entries(data: dict[str, Any]) -> list[Any]:
+    given = data.get("joint")
+    return given if isinstance(given, list) else []
+
+
+def _without_contact(entry: Any) -> Any:
+    """Return an entry without the keys of a joint's file, but for its name."""
+    if not isinstance(entry, dict):
+        return entry
+    return {k: v for k, v in entry.items() if k == "name" or k not in _OF_CONTACT}
+
+
 def _has_clearance(entry: Any) -> bool:
     return isinstance(entry, dict) and bool({"bearing", "pin", "law"} & entry.keys())
 
 
 def _change(data: dict[str, Any], source: str, changes: dict[str, Any]) -> None:
     """Set the values of a command in a spec's data."""
-    entries = data.get("joint")
-    joints = [*filter(_has_clearance, entries if isinstance(entries, list) else [])]
+    joints = [*filter(_has_clearance, _entries(data))]
     for key, value in changes.items():
         known = (*_OF_JOINTS, *_OF_INTEGRATION)
         require(key in known, source, key, value, "cannot be set", f"choose {', '.join(known)}")
@@ -494,10 +483,8 @@ def _with_contact(
         return joint
     data = {key: value for key, value in entry.items() if key in _OF_CONTACT}
     try:
-        require(
-            joint.kind == "revolute", source, "type", joint.kind, "has no clearance",
-            "give it to a revolute",
-        )  # fmt: skip
+        rule, remedy = "has no clearance", "give it to a revolute"
+        require(joint.kind == "revolute", source, "type", joint.kind, rule, remedy)
         contact = build_joint(data, source, own, None if isinstance(law, str) else law)
         for body in ("bearing", "pin"):
             point = data[body].get("point", [0.0, 0.0])

@@ -143,10 +143,8 @@ class Statistics:
     def joint(self, name: str) -> Statistics:
         """Return the statistics of one joint, with the columns of a mechanism that has no other."""
         names = [joint.name for joint in self._joints]
-        require(
-            name in names, "statistics", "joint", name, "has no clearance",
-            f"choose {', '.join(names)}",
-        )  # fmt: skip
+        rule, remedy = "has no clearance", f"choose {', '.join(names)}"
+        require(name in names, "statistics", "joint", name, rule, remedy)
         if len(names) == 1:
             return self
         others = tuple(f"{other}." for other in names if other != name)

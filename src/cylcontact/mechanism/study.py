@@ -329,18 +329,16 @@ def sweep(
     DataFrame
         One row for each case in their order: what varies, `status` ("complete", or "stopped" with
         the reason in `message`), the largest energy error relative to the peak of the kinetic
-        energy, and the largest drift of a constraint (NaN in minimal coordinates, from which bodies
-        are placed so that joints close). From `Statistics`: of every quantity the mean, the
-        standard deviation over the revolutions (`_std`), half the 95 % interval (`_half_width`) and
-        the verdict (`_stationary`), the `period`, the δ̇⁽⁻⁾ carried (`carried_m_per_s`) and the
-        `warnings`. With `plan.against` also the horizon in revolutions and the statistics at the
-        other tolerance (`_against`).
+        energy, and the largest drift of a constraint (NaN in minimal coordinates). From
+        `Statistics`: of every quantity the mean, the standard deviation over the revolutions
+        (`_std`), half the 95 % interval (`_half_width`) and the verdict (`_stationary`), the
+        `period`, the δ̇⁽⁻⁾ carried (`carried_m_per_s`) and the `warnings`. With `plan.against` also
+        the horizon in revolutions and the statistics at the other tolerance (`_against`).
 
     Raises
     ------
     InputError
-        If there are no cases, a case cannot be (an unknown law, a negative clearance), or the
-        plan leaves no revolution to count.
+        If there are no cases, one cannot be, or the plan leaves no revolution to count.
 
     Examples
     --------
