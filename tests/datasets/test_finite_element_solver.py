@@ -66,14 +66,6 @@ class TestMesh:
         x, y = mesh.pin.points[mesh.pin.surface].T
         assert np.hypot(x, y - dR) == pytest.approx(2.245 - dR, rel=1e-12)
 
-    def test_pairs_are_on_rays_from_the_holes_centre(self):
-        mesh = SETUP.mesh(0.3, [20.0])
-        pairs = mesh.pairs
-        hole = mesh.plate.points[mesh.plate.surface[: pairs.count]]
-        pin = mesh.pin.points[mesh.pin.surface[: pairs.count]]
-        assert hole - pin == pytest.approx(pairs.gap[:, None] * pairs.normals, abs=1e-12)
-        assert pairs.length.sum() == pytest.approx(pairs.arc[-1], rel=1e-3)
-
 
 class TestContact:
     def test_complementarity(self):
