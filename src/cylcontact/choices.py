@@ -47,13 +47,7 @@ def is_table(path: Path) -> bool:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Return names as a sentence lists them.
-
-    Examples
-    --------
-    >>> listed(METHODS), listed(FORMATS)
-    ('minimal or multiplier', 'png, pdf or svg')
-    """
+    """Return names as a sentence lists them."""
     *others, last = names
     return f"{', '.join(others)} or {last}" if others else last
 

@@ -134,11 +134,7 @@ class HousingSpec(Spec):
 
 
 def clamp_of(text: str, source: str) -> dict[str, float | str]:
-    """Return the keys of a table [housing] for a clamp in short, rim, near:60 or far:60.
-
-    >>> clamp_of("far:60", "example")
-    {'clamp': 'sector', 'angle': 60.0, 'side': 'far'}
-    """
+    """Return the keys of a table [housing] for a clamp in short, rim, near:60 or far:60."""
     side, _, angle = text.partition(":")
     if text == "rim":
         return {"clamp": "rim"}
@@ -153,11 +149,7 @@ def clamp_of(text: str, source: str) -> dict[str, float | str]:
 
 
 def layers_of(texts: Sequence[str], source: str) -> list[dict[str, float | str]]:
-    """Return the list of layers in short, each a material and its inner radius in mm.
-
-    >>> layers_of(["bronze:12"], "example")
-    [{'material': 'bronze', 'R_i': 12.0}]
-    """
+    """Return the list of layers in short, each a material and its inner radius in mm."""
     layers: list[dict[str, float | str]] = []
     for text in texts:
         name, _, radius = text.rpartition(":")

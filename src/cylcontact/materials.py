@@ -174,10 +174,7 @@ class Material:
 def material_in_MPa(
     name: str, E: Number, nu: Number, yield_stress: float | None = None
 ) -> Material:
-    """Return a material whose modulus is known to be in MPa, however small.
-
-    For values from tables and files that name their unit, and for normalised pairs with E* = 1.
-    """
+    """Return a material whose modulus is known to be in MPa, however small."""
     _require_modulus(E, f"Material {name!r}", "E")
     material = object.__new__(Material)
     material.__dict__.update(name=name, E=E, nu=nu, yield_stress=yield_stress)
@@ -239,10 +236,7 @@ def shipped_materials() -> dict[str, MaterialRow]:
 
 
 def known_materials(own: Path | str | None = None) -> dict[str, MaterialRow]:
-    """Return the package's materials, and after them those of a table of one's own.
-
-    Refused is a table that names one of the package's anew.
-    """
+    """Return the package's materials, and after them those of a table of one's own."""
     rows = shipped_materials()
     shipped = {_plain(name) for name in rows}
     added = {} if own is None else read_materials(own)
@@ -277,10 +271,7 @@ def _plain(name: str) -> str:
 def own_table(
     given: Path | str | None, folder: Path, source: str, key: str = "materials"
 ) -> Path | None:
-    """Return a user's table of materials: the one given, or the default one if there is any.
-
-    Either is looked for in a folder, in the two above it, and here.
-    """
+    """Return a user's table of materials: the one given, or the default one if there is any."""
     path = beside_or_above(folder, given or _OWN)
     if given is not None and path is None:
         raise InputError(source, key, str(given), "no such file", "name a table of materials")

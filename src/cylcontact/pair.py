@@ -593,10 +593,7 @@ def _other_radius(
 
 
 def _lengths(*flat: str, **given: Length) -> dict[str, FloatArray]:
-    """Return lengths by name, positive and of shapes that go together; refuse others.
-
-    Those named in `flat` may be infinite in all elements.
-    """
+    """Return lengths by name, positive and of shapes that go together; refuse others."""
     lengths = {}
     for key, value in given.items():
         remedy = "give it in mm, or inf alone for a plane" if key in flat else "give it in mm"

@@ -94,16 +94,7 @@ class Pressure:
 
 
 def pressure_along(b: FloatArray, beta: float) -> Pressure:
-    """Return the pressure along arcs of b = tan(ε/2), shape (k,), between bodies of one β.
-
-    Its real part on the arc is the pressure, here at θ = 0 against Persson's formula:
-
-    >>> from cylcontact.laws.glauert import persson_peak
-    >>> b = np.array([0.1, 0.5])
-    >>> F, _ = pressure_along(b, beta=0.0).at(np.zeros((2, 1), dtype=complex))
-    >>> print(F.real.ravel() / persson_peak(b))
-    [1. 1.]
-    """
+    """Return the pressure along arcs of b = tan(ε/2), shape (k,), between bodies of one β."""
     arcs = b[:, None]
     if beta == 0:
         return Pressure(arcs, None)
@@ -135,10 +126,7 @@ def _log1p(z: ComplexArray) -> ComplexArray:
 
 
 def in_pin(eta: ComplexArray, pressure: Pressure) -> PlaneStress:
-    """Return the stresses in the pin at z = (1 + iη)/(1 − iη), shape (k, points).
-
-    The load is balanced by an even body force; η = i is the centre.
-    """
+    """Return the stresses in the pin at z = (1 + iη)/(1 − iη), shape (k, points)."""
     # At the centre the formula is 0/0; the stresses are smooth there.
     w, inside, P, slope = _disk(np.where(eta == 1j, (1 + _NEAR) * 1j, eta), pressure)
     total = -2 * pressure.mean - 4 * P.real
@@ -146,16 +134,7 @@ def in_pin(eta: ComplexArray, pressure: Pressure) -> PlaneStress:
 
 
 def in_plate(eta: ComplexArray, pressure: Pressure, kappa: float) -> PlaneStress:
-    """Return the stresses in the plate at z = (1 − iη)/(1 + iη), shape (k, points).
-
-    The plate of Kolosov's κ is loaded at infinity, η = i. The hoop stress of the hole at θ = 0,
-    where the contact extends over a right angle each way:
-
-    >>> surface = np.zeros((1, 1), dtype=complex)
-    >>> total, difference = in_plate(surface, pressure_along(np.array([1.0]), 0.0), kappa=1.8)
-    >>> print(f"{((total + difference.real) / 2).item():.4f}")
-    0.2475
-    """
+    """Return the stresses in the plate at z = (1 − iη)/(1 + iη), shape (k, points)."""
     w, inside, P, slope = _disk(eta, pressure)
     q = _P1 * kappa / (kappa + 1)
     difference = w * inside * slope - q * (w - np.conj(w))

@@ -127,10 +127,7 @@ def _require_rectangular(source: str, row_word: str, rows: _Rows, separator: str
 
 
 def _read_csv(source: str, content: bytes, steps: list[str]) -> tuple[str, _Rows]:
-    """Return the separator, and the rows of text without empty ones, that of names first.
-
-    pandas would count lines otherwise, and fill rows that lack cells.
-    """
+    """Return the separator, and the rows of text without empty ones, that of names first."""
     try:
         text = _decoded(content, steps)
         separator = _separator(text)
@@ -144,10 +141,7 @@ def _read_csv(source: str, content: bytes, steps: list[str]) -> tuple[str, _Rows
 
 
 def _decoded(content: bytes, steps: list[str]) -> str:
-    """Return the text of UTF-8, of UTF-16 with a byte order mark, or of Windows-1252.
-
-    Any bytes are some text in Windows-1252, so that it may have letters and a few signs only.
-    """
+    """Return the text of UTF-8, of UTF-16 with a byte order mark, or of Windows-1252."""
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         text = content.decode("utf-16")
         steps.append("text is in UTF-16")

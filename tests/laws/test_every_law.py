@@ -8,7 +8,6 @@ from scipy.integrate import quad
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.kernels import TABLE, kernel, kernel_energy
 from cylcontact.laws.tabulated import TABLE_ERROR
 from cylcontact.pair import CONTACTS
@@ -183,14 +182,6 @@ def test_a_pair_that_is_not_of_the_law_is_refused_whatever_is_asked(law, pair, w
     arguments = (pair,) if method.startswith("max") else (1e-3, pair)
     with pytest.raises(InputError, match=words):
         getattr(law, method)(*arguments)
-
-
-def test_the_force_is_the_load_times_the_length():
-    law, deltas = RigCompliance(laws.Johnson(), offset=1e-4), np.array([-1.0, 1e-3, 2e-3])
-    for each in (law, laws.Explicit(), laws.PowerLaw(n=1.2, K=3e5)):
-        np.testing.assert_array_equal(each.force(deltas, HOLE), 12.0 * each.load(deltas, HOLE))
-    with pytest.raises(InputError, match="the force needs the axial length"):
-        laws.Explicit().force(1e-3, NO_LENGTH)
 
 
 # --- the compiled form --------------------------------------------------------------------------

@@ -6,7 +6,6 @@ from scipy.optimize import minimize_scalar
 
 from cylcontact import CylinderPair, Material, laws, limits
 from cylcontact.stress import pressure_along
-from cylcontact.yield_search import Body, _rows, _table
 from tests.laws.test_stress import michell
 
 STEEL = Material("steel", 207e3, 0.3, yield_stress=250.0)
@@ -138,22 +137,6 @@ def surface(load, pair, name, kappa):
     b = np.tan(np.radians(laws.Conformal().contact_angle(load, pair)) / 2)
     H = 2 * np.pi * pressure_along(np.array([b]), float(pair.beta)).mean.item()
     return -peak, -peak + load * (H / np.pi + 2 * kappa / (np.pi * (kappa + 1)))
-
-
-# --- shapes, families and accuracy --------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["hole", "pin"])
-@pytest.mark.parametrize("criterion", ["von Mises", "Tresca"])
-@pytest.mark.parametrize(
-    ("beta", "kappa", "nu"), [(0.0, 2.2, 0.2), (0.1, 1.9, 0.3), (-0.3, 1.4, 0.4)]
-)
-def test_the_table_is_within_2e_4_between_its_arcs(name, criterion, beta, kappa, nu):
-    body = Body(name, kappa, nu)
-    table = _table(body, beta, criterion)
-    angle = np.random.default_rng(3).uniform(0, 0.999, 500) * table.angle[-1]
-    exact = _rows(angle, body, beta, criterion).ratio
-    assert np.interp(angle, table.angle, table.ratio) == pytest.approx(exact, rel=2e-4)
 
 
 # --- the warning --------------------------------------------------------------------------------

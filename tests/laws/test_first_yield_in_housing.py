@@ -129,22 +129,16 @@ def test_a_pin_that_leaves_its_eye_before_anything_yields_has_no_load():
 
 
 @pytest.mark.parametrize(
-    ("housing", "pair", "message"),
+    ("housing", "message"),
     [
-        (
-            Housing.from_compliances([-0.1, 0.4, -0.05, -0.001, 0.0]),
-            CylinderPair.internal(10.0, 9.9, STEEL),
-            "has no stresses to look for",
-        ),
-        (Housing(20.0), CylinderPair.external(10.0, 9.0, STEEL), "must be internal"),
+        (Housing.from_compliances([-0.1, 0.4, -0.05, -0.001, 0.0]), "has no stresses to look for"),
         (
             Housing(20.0, layers=[(Material("lug", 70e3, 0.33), 12.0)]),
-            CylinderPair.internal(10.0, 9.9, STEEL),
-            "yield_stress: is not known for all materials",
+            "not known for all materials",
         ),
     ],
 )
-def test_what_has_no_first_yield_is_refused_in_a_line(housing, pair, message):
+def test_what_has_no_first_yield_is_refused_in_a_line(housing, message):
     with pytest.raises(InputError, match=message) as error:
-        limits.first_yield(pair, housing=housing)
+        limits.first_yield(CylinderPair.internal(10.0, 9.9, STEEL), housing=housing)
     assert "\n" not in str(error.value)

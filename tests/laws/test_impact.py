@@ -27,6 +27,8 @@ PUBLISHED = [name for name in FACTORS if name != "exact"]
 V0, V1 = 1.0, 5.0
 
 velocities = st.one_of(st.floats(-1e6, 1e6), st.floats(-2 * V1, 2 * V1))
+
+
 # --- an isolated impact, simulated ------------------------------------------------------------
 
 SHAFT = CylinderPair.internal(10.0, 9.5, Material("steel", E=207e3, nu=0.3), length=10.0)

@@ -97,21 +97,6 @@ def test_load_is_the_root_of_eq_1(case):
         assert error < 6 * condition
 
 
-def test_stiffness_is_the_derivative_of_the_load(case):
-    """The condition number is (1 + w)/w², for the stiffness has a pole at the limit."""
-    pair = build(*case)
-    exact = Exact(pair)
-    for p in (*TINY[::10], *MIDDLE[::10], *(1 - 10.0 ** -np.arange(1.0, 13))):
-        delta = float(p * LAW.max_penetration(pair))
-        with mp.workdps(80):
-            step = mp.mpf(delta) * mp.mpf(10) ** -25
-            above, below = exact.load(delta + step), exact.load(delta - step)
-            slope = (above - below) / (2 * step)
-        w = exact.w(delta)
-        error = error_in_roundings(LAW.stiffness(delta, pair), slope)
-        assert error < 6 * (1 + (1 + w) / w**2)
-
-
 # --- the round trip and the ends of the domain ------------------------------------------------
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numba import njit
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.laws.kernels import TABLE, kernel, kernel_load
@@ -84,32 +83,6 @@ def test_a_subclass_with_a_load_of_its_own_is_tabulated_up_to_its_vertical_tange
 # --- inside compiled code, and refusals ---------------------------------------------------------
 
 
-@njit
-def work(kind, parameters, deltas):
-    """The work done from each penetration to the next, by the trapezoidal rule."""
-    done = 0.0
-    for one, two in zip(deltas[:-1], deltas[1:]):  # noqa: B905, RUF007 - not known to numba
-        mean = (kernel_load(kind, parameters, one) + kernel_load(kind, parameters, two)) / 2
-        done += mean * (two - one)
-    return done
-
-
-def test_one_compiled_function_serves_every_kind_of_law():
-    pair, deltas = PAIRS["wide"], np.linspace(0.0, 0.02, 5001)
-    for name in ("johnson", "enhanced", "liu", "explicit", "persson"):
-        law = laws.LAWS[name]()
-        made = kernel(law, pair)
-        expected = np.trapezoid(law.load(deltas, pair), deltas)
-        assert work(made.kind, made.parameters, deltas) == pytest.approx(expected, rel=1e-9)
-    assert len(work.signatures) == 1
-
-
-def test_pairs_held_in_arrays_are_refused():
-    pair = CylinderPair.from_dR("internal", np.array([0.1, 0.2]), STEEL)
-    with pytest.raises(InputError, match=r"^kernel: pair = '2 pairs': must be a single one; make"):
-        kernel(laws.Johnson(), pair)
-
-
 @dataclass(frozen=True)
 class Hole(TwoSprings):
     """A law that is not defined throughout."""
@@ -121,21 +94,10 @@ class Hole(TwoSprings):
         return np.where(np.abs(penetration - 0.1 * pair.dR) < 0.05 * pair.dR, np.nan, actual)
 
 
-@dataclass(frozen=True)
-class Rough(TwoSprings):
-    """A law whose stiffness is not the derivative of its load."""
-
-    name = "rough law"
-
-    def stiffness(self, penetration, pair):
-        return 2 * super().stiffness(penetration, pair)
-
-
 @pytest.mark.parametrize(
     ("law", "rule"),
     [
         (Hole(), r"^tabulate: law = 'law with a hole': its load or its stiffness is not a pos"),
-        (Rough(), r"^tabulate: law = 'rough law': its load is not smooth: 200000 nodes"),
     ],
 )
 def test_laws_that_no_table_can_hold_are_refused(law, rule):

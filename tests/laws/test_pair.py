@@ -7,10 +7,11 @@ from hypothesis import assume, given
 from mpmath import mp
 
 from cylcontact import CylinderPair, InputError, Material
-from cylcontact.pair import unusual_lengths
 from tests.support.strategies import ROUNDING, gaps, materials
 
 STEEL, BRASS = Material("steel", 207e3, 0.3), Material("brass", 100e3, 0.34)
+
+
 # --- derived numbers ----------------------------------------------------------------------------
 
 
@@ -58,22 +59,15 @@ def test_from_dR_finds_the_radius_that_gives_its_dR(contact, one, other):
     assert (bare.R_i, bare.R_j, bare.length) == (None, None, 3.0)
 
 
-def test_what_is_derived_is_computed_once_and_neither_it_nor_the_pair_can_be_changed():
-    gaps, radii, moduli = np.array([0.5, 1.0]), [10.0, 20.0], np.array([2e5, 1e5])
-    pair = CylinderPair.from_dR("internal", gaps, Material("any", moduli, 0.3), R_i=radii)
-    gaps[:], radii[0], moduli[:] = -1.0, 0.0, -1.0
+def test_neither_a_pair_nor_what_is_derived_from_it_can_be_changed():
+    gaps = np.array([0.5, 1.0])
+    pair = CylinderPair.from_dR("internal", gaps, Material("any", [2e5, 1e5], 0.3))
+    gaps[:] = -1.0
     np.testing.assert_array_equal(pair.dR, [0.5, 1.0])
-    np.testing.assert_array_equal(pair.R_i, [10.0, 20.0])
-    np.testing.assert_array_equal(pair.material_i.E, [2e5, 1e5])
-    assert pair.E_star is pair.E_star
     for values in (pair.dR, pair.E_star, pair.beta, *pair.shares):
         with pytest.raises(ValueError, match="read-only"):
             values[0] = 2.0
     assert replace(pair, material_j=STEEL).E_star.tolist() != pair.E_star.tolist()
-    with pytest.raises(AttributeError, match="cannot assign to field 'dR'"):
-        pair.dR = 1.0
-    with pytest.raises(TypeError, match="unhashable"):
-        hash(pair)
 
 
 # --- which pair it is ---------------------------------------------------------------------------
@@ -85,8 +79,6 @@ def test_what_is_derived_is_computed_once_and_neither_it_nor_the_pair_can_be_cha
         ({}, True),
         ({"R_i": np.array([10, 20]), "R_j": np.array([9, 18])}, True),
         ({"R_j": [9.0, 18.5]}, False),
-        ({"R_i": 30.0}, False),
-        ({"length": 5.0}, False),
         ({"plane": "stress"}, False),
         ({"material_j": Material("steel", 207e3, 0.31)}, False),
     ],
@@ -98,17 +90,6 @@ def test_pairs_are_equal_when_all_their_values_are(change, equal):
     assert pickle.loads(pickle.dumps(other)) == replace(other) == other
     bare, outside = (CylinderPair.from_dR(c, [1.0, 2.0], STEEL) for c in ("internal", "external"))
     assert bare not in (pair, other, outside)
-
-
-def test_a_plane_has_the_effective_radius_of_the_roller_and_no_finite_dR():
-    pair = CylinderPair.external([10.0, 20.0], np.inf, STEEL, 5.0, BRASS)
-    assert pair.is_flat
-    assert np.isinf(pair.dR).all()
-    assert pair.R.tolist() == [10.0, 20.0]
-    assert CylinderPair.external(3.0, [np.inf, np.inf], STEEL).R.tolist() == [3.0, 3.0]
-    assert pickle.loads(pickle.dumps(pair)) == pair == replace(pair)
-    assert pair != CylinderPair.external([10.0, 20.0], 5.0, STEEL, 5.0, pair.material_j)
-    assert not unusual_lengths(pair)
 
 
 # --- no pair contradicts itself -----------------------------------------------------------------
@@ -129,9 +110,7 @@ def test_radii_and_clearance_agree_also_after_a_change(contact, changes):
     ("lengths", "key"),
     [
         ({"dR": 5.0, "R_i": 10.0, "R_j": np.inf}, "dR"),
-        ({"dR": np.inf, "R_i": 10.0, "R_j": 5.0}, "dR"),
         ({"dR": np.inf, "R_i": 10.0}, "dR"),
-        ({"dR": np.inf, "R_j": np.inf}, "dR"),
         ({"dR": np.inf, "R_i": np.inf, "R_j": np.inf}, "R_i"),
         ({"dR": [15.0, np.inf], "R_i": 10.0, "R_j": [5.0, np.inf]}, "dR"),
     ],
@@ -150,19 +129,13 @@ def test_a_plane_is_refused_unless_all_its_lengths_say_so(lengths, key):
         (lambda m: CylinderPair.internal(10.0, 9.0, m, plane="bent"), "plane"),
         (lambda m: CylinderPair("internal", 0.1, m, "bronze"), "material_j"),
         (lambda m: CylinderPair.internal([10.0, 11.0, 12.0], [9.0, 9.5], m), ""),
-        (lambda m: CylinderPair.external([10.0, 11.0, 12.0], [9.0, 9.5], m), ""),
         (lambda m: CylinderPair.from_dR("internal", [0.1, 0.2], m, R_i=[1.0, 2.0, 3.0]), ""),
-        (lambda m: CylinderPair("internal", [0.1, 0.2], m, m, R_i=[1.0, 2.0, 3.0]), ""),
-        (lambda m: CylinderPair.internal("10", 9.0, m), "R_i"),
         (lambda m: CylinderPair.internal(10.0, None, m), "R_j"),
-        (lambda m: CylinderPair.internal(10.0, 9.0 + 1j, m), "R_j"),
         (lambda m: CylinderPair.internal([[10.0], [10.0, 11.0]], 9.0, m), "R_i"),
         (lambda m: CylinderPair.internal(10.0, 9.0, m, length="long"), "length"),
-        (lambda m: CylinderPair.from_dR("internal", None, m), "dR"),
         (lambda _: CylinderPair.from_dundurs(1.0, 0.0), "alpha"),
         (lambda _: CylinderPair.from_dundurs(0.0, 0.3), "beta"),
         (lambda _: Material("m", [207e3, 70e3], [0.3, 0.3, 0.3]), ""),
-        (lambda _: Material("m", 207e3, "0.3"), "nu"),
         (lambda _: Material("m", 207e3, 0.3, "250"), "yield_stress"),
     ],
 )

@@ -95,22 +95,6 @@ def test_stresses_are_those_of_michell_s_series(body, b, beta, kappa):
         assert mine == pytest.approx(series, abs=2e-8)
 
 
-@bodies
-@cases
-def test_the_rim_carries_the_pressure_and_no_shear(body, b, beta, kappa):
-    theta = 2 * np.arctan(b * np.array([0.0, 0.3, 0.9]))
-    free = np.linspace(2 * np.arctan(b) + 0.05, 3.0, 5)
-    rr, hoop, shear = stresses(np.exp(1j * np.concatenate([theta, free])), body, b, beta, kappa)
-    assert rr == pytest.approx([*-pressure_on(theta, b, beta), 0, 0, 0, 0, 0], abs=1e-7)
-    assert shear == pytest.approx(0 * shear, abs=1e-7)
-    angles = np.concatenate([theta, free])
-    p0 = float(pressure_along(np.array([b]), beta).mean.item())
-    expected = (
-        rr if body == "pin" else rr + 2 * p0 + 2 * kappa * np.cos(angles) / (np.pi * (kappa + 1))
-    )
-    assert hoop == pytest.approx(expected, abs=1e-7)
-
-
 @pytest.mark.parametrize("criterion", ["von Mises", "Tresca"])
 @pytest.mark.parametrize(
     ("nu", "kappa"), [(0.0, 3.0), (0.15, 2.4), (0.3, 1.8), (0.45, 1.2), (0.0, 2.0), (0.0, 5 / 3)]

@@ -30,8 +30,13 @@ from cylcontact.laws.logarithmic import (
     RoarkYoung,
 )
 from cylcontact.laws.parametric import Parametric
-from cylcontact.laws.power import Iso16281, LankaraniNikravesh, Palmgren, PowerLaw
-from cylcontact.laws.power_clearance import PowerClearance
+from cylcontact.laws.power import (
+    Iso16281,
+    LankaraniNikravesh,
+    Palmgren,
+    PowerClearance,
+    PowerLaw,
+)
 
 __all__ = [
     "LAWS",

@@ -534,12 +534,7 @@ def pressure(angle: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArra
 
 
 def persson_pressure(y: FloatArray, b2: FloatArray) -> FloatArray:
-    """Return R·p/f at y = tan(θ/2) on the arc of b² = tan²(ε/2) for β = 0; zero outside it.
-
-    >>> b = 1e-5  # a small arc has Hertz's 2f/(π·R·ε), with ε = 2b
-    >>> print(f"{persson_pressure(np.float64(0.0), np.float64(b**2)) * np.pi * b:.9f}")
-    1.000000000
-    """
+    """Return R·p/f at y = tan(θ/2) on the arc of b² = tan²(ε/2) for β = 0; zero outside it."""
     b, B = np.sqrt(b2), np.sqrt(1 + b2)
     s = np.sqrt(np.maximum((b - y) * (b + y), 0.0))
     even = 2 * s / (np.pi * B * (1 + y**2))
@@ -547,10 +542,7 @@ def persson_pressure(y: FloatArray, b2: FloatArray) -> FloatArray:
 
 
 def in_units_of(unit: FloatArray, values: FloatArray) -> tuple[BoolArray, FloatArray]:
-    """Return where loads or penetrations are not negative, and their values in units of `unit`.
-
-    Negative values and NaN are replaced by 0, which avoids warnings in later computations.
-    """
+    """Return where loads or penetrations are not negative, and their values in units of `unit`."""
     touching = np.asarray(values >= 0)
     with np.errstate(over="ignore"):
         return touching, as_floats(np.where(touching, values, 0.0) / unit)

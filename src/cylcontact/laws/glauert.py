@@ -78,11 +78,7 @@ class ClosedForms(NamedTuple):
 
 
 def closed_forms(b2: FloatArray) -> ClosedForms:
-    """Return the solution for β = 0 at b² = tan²(ε/2): a = c² and H = 2S − c²·ln(c)/S, c = 1 − S.
-
-    >>> print(closed_forms(np.array([1e-30, 1.0])).h.round(6))
-    [0.5      0.693147]
-    """
+    """Return the solution for β = 0 at b²: a = c² and H = 2S − c²·ln(c)/S with c = 1 − S."""
     c = 1 / (1 + b2)
     S = b2 * c
     small, inner = np.minimum(S, _SERIES_END), np.maximum(S, _SERIES_END)
@@ -157,10 +153,7 @@ def glauert(
 
 @lru_cache(maxsize=4)
 def _rule(terms: int) -> tuple[FloatArray, ...]:
-    """Return nodes v and weights of Gauss's rule, doubled for half the range, sin nv and cos 2jv.
-
-    It has 80 nodes more than the sines need, for W.
-    """
+    """Return nodes v of Gauss's rule, weights doubled for half the range, sin nv and cos 2jv."""
     x, weights = np.polynomial.legendre.leggauss(2 * terms + 80)
     v = (x + 1) * np.pi / 4
     sines = np.sin(np.outer(v, 2 * np.arange(terms) + 1))
@@ -227,13 +220,7 @@ class Housed(Remainder):
 
 @lru_cache(maxsize=1024)
 def remainder(beta: float) -> Remainder | None:
-    """Return the remainder for one β, None for β = 0, where there is none.
-
-    The series end some degrees beyond the largest arc:
-
-    >>> print(f"{np.degrees(remainder(0.5).top):.1f}")
-    90.9
-    """
+    """Return the remainder for one β, None for β = 0, where there is none."""
     if beta == 0:
         return None
     if abs(beta) < _SMALL_BETA:

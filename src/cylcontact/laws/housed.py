@@ -90,10 +90,7 @@ class _Joint(NamedTuple):
 
 
 def needs_series(housing: Housing, pair: CylinderPair) -> bool:
-    """Return whether a joint's curve is that of the series, as the compact law is not close enough.
-
-    Thin eyes are, too: only the series knows whether the pin leaves them within the arc.
-    """
+    """Return whether a joint's curve is that of the series, the compact law not being close."""
     return _joint(housing, pair).by_series
 
 

@@ -151,10 +151,7 @@ class Kernel:
 
     @property
     def needs_series(self) -> bool:
-        """Whether the compact law may be wrong by more than 1 %.
-
-        Otherwise it is not, but 2 % in thin eyes clamped near the load on less than 30°.
-        """
+        """Whether the compact law may be wrong by more than 1 %."""
         return self.h > _LARGEST_H or float(self.compact(0.0).T) < _LEAST_T
 
     @cached_property
@@ -196,11 +193,7 @@ class Kernel:
 
 
 def pressure_harmonics(S: ArrayLike, count: int) -> FloatArray:
-    """Return P_0 … P_(count−1) of Persson's pressure on arcs of S = sin²(ε/2), stacked first.
-
-    >>> print(pressure_harmonics(0.3, 3).round(6), 1 - 3 * 0.3 / 2 + 0.3**3 / 2)
-    [1.182569 1.       0.5635  ] 0.5635
-    """
+    """Return P_0 … P_(count−1) of Persson's pressure on arcs of S = sin²(ε/2), stacked first."""
     S = as_floats(S)
     x, weights = np.polynomial.legendre.leggauss(count // 2 + 8)
     inside = S[..., None] * (1 + x) / 2
@@ -360,13 +353,7 @@ class Housing:
         return as_floats(w_j * part)
 
     def kernels(self, pair: CylinderPair) -> tuple[IndexArray, list[Kernel]]:
-        """Return which of the kernels that follow each element of a pair has, and the kernels.
-
-        Raises
-        ------
-        InputError
-            If the radii are not known, or the rim or a layer does not fit the hole.
-        """
+        """Return which of the kernels that follow each element of a pair has, and the kernels."""
         if self.g is not None:
             return np.array(0), [_own_kernel(self.g)]
         R_i, _ = pair.radii(f"the datum {self!r}")
@@ -448,11 +435,7 @@ def _harmonics(ratio: float) -> int:
 
 
 def _responses(n: IndexArray, rings: tuple[Ring, ...]) -> FloatArray:
-    """Return the coefficients of the terms of each ring, as `Compliances` has them.
-
-    The equations are two tractions of the bore, continuity at each interface, and two displacements
-    of the rim.
-    """
+    """Return the coefficients of the terms of each ring, as `Compliances` has them."""
     size = 4 * len(rings)
     system, applied = np.zeros((n.size, size, size)), np.zeros((n.size, size, 3))
     for k, ring in enumerate(rings):

@@ -176,10 +176,7 @@ _energy = _of_all_kinds("energy", _quadrature)
 
 @inlined
 def kernel_load(kind: int, parameters: FloatArray, penetration: float) -> float:
-    """Return the load in N/mm at `penetration` in mm.
-
-    Zero where there is no penetration, NaN beyond the kernel's `max_penetration`.
-    """
+    """Return the load in N/mm at `penetration` in mm."""
     if penetration <= 0:
         return 0.0
     return _load(kind, parameters, penetration)
@@ -187,12 +184,7 @@ def kernel_load(kind: int, parameters: FloatArray, penetration: float) -> float:
 
 @compiled
 def kernel_stiffness(kind: int, parameters: FloatArray, penetration: float) -> float:
-    """Return d(load)/d(penetration) in N/mm² at `penetration` in mm.
-
-    Zero where there is no penetration, NaN beyond the kernel's `max_penetration`. The slope of a
-    table is right to about 1e-7; that of a logarithmic law loses digits next to its end, 1e-10 at a
-    relative distance of 1e-12.
-    """
+    """Return d(load)/d(penetration) in N/mm² at `penetration` in mm."""
     if penetration <= 0:
         return 0.0
     return _stiffness(kind, parameters, penetration)
@@ -200,10 +192,7 @@ def kernel_stiffness(kind: int, parameters: FloatArray, penetration: float) -> f
 
 @compiled
 def kernel_energy(kind: int, parameters: FloatArray, penetration: float) -> float:
-    """Return ∫ f dδ from 0 to `penetration` in mm: the stored energy per unit length, in N.
-
-    In closed form for logarithmic and power laws, else by quadrature to some ten digits.
-    """
+    """Return ∫ f dδ from 0 to `penetration` in mm: the stored energy per unit length, in N."""
     if penetration <= 0:
         return 0.0
     return _energy(kind, parameters, penetration)

@@ -53,11 +53,7 @@ def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
 def cubic(
     part: _Number, width: _Number, rise: _Number, first: _Number, last: _Number
 ) -> tuple[_Number, _Number]:
-    """Return the cubic with given slopes at both ends of an interval, and its slope.
-
-    At a `part` of its `width`, from 0 to 1, with the slope of the chord `rise`, as what it adds to
-    its first value. Plain arithmetic, which `cylcontact.laws.kernels` compiles.
-    """
+    """Return the cubic with given slopes at both ends of an interval, and its slope."""
     rest, left, right = 1 - part, first - rise, last - rise
     above = width * part * (rise + rest * (rest * left - part * right))
     slope = rise + rest * (1 - 3 * part) * left - part * (2 - 3 * part) * right
