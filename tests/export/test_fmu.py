@@ -58,8 +58,9 @@ def motions(joint, count, seed):
     away = (float(joint.pair.dR) * 1e-3 + depth) * np.exp(1j * around)
     away += complex(*joint.point_bearing) * 1e-3 * np.exp(1j * bearing[:, 2])
     pin = bearing + 0
-    pin[:, :2] += np.column_stack([away.real, away.imag]) / unit
     pin[:, 2:] += rng.uniform(-0.2, 0.2, (count, 4)) / [1, unit, unit, 1 / 90]
+    away -= complex(*joint.point_pin) * 1e-3 * np.exp(1j * pin[:, 2])
+    pin[:, :2] += np.column_stack([away.real, away.imag]) / unit
     return np.hstack([bearing, pin])
 
 
@@ -116,7 +117,8 @@ def test_the_sources_compile_without_a_warning(fmu, tmp_path, prefix):
 @pytest.mark.parametrize("units", ["SI", "mm"])
 def test_outputs_are_those_of_the_library(tmp_path, units):
     require_program("gcc")
-    joint = joint_from(changed(DATA, {"units": units, "bearing.point": [3.0, -2.0]}))
+    points = {"bearing.point": [3.0, -2.0], "pin.point": [-1.0, 4.0]}
+    joint = joint_from(changed(DATA, {"units": units, **points}))
     element = Fmu(export_fmu(joint, tmp_path), tmp_path / "unpacked")
     library = Library(joint)
     seen = []
