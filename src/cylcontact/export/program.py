@@ -17,7 +17,18 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from cylcontact.export.function import CFunction, FortranFunction, Function, MatlabFunction
+from cylcontact.export.function import CFunction, FortranFunction, MatlabFunction
+
+# What stands before the names of the functions where they are called, and what behind.
+_CALLS = {
+    "c": ("work w;\n", "work w;\n", "(state->impact_rate, bearing, pin, &w);"),
+    "fortran": ("call ", "call ", "(state%impact_rate, bearing, pin, w)"),
+    "matlab": ("w = ", "impact_rate = ", "(impact_rate, bearing, pin, work());"),
+    "python": (
+        "w = Work()\n", "w = Work()\nimpact_rate = list(impact_rate)\n",
+        "(impact_rate, bearing, pin, w)",
+    ),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -40,42 +51,25 @@ class Program:
 
     def parts(self, target: str, law: str, static: str) -> dict[str, str]:
         """Return what a language's template of an element has of functions, and their calls."""
-        if target == "python":
-            made, given = "w = Work()", "(impact_rate, bearing, pin, w)"
-            return {
-                "program": self.python(),
-                "evaluate": f"{made}\nwrench_of{given}",
-                "accept": f"{made}\nimpact_rate = list(impact_rate)\nnext_rates{given}",
-                "next": "return tuple(impact_rate)",
-            }
-        if target == "fortran":
-            made, given = "type(work) :: w", "(state%impact_rate, bearing, pin, w)"
-            return {
-                "types": self._fortran_types(),
-                "program": "\n\n".join(self._texts(FortranFunction, law)),
-                "evaluate_variables": made,
-                "evaluate": f"call wrench_of{given}",
-                "accept_variables": made,
-                "accept": f"call next_rates{given}",
-                "next": "",
-            }
-        if target == "matlab":
-            given = "(impact_rate, bearing, pin, work());"
-            return {
-                "program": "\n\n".join([self._matlab_work(), *self._texts(MatlabFunction, law)]),
-                "evaluate": f"w = wrench_of{given}",
-                "accept": f"impact_rate = next_rates{given}",
-                "next": "",
-            }
-        given = "(state->impact_rate, bearing, pin, &w);"
-        functions = [f"{static} {text}" for text in self._texts(CFunction, law)]
-        return {
+        evaluate, accept, given = _CALLS["c" if target == "cpp" else target]
+        parts = {
             "types": "",
-            "program": "\n\n".join([self._c_types(), *functions]),
-            "evaluate": f"work w;\nwrench_of{given}",
-            "accept": f"work w;\nnext_rates{given}",
+            "evaluate": f"{evaluate}wrench_of{given}",
+            "accept": f"{accept}next_rates{given}",
             "next": "",
         }
+        if target == "python":
+            return {**parts, "program": self.python(), "next": "return tuple(impact_rate)"}
+        kind = {"fortran": FortranFunction, "matlab": MatlabFunction}.get(target, CFunction)
+        texts = [kind(tree, self._changes, law, self._constants).text() for tree in self._trees]
+        if target == "fortran":
+            parts |= {"types": self._fortran_types()}
+            parts |= dict.fromkeys(("evaluate_variables", "accept_variables"), "type(work) :: w")
+        elif target == "matlab":
+            texts.insert(0, self._matlab_work())
+        else:
+            texts = [self._c_types(), *(f"{static} {text}" for text in texts)]
+        return {**parts, "program": "\n\n".join(texts)}
 
     @property
     def names(self) -> set[str]:
@@ -121,11 +115,6 @@ class Program:
                     stored |= {_root(node.args[k]) for k in changes.get(node.func.id, ())}
             changes[tree.name] = [k for k, name in enumerate(names) if name in stored]
         return changes
-
-    def _texts(self, kind: type[Function], law: str) -> Iterator[str]:
-        """Yield the functions in a language."""
-        for tree in self._trees:
-            yield kind(tree, self._changes, law, self._constants).text()
 
     def _fields(self) -> Iterator[tuple[str, int]]:
         """Yield the names of the numbers of `w` and how many there are of each, 0 for no array."""
