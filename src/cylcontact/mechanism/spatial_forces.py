@@ -205,13 +205,14 @@ def section(z: float, w: Record, joint: Record) -> None:
     x = arm * w.psi[0] - w.c[0]
     y = arm * w.psi[1] - w.c[1]
     r = max(math.sqrt(x * x + y * y), TINY)
-    n_x = x / r
-    n_y = y / r
+    per = 1.0 / r
+    n_x = x * per
+    n_y = y * per
     g = w.psi[0] * n_x + w.psi[1] * n_y
     across = w.psi[1] * n_x - w.psi[0] * n_y
     q = math.sqrt(1.0 + g * g)
     tilted = joint.R_pin * g / q
-    bend = tilted * across / r
+    bend = tilted * across * per
     off = (arm - joint.crown_at) / joint.crown_half
     w.arm = arm
     w.r = r
@@ -319,17 +320,17 @@ def slide(
     speed = math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
     part = min(max((speed - joint.v0) / (joint.v1 - joint.v0), 0.0), 1.0)
     if part > 0.0:
-        force = joint.friction * part * pressure
-        f_x = -force * v_x / speed
-        f_y = -force * v_y / speed
-        f_z = -force * v_z / speed
+        per_speed = joint.friction * part * pressure / speed
+        f_x = -per_speed * v_x
+        f_y = -per_speed * v_y
+        f_z = -per_speed * v_z
         w.force[0] += f_x
         w.force[1] += f_y
         w.force[2] += f_z
         w.moment[0] += y * f_z - z * f_y
         w.moment[1] += z * f_x - x * f_z
         w.moment[2] += x * f_y - y * f_x
-        w.dissipated_power += force * speed
+        w.dissipated_power += per_speed * speed * speed
 
 
 @inlined
