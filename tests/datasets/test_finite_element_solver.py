@@ -110,24 +110,6 @@ class TestHertz:
         width = float(limits.hertz_half_width(20.0, SETUP.pair(1.0)))
         assert cases[-1].half_width == pytest.approx(width, rel=0.005)
 
-    @pytest.mark.parametrize(
-        ("setup", "phi"),
-        [
-            (joint(STEEL, STEEL, outer_ratio=10.0), 1e-4),
-            (joint(RUBBER, RUBBER, outer_ratio=10.0), 1e-4),
-        ],
-    )
-    def test_stress_along_the_load(self, setup, phi):
-        case, load, pair = at(setup, phi)
-        b, peak = (f(load, pair) for f in (limits.hertz_half_width, limits.hertz_stress))
-        for body in ("plate", "pin"):
-            depth, stress = case.stress_below(body)
-            near = depth < 2 * b
-            assert np.count_nonzero(near) > 10
-            assert np.all(np.diff(depth) > 0)
-            expected = -peak / np.sqrt(1 + (depth[near] / b) ** 2)
-            assert stress.yy[near] == pytest.approx(expected, abs=0.02 * peak)
-
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])
 def test_stress_of_a_uniform_strain(plane):

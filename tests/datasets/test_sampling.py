@@ -14,7 +14,7 @@ from benchmarks.search import problem_of
 from cylcontact import InputError
 from cylcontact.datasets import Grid, Moments, reduce_grid, sampling, write_samples
 from tests.support.paper_equations import e_star, johnson, johnson_end
-from tests.support.spec_files import GRID, changed, tree, write_toml
+from tests.support.spec_files import GRID, changed, write_toml
 
 COLUMNS = ["E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm"]
 
@@ -117,20 +117,6 @@ def test_what_cannot_be_written_leaves_nothing(grid, tmp_path, monkeypatch):
     with pytest.raises(InputError, match=r"pip install 'cylcontact\[parquet\]'"):
         write_samples(grid, tmp_path / "s.parquet")
     assert not any(path.is_file() for path in tmp_path.rglob("*"))
-
-
-@pytest.mark.parametrize("suffix", [".parquet", ".csv"])
-def test_an_interrupted_table_leaves_the_old_one(grid, suffix, tmp_path):
-    path = tmp_path / f"samples{suffix}"
-    path.write_text("old")
-
-    def interrupt(done):
-        if done == 2:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        write_samples(grid, path, interrupt)
-    assert tree(tmp_path) == {path.name: b"old"}
 
 
 # Prints how far the peak of memory rises, in MiB, over that of a small grid.
