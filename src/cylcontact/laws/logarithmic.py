@@ -47,7 +47,7 @@ _EQUATION = (
     "steps: f_max = Lambda*E_star*exp(c - 1)"
 )
 _REMARK = (
-    "For bodies of equal elastic constants. f = f_max*p/(1 + w) with p the penetration in "
+    "For bodies of equal elastic constants{}. f = f_max*p/(1 + w) with p the penetration in "
     "units of the largest and w = -1 - W(-p/e), W the lower branch of Lambert's function: "
     "a start in closed form and one step of fourth order, no iteration."
 )
@@ -87,6 +87,7 @@ class LogarithmicLaw(Law):
 
     kappa: ClassVar[float] = 1.0
     shift: ClassVar[float]
+    _of_others: ClassVar[str] = ""
     any_plane = False
 
     @staticmethod
@@ -101,7 +102,8 @@ class LogarithmicLaw(Law):
             f_max = reach(pair) * pair.E_star * exp(c - 1)
             return f_max, kappa / (pi * pair.E_star) * f_max
 
-        cls.formula = Formula(load, ends, end, energy, _EQUATION, _REMARK, load_in_arrays)
+        remark = _REMARK.format(cls._of_others)
+        cls.formula = Formula(load, ends, end, energy, _EQUATION, remark, load_in_arrays)
 
     def constants_for(self, contact: Contact) -> dict[str, float]:
         """Return κ and c."""
@@ -186,6 +188,10 @@ class Johnson(LogarithmicLaw):
     datum: float | Block | None = None
     name = "johnson"
     shift = -1.0
+    _of_others = (
+        "; for others c has (w_i - w_j)*ln(R_i/R_j) more, w_k = E_star*(1 - nu_k^2)/E_k, which an "
+        "exported joint has"
+    )
     any_plane = True
 
     def __post_init__(self) -> None:
