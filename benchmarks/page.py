@@ -198,7 +198,8 @@ def page(results: dict[str, Any]) -> str:
 def _line(row: Row) -> str:
     """Return a row of the table of ratios."""
     note = f" ({row.note})" if row.note else ""
-    return f"| {row.side.removeprefix('cylcontact: ')}{note} | {_short(row.value)} | {_short(row.ratio)} |"
+    side = row.side.removeprefix("cylcontact: ") + note
+    return f"| {side} | {_short(row.value)} | {_short(row.ratio)} |"
 
 
 def _short(number: float) -> str:

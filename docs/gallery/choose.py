@@ -1,0 +1,14 @@
+"""Choose: which law do the readings want, and which can they not tell apart?"""
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+import cylcontact as cc
+
+table = Path(__file__).parents[2] / "datasets/examples/pin-in-hole.csv"
+choice = cc.choose(table, contact="internal", laws=["explicit", "johnson", "enhanced", "liu"])
+figure, axes = plt.subplots(figsize=(6.4, 4), layout="constrained")
+choice.plot(ax=axes)
+figure.savefig("choose.png", dpi=80)
+print(choice)

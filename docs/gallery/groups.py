@@ -1,0 +1,23 @@
+"""Groups: nine specimens, each with an offset and a gain of its own."""
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pandas as pd
+
+import cylcontact as cc
+
+table = Path(__file__).parents[2] / "datasets/examples/specimens.csv"
+pair = cc.CylinderPair.internal(
+    R_i=10.0, R_j=9.97, material=cc.Material.named("high-strength steel"), length=20.0
+)
+figure, panels = plt.subplots(1, 2, figsize=(9, 3.8), sharey=True, layout="constrained")
+widths = {}
+for axes, options in zip(panels, ({}, {"group": "specimen"}), strict=True):
+    result = cc.fit(table, "explicit", pair, **options)
+    result.plot(ax=axes)
+    axes.set_title("readings taken as independent" if not options else "with nine specimens")
+    interval = result.uncertainty.estimates["stiffness_factor"].profile
+    widths[axes.get_title()] = {"low": interval.low, "high": interval.high}
+figure.savefig("groups.png", dpi=80)
+print(pd.DataFrame(widths).T.round(4))

@@ -1,0 +1,21 @@
+"""A long run: what a slider-crank's mean force is, and how well forty revolutions tell it."""
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+from cylcontact.mechanism import long_run, read_mechanism
+
+file = Path(__file__).parents[2] / "datasets/slider_crank.toml"
+crank = read_mechanism(file, law="explicit", clearance=0.5, restitution=1.0)
+statistics = long_run(crank, revolutions=40)
+quantity = "max_force_N"
+each = statistics.by_revolution[quantity]
+mean, half_width = statistics.interval().loc[quantity, ["mean", "half_width"]]
+figure, axes = plt.subplots(figsize=(7, 3.6), layout="constrained")
+axes.plot(each.index, each, ".", label="one revolution")
+axes.axhline(mean, color="black", linewidth=0.8, label="mean")
+axes.axhspan(mean - half_width, mean + half_width, alpha=0.2, label="95 % interval of the mean")
+axes.set(xlabel="revolution", ylabel="largest force (N)")
+axes.legend()
+figure.savefig("long_run.png", dpi=80)

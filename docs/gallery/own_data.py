@@ -1,0 +1,18 @@
+"""Own data: readings of a rig fitted by a law, with the band of a new reading."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+
+import cylcontact as cc
+
+pair = cc.CylinderPair.internal(
+    R_i=10.0, R_j=9.97, material=cc.Material("steel", E="207 GPa", nu=0.3), length=20.0
+)
+load = np.array([0.2, 0.5, 1, 2, 3, 5, 8, 12, 16, 20, 25, 30])  # kN
+read = [0.206, 0.454, 0.803, 1.398, 1.952, 2.886, 4.228, 5.886, 7.024, 8.255, 9.939, 11.324]
+result = cc.fit(pd.DataFrame({"load_kN": load, "penetration_um": read}), "explicit", pair)
+figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
+result.plot(ax=axes)
+figure.savefig("own_data.png", dpi=80)
+print(result.predict([225.0]).round(5).to_string(index=False))
