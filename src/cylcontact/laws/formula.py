@@ -244,9 +244,7 @@ def _dependent(steps: Sequence[Step]) -> set[str]:
     """Return the names whose value depends on the penetration."""
     depends = {_DEPTH}
     while True:
-        more = depends | {
-            s.name for s in flat(steps) if names_in(s.value) & depends and not s.body
-        }
+        more = depends | {s.name for s in flat(steps) if names_in(s.value) & depends and not s.body}
         for s in steps:  # a loop runs as a whole
             if s.body and more & {*assigned_in([s])}:
                 more |= {*assigned_in([s])}
