@@ -67,10 +67,8 @@ class HousingStress:
     @cached_property
     def terms(self) -> FloatArray:
         """The coefficients of the terms of each ring, in the first without those of the plate."""
-        given, kappa = (
-            compliances(self.kernel.rings, self.kernel.sector),
-            self.kernel.rings[0].kappa,
-        )
+        given = compliances(self.kernel.rings, self.kernel.sector)
+        kappa = self.kernel.rings[0].kappa
         count = given.moved.shape[2]
         x, weights = np.polynomial.legendre.leggauss(2 * self.coefficients.size + count)
         v = np.pi / 4 * (1 + x)

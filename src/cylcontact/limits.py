@@ -111,10 +111,7 @@ def yield_load(
     [ 901. 3614. 3618.] [  339.  3556. 17850.]
     """
     if criterion == "Hertz":
-        rule, remedy = (
-            "is nothing that the criterion 'Hertz' knows",
-            "choose 'von Mises' or 'Tresca'",
-        )
+        rule, remedy = "is unknown to the criterion 'Hertz'", "choose 'von Mises' or 'Tresca'"
         require(housing is None, "yield limit", "housing", housing, rule, remedy)
         weaker = min(_yield_stresses(pair, yield_stress))
         return as_floats(np.pi * weaker**2 * pair.R / pair.E_star)

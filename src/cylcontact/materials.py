@@ -114,21 +114,14 @@ class Material:
         rule, remedy = "Poisson's ratio must lie in [0, 0.5]", "give e.g. 0.3 for steel"
         require((nu >= 0) & (nu <= 0.5), source, "nu", self.nu, rule, remedy)
         if self.yield_stress is not None:
-            rule, remedy = "must be positive and finite", "give it in MPa, or leave it out"
-            require_positive(
-                self.yield_stress, source, "yield_stress", remedy, f"yield stress {rule}"
-            )
+            key, rule = "yield_stress", "yield stress must be positive and finite"
+            remedy = "give it in MPa, or leave it out"
+            require_positive(self.yield_stress, source, key, remedy, rule)
         if self.thermal_expansion is not None:
             key, value = "thermal_expansion", self.thermal_expansion
             rule, remedy = "is beyond any material", "give it in 1/K, 12e-6 for steel"
-            require(
-                require_positive(value, source, key, remedy) < 1e-3,
-                source,
-                key,
-                value,
-                rule,
-                remedy,
-            )
+            expansion = require_positive(value, source, key, remedy)
+            require(expansion < 1e-3, source, key, value, rule, remedy)
         own_arrays(self)
 
     @classmethod
@@ -339,11 +332,8 @@ def _row(source: str, cells: Mapping[str, object], numbers: Mapping[str, float])
     try:
         material = Material(str(cells["name"]), E, given["nu"], *others)
     except InputError as error:
-        column = {
-            "E": "E_GPa",
-            "yield_stress": "yield_stress_MPa",
-            "thermal_expansion": _EXPANSION,
-        }.get(error.key, error.key)
+        names = {"E": "E_GPa", "yield_stress": "yield_stress_MPa", "thermal_expansion": _EXPANSION}
+        column = names.get(error.key, error.key)
         remedy = "mind the unit in the column's name"
         raise InputError(source, column, cells[column], error.rule, remedy) from error
     return MaterialRow(material, provenance, str(cells.get("note") or ""))

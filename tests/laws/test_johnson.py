@@ -63,9 +63,6 @@ class Exact:
     def w(self, penetration):
         return -1 - mp.lambertw(-self.p(penetration) / mp.e, -1).real
 
-    def load(self, penetration):
-        return mp.pi * self.E_star * mp.mpf(penetration) / (1 + self.w(penetration))
-
 
 def error_in_roundings(value, exact):
     return float(abs(mp.mpf(float(value)) / exact - 1)) / ROUNDING
@@ -101,17 +98,11 @@ def test_load_is_the_root_of_eq_1(case):
 
 
 @given(pairs)
-def test_the_limits_belong_to_each_other_exactly(pair):
-    assert LAW.load(LAW.max_penetration(pair), pair) == LAW.max_load(pair)
-    assert LAW.penetration(LAW.max_load(pair), pair) == LAW.max_penetration(pair)
-
-
-@given(pairs)
-def test_one_unit_in_the_last_place_beyond_the_limit_there_is_no_law(pair):
-    deeper = np.nextafter(LAW.max_penetration(pair), np.inf)
-    assert np.isnan(LAW.load(deeper, pair))
-    assert np.isnan(LAW.stiffness(deeper, pair))
-    assert np.isnan(LAW.penetration(np.nextafter(LAW.max_load(pair), np.inf), pair))
+def test_the_law_ends_with_the_last_number_up_to_its_limit(pair):
+    deepest, largest = LAW.max_penetration(pair), LAW.max_load(pair)
+    assert (LAW.load(deepest, pair), LAW.penetration(largest, pair)) == (largest, deepest)
+    beyond = [ask(np.nextafter(deepest, np.inf), pair) for ask in (LAW.load, LAW.stiffness)]
+    assert np.isnan([*beyond, LAW.penetration(np.nextafter(largest, np.inf), pair)]).all()
 
 
 # --- different materials ----------------------------------------------------------------------

@@ -13,6 +13,7 @@ from cylcontact.laws.logarithmic import (
     Radzimovsky,
     RadzimovskyRadii,
     RoarkYoung,
+    adjusted_logarithmic,
 )
 
 STEEL = Material("steel", E=207e3, nu=0.3)
@@ -51,6 +52,13 @@ def test_penetration_is_the_printed_formula(law, load):
     E_star = mpf(207000) / (2 * (1 - mpf("0.3") ** 2))
     exact = PRINTED[law](mpf(load), E_star, mpf(10), mpf("9.95"), mpf(10))
     assert law().penetration(load, PAIR) == pytest.approx(float(exact), rel=1e-13)
+
+
+def test_a_fitted_law_has_its_own_kappa_c_and_factor_of_lambda():
+    law = adjusted_logarithmic(Goldsmith(), kappa=1.2, c=0.4, Lambda_factor=2.0)
+    E_star = PAIR.E_star
+    expected = 120.0 / (np.pi * E_star) * (np.log(2 * np.pi * PAIR.R * E_star / 100.0) + 0.4)
+    assert law.penetration(100.0, PAIR) == pytest.approx(expected, rel=1e-13)
 
 
 def test_liu_is_the_printed_formula():

@@ -8,14 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
-from cylcontact.laws.law import (
-    Coefficients,
-    ContactLaw,
-    LawModel,
-    OverLength,
-    Parameter,
-    depth_of,
-)
+from cylcontact.laws.law import Coefficients, ContactLaw, LawModel, OverLength, Parameter, depth_of
 from cylcontact.pair import CylinderPair
 
 # Newton's method takes about eight steps, more only near the end of a law's domain.
