@@ -121,30 +121,34 @@ class Program:
         for name in self.work.names or ():
             yield name, (*self.work[name].shape, 0)[0]
 
+    def _declared(
+        self, array: str, single: str, number: Callable[[float], str], end: str = ",\n    "
+    ) -> Iterator[str]:
+        """Yield the declarations of the constants, by the forms of arrays and single numbers."""
+        for name, value in self._constants.items():
+            form, numbers = array if np.ndim(value) else single, np.atleast_1d(value).tolist()
+            text = end.join(map(number, numbers))
+            yield form.format(name=name, count=len(numbers), numbers=text)
+
     def _c_types(self) -> str:
         """Return the type of `w` and the constants in C."""
         fields = [f"    double {n}{f'[{size}]' if size else ''};" for n, size in self._fields()]
         lines = ["typedef struct {", *fields, "} work;", ""]
-        for name, value in self._constants.items():
-            if np.ndim(value):
-                numbers = ",\n    ".join(map(CFunction.number, value))
-                lines.append(f"static const double {name}[{len(value)}] = {{\n    {numbers}}};")
-            else:
-                lines.append(f"static const double {name} = {CFunction.number(value)};")
-        return "\n".join(lines)
+        forms = (
+            "static const double {name}[{count}] = {{\n    {numbers}}};",
+            "static const double {name} = {numbers};",
+        )
+        return "\n".join([*lines, *self._declared(*forms, CFunction.number)])
 
     def _fortran_types(self) -> str:
         """Return the type of `w` and the constants in Fortran."""
         fields = [f"    real(wp) :: {n}{f'({size})' if size else ''}" for n, size in self._fields()]
         lines = ["type :: work", *fields, "end type work", ""]
-        for name, value in self._constants.items():
-            if np.ndim(value):
-                numbers = ", &\n    ".join(map(FortranFunction.number, value))
-                head = f"real(wp), parameter :: {name}({len(value)}) = [ &"
-                lines.append(f"{head}\n    {numbers}]")
-            else:
-                lines.append(f"real(wp), parameter :: {name} = {FortranFunction.number(value)}")
-        return "\n".join(lines)
+        forms = (
+            "real(wp), parameter :: {name}({count}) = [ &\n    {numbers}]",
+            "real(wp), parameter :: {name} = {numbers}",
+        )
+        return "\n".join([*lines, *self._declared(*forms, FortranFunction.number, ", &\n    ")])
 
     def _matlab_work(self) -> str:
         """Return a function that gives `w` in MATLAB."""
@@ -163,12 +167,8 @@ class Program:
             "",
             "",
         ]
-        for name, value in self._constants.items():
-            if np.ndim(value):
-                numbers = ",\n    ".join(map(repr, value.tolist()))
-                lines.append(f"{name} = (\n    {numbers},\n)")
-            else:
-                lines.append(f"{name} = {_python_number(float(value))}")
+        forms = "{name} = (\n    {numbers},\n)", "{name} = {numbers}"
+        lines += self._declared(*forms, _python_number)
         for tree in self._trees:
             plain = ast.parse(ast.unparse(tree)).body[0]
             assert isinstance(plain, ast.FunctionDef)
