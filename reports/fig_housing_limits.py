@@ -12,7 +12,7 @@ from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, QUIET
 from cylcontact.reports.bench import Bench
 
-from .fig_housing import CLAMPS, HOLE, LOAD, NAMED, PIN, R_I, R_J, RATIOS
+from .fig_housing import CLAMPS, HOLE, LOAD, NAMED, PIN, R_I, R_J, RATIOS, smooth
 from .joints import origins_of
 
 CAPTION = (
@@ -66,7 +66,7 @@ def _draw(table: pd.DataFrame) -> Figure:
     for number, (axes, (what, label)) in enumerate(zip(panels, labels.items(), strict=True)):
         for k, (name, (words, _)) in enumerate(CLAMPS.items()):
             line = {"color": COLOURS[k], "linestyle": "-"}
-            axes.plot(table["ratio"], table[f"{name}_{what}"], marker="", label=words, **line)
+            axes.plot(*smooth(table[f"{name}_{what}"]), marker="", label=words, **line)
             if what == "yield_ratio":
                 beside = table[table[f"{name}_angle_deg"] > _BESIDE]
                 line |= {"linestyle": "", "marker": "o", "markerfacecolor": "none"}
