@@ -15,7 +15,7 @@ from cylcontact.fitting.polish import minimise, polish
 from cylcontact.laws import PUBLISHED
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Finding, Reading, claim
+from cylcontact.reports.claims import Finding, claim
 
 from ..paper import WINDOW
 from ..recovery import BORROWED, IF_MISPRINT, all_free, other_samples, problem_from, searched
@@ -60,14 +60,7 @@ def excess(problem: Problem, contact: Contact) -> float:
     paper="the best of several genetic runs",
     rule=f"deviation (rms of ln δ) at most {BEST:g} times the least found (5 % is ours)",
     figures=("fig_readings", "fig_forms"),
-    cases=[
-        {
-            "contact": "internal",
-        },
-        {
-            "contact": "external",
-        },
-    ],
+    cases=[{"contact": contact} for contact in CONTACTS],
 )
 def best_correlation(bench: Bench, contact: Contact) -> Finding:
     """Return the published coefficients' objective over the least, by what was searched on what."""
@@ -106,8 +99,9 @@ def best_correlation(bench: Bench, contact: Contact) -> Finding:
         missing=WINDOW,
         miss=miss(own),
         alternatives=[
-            judged(name, f"{ratio:.3f} times", miss(ratio), "" if IF_MISPRINT in name else WINDOW)
+            judged(name, f"{ratio:.3f} times", miss(ratio), WINDOW)
             for name, ratio in ratios.items()
+            if IF_MISPRINT not in name
         ],
         values={
             "objective ratio, all searched, -": own,
@@ -165,10 +159,7 @@ N_BEFORE = "Sect. 3.1 takes n = 1.094 from Fig 3 before its search, and Eq 6c ha
     rule="within {tolerance:g} % of the printed value (ours)",
     figures=("fig_readings",),
     cases=[
-        {
-            **case,
-            "printed": f"{getattr(PUBLISHED[case['contact']], case['name']):g}",
-        }
+        case | {"printed": f"{getattr(PUBLISHED[case['contact']], case['name']):g}"}
         for case in RECOVERED
     ],
 )
@@ -189,9 +180,6 @@ def recovered(bench: Bench, contact: Contact, name: str, tolerance: float, print
     def miss(value: float) -> str:
         return "" if abs(off(value)) <= tolerance else f"{off(value):+.1f} %, over {tolerance:g} %"
 
-    def reading(key: str, value: float, missing: str) -> Reading:
-        return judged(key, f"{value:.4g} ({off(value):+.1f} %)", miss(value), missing)
-
     return Finding(
         f"{own:.4g} ({off(own):+.1f} %); other samples give {min(found.values()):.3g} to "
         f"{max(found.values()):.3g}",
@@ -201,11 +189,9 @@ def recovered(bench: Bench, contact: Contact, name: str, tolerance: float, print
         ground=N_BEFORE if (contact, name) == ("external", "a") else "",
         miss=miss(own),
         alternatives=[
-            *(
-                reading(key, value, "" if IF_MISPRINT in key else WINDOW)
-                for key, value in found.items()
-            ),
-            *(reading(key, value, "") for key, value in free.items()),
+            judged(key, f"{value:.4g} ({off(value):+.1f} %)", miss(value), WINDOW)
+            for key, value in found.items()
+            if IF_MISPRINT not in key
         ],
         values={
             f"{name}, -": own,
@@ -261,13 +247,9 @@ def no_single_Y(bench: Bench) -> Finding:
         missing=WINDOW,
         miss=miss(*own),
         alternatives=[
-            judged(
-                name,
-                f"{values[0]:.4f} and {values[1]:.4f}",
-                miss(*values),
-                "" if IF_MISPRINT in name else WINDOW,
-            )
+            judged(name, f"{values[0]:.4f} and {values[1]:.4f}", miss(*values), WINDOW)
             for name, values in others
+            if IF_MISPRINT not in name
         ],
         values={
             **{f"one branch, {name}, -": one for name, (one, _) in found.items()},

@@ -33,12 +33,11 @@ from ..trends import (
     finding,
     integrators,
     majority,
-    mostly,
     sets,
     start,
     windows,
 )
-from .section4 import largest_forces, sphere_softest
+from .section4 import largest_forces
 
 CYLINDERS = list(JOINT_LAWS)[1:]
 LARGE, SMALL = JOINT_CLEARANCES
@@ -198,7 +197,6 @@ def friction_lowers_forces(bench: Bench) -> Finding:
 
     elastic = judge("mean_force_N", ELASTIC)
     more = [
-        Reading("99th percentile of the force", judge("force_p99_N", LOSSY)),
         start(judge("mean_force_N", LOSSY)),
         Reading("friction added to c_e = 1", elastic),
         *(replace(each, choice=f"c_e = 1, {each.choice}") for each in windows(elastic)),
@@ -216,16 +214,10 @@ def friction_lowers_forces(bench: Bench) -> Finding:
 )
 def sphere_deeper(bench: Bench) -> Finding:
     """Return mean penetrations in µm by the sphere and by the cylindrical laws at 0.02 mm."""
-
-    def judge(column: str, chosen: Conditions) -> Judge:
-        return cylinders(column, -1, {**NARROW, **chosen}, "deeper with Lankarani–Nikravesh")
-
-    more = [
-        Reading(ALL_LOSSES, judge("mean_penetration_um", {})),
-        Reading("the largest of a revolution, c_e = 0.9", judge("max_penetration_um", LOSSY)),
-        Reading("the largest of a revolution, all losses", judge("max_penetration_um", {})),
-    ]
-    return judged(bench, judge("mean_penetration_um", LOSSY), more, "mean penetration; c_e = 0.9")
+    chosen: Conditions = {**NARROW, **LOSSY}
+    words = "deeper with Lankarani–Nikravesh"
+    judge = cylinders("mean_penetration_um", -1, chosen, words)
+    return judged(bench, judge, choice="mean penetration; c_e = 0.9")
 
 
 COMPARED = {
@@ -271,12 +263,7 @@ def alike(chosen: Conditions) -> Judge:
 )
 def johnson_and_enhanced_alike(bench: Bench) -> Finding:
     """Return how far runs with Johnson's and with the enhanced law differ."""
-    more = [
-        Reading("0.5 mm, c_e = 1 with friction", alike({**WIDE, **ELASTIC, **ROUGH})),
-        Reading("0.5 mm, without losses", alike({**WIDE, **LOSSLESS})),
-        Reading("0.02 mm, c_e = 0.9", alike({**NARROW, **LOSSY})),
-    ]
-    return judged(bench, alike({**WIDE, **LOSSY}), more, "0.5 mm, c_e = 0.9")
+    return judged(bench, alike({**WIDE, **LOSSY}), choice="0.5 mm, c_e = 0.9")
 
 
 @claim(
@@ -319,8 +306,6 @@ def johnson_within_its_domain(bench: Bench) -> Finding:
     more = [
         Reading("c_e = 0.9", lossy, ground="the captions of Figs 17 to 19 are of c_e = 0.9"),
         *(replace(each, choice=f"c_e = 0.9, {each.choice}") for each in sets(lossy)),
-        Reading("c_e = 1 without friction", judge(LOSSLESS)),
-        Reading("c_e = 1 with friction", judge(elastic)),
     ]
     choice = f"all runs at 0.02 mm, from the start; without losses {FIRST + FEW} revolutions"
     return judged(bench, judge({}), more, choice)
@@ -343,16 +328,6 @@ def _passed(rows: pd.DataFrame) -> str:
 def sphere_underestimates_forces(bench: Bench) -> Finding:
     """Return the largest forces in N of one and the same impact, and those of long runs."""
     own, *others = [(design, largest_forces(bench, design)) for design in SETS]
-    softest = sphere_softest.function(bench)
-    runs = [
-        finding(
-            bench, [Reading(name, cylinders(column, 1, LOSSY, "higher with a cylindrical law"))]
-        )
-        for column, name in (
-            ("mean_force_N", "mean force in contact in the runs with c_e = 0.9"),
-            ("max_force_N", "largest force of a revolution in them"),
-        )
-    ]
     return Finding(
         own[1].ours,
         own[1].holds,
@@ -360,12 +335,7 @@ def sphere_underestimates_forces(bench: Bench) -> Finding:
         missing=TABLE_2,
         miss=own[1].miss,
         alternatives=[
-            *(
-                Found(SHORT[design], got.ours, got.holds, TABLE_2, got.miss)
-                for design, got in others
-            ),
-            Found("at equal penetration", softest.ours, softest.holds, "", softest.miss),
-            *(each.readings[0] for each in runs),
+            Found(SHORT[design], got.ours, got.holds, TABLE_2, got.miss) for design, got in others
         ],
         values=own[1].values,
     )
@@ -398,9 +368,7 @@ def impacts_need_small_steps(bench: Bench) -> Finding:
     """Return evaluations per revolution without friction, with dissipation and without."""
     change = ("restitution", 0.9, 1.0)
     judge = change_of("evaluations", change, 1, DRY, "more without losses")
-    step = change_of("step_us", change, -1, DRY, "smaller without losses")
     own, other = integrators(judge)
-    ours = [Reading(f"{STEPS}; {BASIS}", judge), *sets(judge), Reading("the mean step", step)]
     return finding(
         bench,
         [
@@ -410,7 +378,6 @@ def impacts_need_small_steps(bench: Bench) -> Finding:
                 ground="the paper's own way to choose the step",
             ),
             other,
-            *(replace(each, missing="") for each in ours),
         ],
     )
 
@@ -425,12 +392,8 @@ def impacts_need_small_steps(bench: Bench) -> Finding:
 def larger_steps(bench: Bench) -> Finding:
     """Return the mean step in µs at both clearances."""
 
-    def most(table: pd.DataFrame) -> Judgement:
-        return mostly(compare(table, "step_us", *SMALLER), 1, "larger")
-
     evaluations = change_of("evaluations", SMALLER, -1, {}, "fewer")
     more = [
-        Reading("more than half of the comparisons", most),
         Reading("by evaluations per revolution", evaluations, missing=INTEGRATOR),
     ]
     choice = joined(f"{ALL_LOSSES}, as 'among all cases' says", STEPS)

@@ -28,7 +28,7 @@ from .. import paper
 from ..claims.section31_law import y_crossing
 from ..claims.section32 import BOUNDS, LOADS, compared, law_differences, to_elements
 from ..claims.section32 import largest as largest_off
-from ..claims.section34_differences import in_corner, largest_by_material
+from ..claims.section34_differences import largest_by_material
 from ..extremes import Extreme, largest_difference, share_below
 from ..fig_readings import readings as read_readings
 from ..finite_elements import penetrations, sensitivity_table, study, table
@@ -369,7 +369,7 @@ def ranges(bench: Bench) -> Values:
     assert _one_power_law_is_nearer(bench), "one power law is nearer than the published law"
     assert _differs_where_johnson_does(bench), "explicit and Johnson's law differ by conformity"
     worst, worst_moderate = _worst(largest), _worst(moderate)
-    left = largest_by_material(materials, paper.PRACTICAL, in_corner)
+    left = largest_by_material(materials, paper.PRACTICAL, corners=False)
     shares = [share_below(BOUND, m, paper.PRACTICAL) for m in materials.values()]
     return {
         "table": _laws_table(bench),
