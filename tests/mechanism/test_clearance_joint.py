@@ -1,6 +1,5 @@
 """The joint as a force element: the library's own, and its exports along whole trajectories."""
 
-import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -8,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cylcontact import CylinderPair, InputError, Material, dissipation, laws
+from cylcontact import CylinderPair, InputError, Material, dissipation
 from cylcontact.export import JOINT_TARGETS, export_joint
 from cylcontact.mechanism import (
     contact,
@@ -18,7 +17,7 @@ from cylcontact.mechanism import (
 )
 from cylcontact.mechanism.joint import BEYOND_LAW, YIELDS
 from cylcontact.spec import read_toml
-from tests.support.joint_runners import RUNNERS, run_c, run_library, run_python
+from tests.support.joint_runners import RUNNERS, run_c, run_library
 from tests.support.mechanism_cases import slider_crank
 from tests.support.spec_files import DROP, changed
 
@@ -155,34 +154,6 @@ def test_forces_and_moments_balance_and_dissipate(case):
     elastic = np.array([elastic_force(joint, d) for d in answers[:, 4]])
     balance = power + answers[:, POWER] + elastic * answers[:, 5]
     np.testing.assert_allclose(balance, 0.0, atol=1e-12 * peak * np.abs(rows[:, 3:]).max())
-
-
-def test_only_the_motion_against_each_other_matters():
-    """Seen from the turning bearing, and from a frame that moves and turns at will."""
-    joint, rows = absolute_joint("explicit", 0.5), rows_of(run_of("explicit", 0.5), relative=False)
-    wanted = run_library(joint, rows)
-    moving = rows.copy()
-    origin, drift = np.array([0.3, -0.2]), np.array([1.5, 0.7])
-    turn, spin = 0.8, 40.0
-    cosine, sine = np.cos(turn), np.sin(turn)
-    into = np.array([[cosine, sine], [-sine, cosine]])
-    for first in (1, 7):
-        place, speed = rows[:, first : first + 2] - origin, rows[:, first + 3 : first + 5] - drift
-        speed = speed - spin * np.column_stack((-place[:, 1], place[:, 0]))
-        moving[:, first : first + 2], moving[:, first + 3 : first + 5] = (
-            place @ into.T,
-            speed @ into.T,
-        )
-        moving[:, first + 2] -= turn
-        moving[:, first + 5] -= spin
-    answers = run_library(joint, moving)
-    peak = np.abs(wanted[:, FORCES]).max()
-    assert np.abs(wanted[:, 7]).max() > 100.0
-    inside = np.abs(wanted[:, 4]) > 1e-12
-    close = {"rtol": 0, "atol": 1e-9 * peak}
-    np.testing.assert_allclose(answers[inside, :2] @ into, wanted[inside, :2], **close)
-    np.testing.assert_allclose(answers[inside][:, MOMENTS], wanted[inside][:, MOMENTS], **close)
-    np.testing.assert_allclose(answers[inside, POWER], wanted[inside, POWER], rtol=1e-6, atol=1e-6)
 
 
 # --- in other languages ---
@@ -366,18 +337,6 @@ def test_the_check_values_are_what_the_element_gives(units, tmp_path):
     assert (np.abs(wanted[:, 8]) > 1.0).sum() == 2
     answers = run_c(joint, rows, tmp_path)[:, [0, 1, 2, 11, 12, *range(3, 11)]]
     np.testing.assert_allclose(answers, wanted, rtol=1e-9, atol=1e-9)
-
-
-def test_a_fit_result_is_a_law(tmp_path):
-    path = ROOT / "fitting/results/internal.json"
-    joint = joint_for(str(path), 0.05, name="refit")
-    coefficients = json.loads(path.read_text(encoding="utf-8"))["coefficients"]
-    assert joint.law == laws.Enhanced(coefficients)
-    assert "fit result 'internal'" in export_joint(joint, "python")["refit.py"]
-    bearing, pin = motion(joint, DEEP, 0.05, 20.0)
-    rows = np.array([[0.1, *bearing, *pin]])
-    answers = run_python(joint, rows, tmp_path)
-    np.testing.assert_allclose(answers, run_library(joint, rows), rtol=1e-12, atol=1e-12)
 
 
 def test_materials_may_be_named_or_given():

@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 from scipy import stats
 
-from cylcontact import InputError, laws, limits
+from cylcontact import InputError
 from cylcontact.mechanism import Interrupted, long_run, simulate
 from cylcontact.mechanism.batch_means import BatchMeans
 from cylcontact.mechanism.joint_motion import Limits, numbers_of
 from cylcontact.mechanism.statistics import HELD, LONGEST, QUANTITIES, REPEATS, period_of
-from tests.support.mechanism_cases import slider_crank, yields_at
+from tests.support.mechanism_cases import slider_crank
 
 
 def autoregressive(correlation, runs, length, seed):
@@ -198,23 +198,6 @@ class TestLongRuns:
 
 
 class TestWarnings:
-    def test_first_yield_is_counted_among_the_contacts_of_the_steps(self):
-        """One that lasts beyond the end of a revolution counts in both."""
-        run = simulate(slider_crank(friction=0.0, spec=yields_at(200.0)), revolutions=5)
-        law, pair = laws.Enhanced(), run.mechanism.clearance.contact.pair
-        loads = law.load(np.maximum(run.penetration, 0) * 1e3, pair)
-        high = loads > limits.yield_load(pair)
-        label, number = run.rows.revolution, np.cumsum(np.diff(run.in_contact, prepend=False) > 0)
-        touched, above = (
-            set(zip(label[rows], number[rows], strict=True)) for rows in (run.in_contact, high)
-        )
-        assert 0 < len(above) < len(touched)
-        (text,) = run.warnings
-        assert "is above first yield at " in text
-        counted = f"; {len(above)} of {len(touched)} contacts pass it ("
-        assert counted in text
-        assert text.endswith(f"in 5 of 5 revolutions, first at {run.time[high][0]:.4g} s")
-
     def test_impacts_slower_than_the_floor_are_counted(self):
         """Three impacts of .5, 2 and .9 mm/s; a contact under way at the start is none."""
         modes = [1, 0, 1, 1, 0, 1, 0, 0, 1]

@@ -105,16 +105,6 @@ def test_a_saved_run_comes_back_whole(run, tmp_path):
     assert tuple(about["assumptions"]) == run.mechanism.assumptions
 
 
-@pytest.mark.parametrize("method", ["minimal", "multiplier"])
-def test_a_run_taken_up_equals_one_never_interrupted(method, tmp_path):
-    """In the sensitive case, where the least difference would grow."""
-    mechanism = slider_crank("johnson", 0.5, 1.0, 0.0)
-    whole = simulate(mechanism, method, revolutions=4)
-    simulate(mechanism, method, revolutions=1).save(tmp_path / "part.parquet")
-    part = Trajectory.load(tmp_path / "part.parquet")
-    assert same(whole, simulate(mechanism, revolutions=4, resume=part))
-
-
 def test_an_interrupted_run_keeps_its_complete_revolutions(run):
     def stop_after_two(_, done, __):
         if done == 2:

@@ -353,10 +353,7 @@ def numbers_of(joint: JointMotion) -> dict[str, float]:
 
 
 def _passed(joint: JointMotion) -> dict[str, float]:
-    """Return the contacts of a revolution, and how many pass each limit and when first.
-
-    A contact under way at the start counts again, so that no revolution depends on another.
-    """
+    """Return the contacts of a revolution, and how many pass each limit and when first."""
     touching, time, limits = joint.in_contact, joint.run.time, joint.limits
 
     def first(rows: IndexArray) -> float:
@@ -364,7 +361,7 @@ def _passed(joint: JointMotion) -> dict[str, float]:
 
     begins, _ = changes(touching)
     slow = begins[joint.impact_rate[begins] < limits.floor]
-    if touching[0]:
+    if touching[0]:  # counted again, so that no revolution depends on another
         begins = np.append(0, begins)
     depth = np.where(touching, joint.penetration, -np.inf)
     deepest = np.maximum.reduceat(depth, begins) if begins.size else np.empty(0)
@@ -382,10 +379,7 @@ def _ratio(numerator: float, denominator: float) -> float:
 
 
 def _percentiles(dt: FloatArray, values: FloatArray) -> list[float]:
-    """Return percentiles over the time of steps, shape (m,), with `values` in equal parts of each.
-
-    NaN without any step.
-    """
+    """Return percentiles over the time of steps, with `values` in equal parts; NaN without any."""
     if not dt.sum() > 0:
         return [float("nan")] * len(FORCE_PERCENTILES)
     weight, sample = np.repeat(dt, values.shape[1]), values.ravel()

@@ -71,10 +71,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class State:
-    """Everything that the rest of a run depends on: time in s and states.
-
-    Of every joint with clearance also whether it touches, and δ̇⁽⁻⁾ in m/s.
-    """
+    """Everything that the rest of a run depends on, in SI; contact and δ̇⁽⁻⁾ by joint."""
 
     time: float
     values: FloatArray
@@ -84,10 +81,9 @@ class State:
 
 @dataclass(frozen=True)
 class StepHistory:
-    """The n accepted steps, as states with ledgers by time in s, and counts by revolution.
+    """The n accepted steps: states with ledgers by time in s, and by joint contact and δ̇⁽⁻⁾ in m/s.
 
-    Of every joint with clearance also whether it touches, and δ̇⁽⁻⁾ of the contact in m/s, 0 out of
-    contact: arrays of shape (n, joints). Counts are accepted steps, evaluations and seconds.
+    Of every revolution `counts` has the accepted steps, the evaluations and the seconds.
     """
 
     time: FloatArray
@@ -213,11 +209,7 @@ class Run:
         )
 
     def advance(self, end: float, label: int = 0) -> tuple[StepHistory, int]:
-        """Integrate to the time `end` through all events.
-
-        Returned are the accepted steps, as rows of the revolution `label`, and the number of
-        evaluations of the right-hand side.
-        """
+        """Integrate to `end`; return the steps, as rows of a revolution, and the evaluations."""
         state, split, count = self.state, self.scale.size, self.joints.size
         y, ledgers = state.values[:split].copy(), state.values[split:].copy()
         self.joints["touching"], self.joints["onset_rate"] = state.in_contact, state.impact_rate

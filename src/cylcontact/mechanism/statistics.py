@@ -178,10 +178,9 @@ class Statistics:
 
     @property
     def mean(self) -> pd.Series[float]:
-        """The means of the quantities over the revolutions; NaN where there was no contact.
+        """The means of the quantities; NaN where there was no contact.
 
-        Means over the time in contact are ratios of sums: revolutions with more contact count
-        more. Of the percentiles and the largest values the mean over revolutions is taken.
+        Means over the time in contact are ratios of sums, others are those of the revolutions.
         """
         import pandas as pd
 

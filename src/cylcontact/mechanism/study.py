@@ -267,9 +267,7 @@ def study(
 ) -> list[Any]:
     """Return what `reduce(mechanism, *rest)` gives for every item of a product, in its order.
 
-    The case of an item changes the mechanism, and `reduce` is a function of a module. The results
-    do not depend on the workers. A journal records them by case, if they are JSON; `resume` takes
-    what it has from there.
+    The case of an item changes the mechanism. A journal records results by case, if they are JSON.
     """
     require(len(product) > 0, "study", "cases", [], "there is none", "give every list a value")
     about, calls = (mechanism.data, mechanism.source), dict[tuple[Item, ...], Call]()
@@ -438,9 +436,8 @@ def tolerances(
     """Return cost and accuracy of cases by the method and tolerance of some plans.
 
     One row for each plan: `method`, `tolerance`, number of complete `cases`, largest and median
-    relative energy error, largest drift of a position constraint in m or rad (NaN in minimal
-    coordinates, which have none), and mean steps and evaluations per revolution. It is an
-    `InputError` if no case of a plan is complete.
+    relative energy error, largest drift of a constraint in m or rad (NaN in minimal coordinates),
+    and mean steps and evaluations per revolution. An `InputError` if no case is complete.
     """
     import pandas as pd
 

@@ -337,10 +337,9 @@ class Trajectory(Motion):
 
 
 def reduced(run: Trajectory, origin: float) -> dict[str, Any]:
-    """Return the row of `Statistics.revolutions` for a run of one revolution.
+    """Return the row of `Statistics.revolutions` for one revolution, and the step before it.
 
-    Its first step is the last one of the revolution before. `origin` is the `energy` at the
-    start of the whole run in J.
+    `origin` is the `energy` at the start of the whole run in J.
     """
     row: dict[str, Any] = {}
     for name, joint in run.joints.items():
