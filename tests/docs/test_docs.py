@@ -7,19 +7,16 @@ from dataclasses import replace
 from functools import partial
 from html.parser import HTMLParser
 
-import pandas as pd
 import pytest
 import typer
 
 from cylcontact.cli import app
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import draw
 from cylcontact.reports.pages import build_site
 from cylcontact.reports.pages import figures as figures_of
 from tests.support.browser import chromium, opened
 from tests.support.doc_blocks import ROOT, blocks, copy_bench, run_page, same
 from tests.support.programs import require_package
-from tests.support.write_docs import rewritten
 
 PAGES = sorted(
     path
@@ -67,23 +64,6 @@ def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeyp
     for _ in range(2):
         run_page(README, tmp_path, monkeypatch)
         assert git(["git", "status", "--porcelain"]).stdout == ""
-
-
-@pytest.mark.slow
-def test_a_material_of_ones_own_changes_no_figure_of_the_paper(tmp_path, figures):
-    copy_bench(tmp_path)
-    (table,) = [b for b in blocks(ROOT / "docs/how-to/choose-a-law.md") if b.language == "csv"]
-    (tmp_path / table.title).write_text(table.text, encoding="utf-8")
-    bench = Bench(tmp_path)
-    assert "gunmetal" in bench.materials()
-    for name in ("fig07", "fig08", "fig09"):
-        pd.testing.assert_frame_equal(draw(name, bench).table, figures[name].drawing.table)
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_every_block_says_what_it_is(page):
-    known = {"python", "bash", "text", "markdown", "toml", "csv", "c", "cpp"}
-    assert {block.language for block in blocks(page)} <= known
 
 
 # --- the site ---
@@ -151,12 +131,6 @@ def test_links_and_files_of_the_site_exist(site):
             assert target.is_file(), f"{page.name}: {link}"
             if anchor and target.suffix == ".html":
                 assert anchor in parsed[target].ids, f"{page.name}: {link}"
-
-
-def test_reference_shows_the_docstrings(site):
-    text = (site / "reference" / "laws.html").read_text(encoding="utf-8")
-    assert "The paper solves it for the load by iteration" in text
-    assert "exact for large contact arcs as well" in text
 
 
 def test_equations_are_mathml_and_no_star_is_lost(site):
@@ -250,13 +224,6 @@ def test_search_works_from_disk_and_asks_the_network_for_nothing(site):
             if actual.count():
                 break
         assert actual.count()
-
-
-def test_outputs_can_be_written_anew(tmp_path, monkeypatch):
-    page = tmp_path / "page.md"
-    right = '# Page\n\n```python\nprint("one\\ntwo")\n```\n\n```text\none\ntwo\n```\n\nEnd.\n'
-    page.write_text(right.replace("one\ntwo\n```", "three\n```"), encoding="utf-8")
-    assert rewritten(page, tmp_path / "bench", monkeypatch) == right
 
 
 def test_every_command_is_in_the_reference():

@@ -8,11 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from cylcontact import CylinderPair, InputError, Material, choose, laws
+from cylcontact import CylinderPair, Material, choose, laws
 from cylcontact.fitting import read_campaign
 from cylcontact.html_repr import table_html
 from cylcontact.mechanism import read_mechanism, simulate
-from cylcontact.text_tables import Table
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -43,23 +42,6 @@ def visible(fragment):
 
 def test_texts_stay_texts():
     assert visible(table_html(HOSTILE, {HOSTILE: HOSTILE})) == [HOSTILE] * 3
-
-
-def test_one_table_is_aligned_text_and_html():
-    table = Table(["", "ΔR, mm", "law"], [("first", "0.5", "[johnson]"), ("second", "10", "\x1b")])
-    assert str(table).splitlines() == [
-        *("        ΔR, mm        law", "first      0.5  [johnson]", r"second      10       \x1b"),
-    ]
-    cells = ["ΔR, mm", "law", "first", "0.5", "[johnson]", "second", "10", r"\x1b"]
-    assert visible(table._repr_html_()) == cells
-
-
-def test_pair(pair):
-    texts = visible(pair._repr_html_())
-    rows = dict(zip(texts[1::2], texts[2::2], strict=True))
-    assert texts[0] == "CylinderPair, internal contact"
-    assert (rows["ΔR (mm)"], rows["length (mm)"]) == ("0.5", "12")
-    assert float(rows["E* (MPa)"]) == pytest.approx(float(pair.E_star), rel=1e-5)
 
 
 @pytest.mark.parametrize("law", [laws.Enhanced, laws.PowerLaw])
@@ -111,22 +93,6 @@ def test_trajectory(run):
     assert {"revolutions", "contacts", "max penetration (µm)", "energy error (J)"} <= set(rows)
     assert 'src="data:image/png;base64,iVBOR' in picture
     assert "<script" not in picture
-
-
-def test_the_picture_of_a_trajectory_is_of_its_end(run):
-    drawing = run.plot(revolutions=1)
-    assert drawing.table["revolution"].iloc[[0, -1]].tolist() == pytest.approx([0.0, 1.0])
-    assert drawing.headline["largest normal force, N"] == run.normal_force.max()
-    part = run.plot(revolutions=0.25).table
-    assert part["revolution"].iloc[0] == pytest.approx(0.75, abs=0.01)
-    with pytest.raises(InputError, match=r"plot: revolutions = 0: must be positive; give e\.g\. 2"):
-        run.plot(revolutions=0)
-
-
-def test_an_ideal_joint_has_no_picture():
-    spec = ROOT / "datasets" / "slider_crank.toml"
-    ideal = simulate(read_mechanism(spec, clearance=0.0, revolutions=1))
-    assert "<figure>" not in ideal._repr_html_()
 
 
 def test_no_text_of_a_result_or_a_choice_is_markup(hostile_choice):
