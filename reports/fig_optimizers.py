@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.optimizer_comparison import CSV_COLUMNS
+from cylcontact.fitting.comparison import CSV_COLUMNS
 from cylcontact.fitting.records import SAME_BASIN
 from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, MARKERS

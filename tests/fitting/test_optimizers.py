@@ -11,7 +11,7 @@ import pytest
 from cylcontact import InputError
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.optimizer_comparison import compare_optimizers
+from cylcontact.fitting.comparison import compare_optimizers
 from cylcontact.fitting.optimizers import OPTIMIZERS, BudgetSpentError, EvaluationBudget, budget_of
 from cylcontact.fitting.polish import polish
 from tests.support.spec_files import assert_told, tree, write_bench

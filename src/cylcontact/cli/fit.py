@@ -219,7 +219,7 @@ def optimizers(
 ) -> None:
     """Compare optimisers on a campaign, with the same seeds, budget and polish."""
     from cylcontact.fitting import read_campaign
-    from cylcontact.fitting.optimizer_comparison import as_text, compare_optimizers
+    from cylcontact.fitting.comparison import compare_optimizers, runs_as_text
 
     where, chosen = workers(jobs, scheduler), names or [*OPTIMIZERS]
     for name in chosen:
@@ -230,7 +230,7 @@ def optimizers(
     if out is not None:
         with replacing(out) as temporary:
             compared.to_csv(temporary, index=False, lineterminator="\n")
-    say(as_text(compared))
+    say(runs_as_text(compared))
 
 
 def uncertainty(

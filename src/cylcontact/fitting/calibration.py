@@ -138,7 +138,6 @@ def problem_of(
 
 
 def _by_clearance(progress: Progress, stage: str, grid: AnyGrid) -> Callable[[int], None]:
-    """Return a function that reports how many clearances are done."""
     return lambda done: progress(stage, done, grid.dR.size)
 
 
@@ -161,7 +160,6 @@ def _require_defined_somewhere(problem: Problem, source: str) -> None:
 def _profiles(
     problem: Problem, compared: list[dict[str, float]], jobs: Workers, progress: Progress
 ) -> dict[str, Profile]:
-    """Profile the objective over every free parameter, with the published values if there are."""
     best, *published = compared
     # One batch from moments; from rows a worker for each.
     is_batch = isinstance(problem.objective, RmsLogPenetration)

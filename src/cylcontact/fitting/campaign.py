@@ -19,7 +19,6 @@ from cylcontact.fitting.specs import (
     MeasuredSpec,
     completed,
     parameters_of,
-    require_complete,
 )
 from cylcontact.html_repr import table_html
 from cylcontact.laws.law import LawModel, Parameter
@@ -171,15 +170,12 @@ class Campaign(CampaignBase):
         """Return the campaign from the settings in a result."""
         where = f"{source}, settings.campaign", f"{source}, settings.dataset"
         spec = parse_spec(CampaignSpec, settings["campaign"], where[0])
-        campaign = cls._of(name, spec, settings["dataset"], source, where[1])
-        require_complete(settings["campaign"].get("parameters", {}), campaign.parameters, source)
-        return campaign
+        return cls._of(name, spec, settings["dataset"], source, where[1])
 
     @classmethod
     def _of(
         cls, name: str, spec: CampaignSpec, grid_data: dict[str, Any], source: str, grid_source: str
     ) -> Campaign:
-        """Return the campaign of a spec and a grid, checked against the law."""
         grid = grid_from(grid_data, grid_source)
         model = grid_model_of(spec.law, grid.contact, source)
         _require_range(grid, model, source)

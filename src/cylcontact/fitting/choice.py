@@ -23,15 +23,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
+from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.datasets.measurements import Indices
+from cylcontact.datasets.measurements import Constants, Indices
 from cylcontact.errors import InputError
 from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.measured import Fit
@@ -43,7 +44,7 @@ from cylcontact.fitting.table_fit import fit_table
 from cylcontact.fitting.words import COMPLIANCE, data_warnings, describes
 from cylcontact.housing_spec import takes_housing
 from cylcontact.laws import LAW_TYPES
-from cylcontact.pair import Contact
+from cylcontact.pair import Contact, CylinderPair
 from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
 from cylcontact.text_tables import Table
@@ -52,13 +53,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from cylcontact.plots.figure import Drawing
-
-
-from pathlib import Path
-from typing import Any
-
-from cylcontact.datasets.measurements import Constants
-from cylcontact.pair import CylinderPair
 
 # Starts of each fit; the usual start is one of them.
 _STARTS = 3
@@ -168,7 +162,6 @@ class Choice:
         """
         behind = np.array([law.aicc - self.best.aicc for law in self.laws])
         weight = np.exp(-behind / 2)
-        compliances = [law.compliance for law in self.laws]
         rows = [
             {
                 "parameters": law.optimum.estimated,
@@ -178,8 +171,8 @@ class Choice:
                 "cv_error": law.cv_error,
                 "cv_standard_error": law.cv_standard_error,
                 "cv_behind": law.behind(self.best),
-                "compliance": compliances[k][0],
-                "compliance_error": compliances[k][1],
+                "compliance": law.compliance[0],
+                "compliance_error": law.compliance[1],
                 "verdict": self._verdict(law),
             }
             for k, law in enumerate(self.laws)
@@ -187,7 +180,6 @@ class Choice:
         return pd.DataFrame(rows, index=pd.Index([law.law for law in self.laws], name="law"))
 
     def _verdict(self, law: RankedLaw) -> str:
-        """Return whether the data tell a law from the best."""
         if not self.describes:
             return "misses"
         if law is self.best:
@@ -247,7 +239,6 @@ class Choice:
         return "\n".join([title, "", str(Table(head, rows)), *items])
 
     def _conclusion(self) -> str:
-        """Return whether the data decide, in a sentence."""
         undecided = self.undecided
         if not self.describes:
             return f"none of the laws describes these readings; {self.best.law} comes nearest"
@@ -424,7 +415,6 @@ def _fitted(campaign: TableCampaign) -> Optimum:
 
 
 def _aicc(optimum: Optimum, source: str) -> float:
-    """Return the information criterion of a fit."""
     likelihood = optimum.log_likelihood
     if likelihood is None:
         rule, remedy = "leaves no likelihood to rank laws by", "compare them by least squares"

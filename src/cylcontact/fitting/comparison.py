@@ -1,21 +1,27 @@
-"""Results side by side, as text and as cells for other renderings; a result and its fit redone."""
+"""Results side by side, a result and its fit redone, and optimisers on one campaign."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from cylcontact.fitting.calibration import calibrate, problem_of
+from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.problem import ParameterSpace
+from cylcontact.fitting.records import SAME_BASIN
 from cylcontact.fitting.results import DataFit, FitResult, LawFit
+from cylcontact.fitting.runs import run_all, searches
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.fitting.words import OBJECTIVE_UNITS, Rows, item, label_of
 from cylcontact.parallel import Workers
 from cylcontact.plain_text import brief
-from cylcontact.progress import Progress
+from cylcontact.progress import Progress, silent
 from cylcontact.text_tables import Table
 
 # The rows below the coefficients where results are compared, with their labels in text and their
@@ -124,7 +130,6 @@ def _numbers(result: FitResult) -> tuple[float | None, ...]:
 
 
 def _side_by_side_text(results: list[FitResult]) -> str:
-    """Return results of one law and contact side by side as text."""
     first = results[0]
     of_coefficients = labels(first)
     of_units = {
@@ -152,7 +157,6 @@ def _side_by_side_text(results: list[FitResult]) -> str:
 
 
 def _samples_text(result: FitResult) -> str:
-    """Return which samples a result was fitted to, in a line."""
     if isinstance(result, DataFit):
         return f"{brief(result.name)}: {result.counts.samples:,} measurements"
     axes = result.settings["dataset"]["axes"]
@@ -161,7 +165,6 @@ def _samples_text(result: FitResult) -> str:
 
 
 def _axis_text(symbol: str, unit: str, axis: Mapping[str, Any]) -> str:
-    """Return an axis of a grid in a few words."""
     values = axis.get("values")
     if values is None:
         low, high, count = axis["min"], axis["max"], f" ({axis['points']} {axis['spacing']})"
@@ -214,13 +217,14 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
     """Redo a fit with the settings in a result file and compare."""
     committed = FitResult.read(path)
     campaign = campaign_of(committed.name, committed.settings, str(path))
-    problem: ParameterSpace
-    fresh: FitResult
-    if isinstance(campaign, TableCampaign):
-        problem, fresh = campaign.fit(), fit_table(campaign, jobs, progress)
-    else:
-        problem, _ = problem_of(campaign, jobs, progress)
-        fresh = calibrate(campaign, jobs, progress)
+    problem, fresh = (
+        _problem_of(campaign, jobs, progress),
+        (
+            fit_table(campaign, jobs, progress)
+            if isinstance(campaign, TableCampaign)
+            else calibrate(campaign, jobs, progress)
+        ),
+    )
     of_coefficients = Check(
         "objective of the coefficients",
         committed.objective.value,
@@ -229,6 +233,14 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
         committed.round_off,
     )
     return [of_coefficients, *compare_results(committed, fresh)]
+
+
+def _problem_of(
+    campaign: Campaign | TableCampaign, jobs: Workers, progress: Progress
+) -> ParameterSpace:
+    if isinstance(campaign, TableCampaign):
+        return campaign.fit()
+    return problem_of(campaign, jobs, progress)[0]
 
 
 def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
@@ -246,3 +258,52 @@ def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
         published = committed.published.objective, fresh.published.objective
         checks.append(Check("published objective", *published, _EXACT_TOLERANCE, exact))
     return checks
+
+
+# --- optimisers on one campaign, with the same seeds, budget and polish -----------------------
+
+CSV_COLUMNS = ("optimizer", "run", "seed", "searched", "polished", "evaluations", "seconds")
+
+
+def compare_optimizers(
+    campaign: Campaign | TableCampaign,
+    optimizers: Collection[str] = OPTIMIZERS,
+    jobs: Workers = 1,
+    progress: Progress = silent,
+) -> pd.DataFrame:
+    """Return a row for each run of each optimiser, with the columns `CSV_COLUMNS`.
+
+    "searched" and "polished" are the objectives before the polish and after it.
+    """
+    for optimizer in optimizers:
+        OPTIMIZERS[optimizer].require_installed(campaign.source, optimizer)
+    problem = _problem_of(campaign, jobs, progress)
+    spec, rows = campaign.spec, []
+    for optimizer in optimizers:
+
+        def report(_: str, done: int, total: int, name: str = optimizer) -> None:
+            progress(name, done, total)
+
+        calls = searches(problem, optimizer, spec.genetic, spec.seed, campaign.source)
+        for run in run_all(calls, jobs, report, None, False):
+            objectives = run.objective_before_polish, run.objective
+            rows.append((optimizer, run.index, run.seed, *objectives, run.evaluations, run.seconds))
+    return pd.DataFrame(rows, columns=list(CSV_COLUMNS))
+
+
+def runs_as_text(runs: pd.DataFrame) -> str:
+    """Return a table of the optimisers, with how many runs are within 0.1 % of the best of all."""
+    limit = runs["polished"].min() * (1 + SAME_BASIN) + 1e-12
+    head = ("optimizer", "best", "median", "evaluations a run", "seconds a run")
+    rows = [
+        (
+            str(optimizer),
+            f"{own['polished'].min():.6g}",
+            f"{own['polished'].median():.6g}",
+            f"{own['evaluations'].median():,.0f}",
+            f"{own['seconds'].median():.2f}",
+            *(f"{(own[step] <= limit).sum()}/{len(own)}" for step in ("searched", "polished")),
+        )
+        for optimizer, own in runs.groupby("optimizer", sort=False)
+    ]
+    return str(Table((*head, "in best basin, searched", "polished"), rows))

@@ -218,7 +218,6 @@ def _cost(place: int | None) -> Callable[[FloatArray], float]:
 
 
 def _intervals(optimum: Optimum, covariance: FloatArray, add: int, level: float) -> pd.DataFrame:
-    """Return the half-widths of the intervals before and after."""
     before = optimum.degrees_of_each()
     plain = optimum.satterthwaite is None and not optimum.known
     after = before + add if plain else before

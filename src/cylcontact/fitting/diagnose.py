@@ -40,6 +40,9 @@ _FEWEST, _FEWEST_IN_SERIES = 12, 4
 _FEW_OF_A_SIGN = 8
 # Readings whose scatter from one to the next can be told.
 _FEWEST_NEIGHBOURS = 8
+# The name of a test, the probability of such residuals if the noise were as assumed (None for too
+# few rows), what they show, and what to do.
+_Shown = tuple[str, float | None, str, str]
 
 
 def findings_of(optimum: Optimum) -> list[Finding]:
@@ -47,8 +50,19 @@ def findings_of(optimum: Optimum) -> list[Finding]:
     if optimum.r.size < _FEWEST + optimum.point.size:
         return []
     tests = (_series, _drift, _sequence, _spread, _branches, _repeats)
-    findings = [finding for test in tests if (finding := test(optimum)) is not None]
-    return _without_echoes([f for f in findings if f.p < SURPRISING])
+    seen = [shown for test in tests if (shown := test(optimum)) is not None]
+    findings = [
+        Finding(test=test, p=p, says=says, remedy=remedy)
+        for test, p, says, remedy in seen
+        if p is not None and p < SURPRISING
+    ]
+    p = {finding.test: finding.p for finding in findings}
+    # A series or a drift explains a sequence of like residuals. Branches look like a drift, and a
+    # drift like branches; the less likely one is left.
+    echoes = {"sequence"} if p.keys() & {"series", "pairs", "drift"} else set()
+    if p.keys() >= {"drift", "branches"}:
+        echoes.add(max("drift", "branches", key=lambda test: p[test]))
+    return [f for f in findings if f.test not in echoes]
 
 
 def _groups(optimum: Optimum, name: str) -> tuple[list[str], Indices] | None:
@@ -67,24 +81,10 @@ def _series_of_rows(optimum: Optimum, *names: str) -> Indices:
 
 
 def _allowed(optimum: Optimum) -> tuple[str, ...]:
-    """Return the effects of series that the noise model allows for."""
     return () if optimum.fit.noise is None else optimum.fit.noise.effects
 
 
-def _without_echoes(findings: list[Finding]) -> list[Finding]:
-    """Leave out what another finding explains.
-
-    A series or a drift explains a sequence of like residuals. Branches look like a drift, and a
-    drift like branches; the less likely one is left.
-    """
-    p = {finding.test: finding.p for finding in findings}
-    echoes = {"sequence"} if p.keys() & {"series", "pairs", "drift"} else set()
-    if p.keys() >= {"drift", "branches"}:
-        echoes.add(max("drift", "branches", key=lambda test: p[test]))
-    return [f for f in findings if f.test not in echoes]
-
-
-def _series(optimum: Optimum) -> Finding | None:
+def _series(optimum: Optimum) -> _Shown | None:
     """Test whether residuals depend on the series: a mean and a trend along the load of each."""
     if "offset" in _allowed(optimum):
         return None
@@ -97,26 +97,24 @@ def _series(optimum: Optimum) -> Finding | None:
     load = np.log(optimum.fit.data.load)
     columns = np.hstack([member, member * (load - load.mean())[:, None]])
     p = _f_test(optimum, columns)
-    if p is None:
-        return None
     if over == "group":
-        return Finding(
-            test="series",
-            p=p,
-            says=f"the {len(names)} series of the column group differ by more than the scatter "
-            "within them, so that the intervals are too narrow",
-            remedy="allow for it with --group group",
+        return (
+            "series",
+            p,
+            f"the {len(names)} series of the column group differ by more than the scatter within "
+            "them, so that the intervals are too narrow",
+            "allow for it with --group group",
         )
-    return Finding(
-        test="pairs",
-        p=p,
-        says=f"the residuals differ between the {len(names)} pairs of the table: each pair has "
-        "errors of its own, or the law is wrong in the clearance or the moduli",
-        remedy="name the series by a column, and add --group COLUMN",
+    return (
+        "pairs",
+        p,
+        f"the residuals differ between the {len(names)} pairs of the table: each pair has errors "
+        "of its own, or the law is wrong in the clearance or the moduli",
+        "name the series by a column, and add --group COLUMN",
     )
 
 
-def _drift(optimum: Optimum) -> Finding | None:
+def _drift(optimum: Optimum) -> _Shown | None:
     """Test whether residuals have trends along the rows of the series, each its own."""
     if "drift" in _allowed(optimum):
         return None
@@ -127,22 +125,14 @@ def _drift(optimum: Optimum) -> Finding | None:
     if abs(np.corrcoef(position, load)[0, 1]) > 0.9:
         return None  # along a single sweep of the load a drift looks like another law
     p = _f_test(optimum, position[:, None] * (index[:, None] == np.unique(index)))
-    if p is None:
-        return None
-    return Finding(
-        test="drift",
-        p=p,
-        says="the residuals drift along the rows of a series",
-        remedy="allow for it with --drift",
-    )
+    return "drift", p, "the residuals drift along the rows of a series", "allow for it with --drift"
 
 
 def _less_mean(values: FloatArray, index: Indices) -> FloatArray:
-    """Return values less the mean of their series."""
     return as_floats(values - (np.bincount(index, values) / np.bincount(index))[index])
 
 
-def _sequence(optimum: Optimum) -> Finding | None:
+def _sequence(optimum: Optimum) -> _Shown | None:
     """Test whether each residual is like the one before, by their correlation."""
     index = _series_of_rows(optimum, "group")
     order = np.argsort(index, kind="stable")
@@ -160,17 +150,14 @@ def _sequence(optimum: Optimum) -> Finding | None:
         }
         options = [text for effect, text in untried.items() if effect not in _allowed(optimum)]
         remedy = ", or ".join([*options, "try other laws with `cylcontact choose`"])
-    return Finding(
-        test="sequence",
-        p=p,
-        says=f"readings in sequence err alike (correlation {correlation:.2f}), so that the "
-        "intervals are too narrow",
-        remedy=remedy,
+    says = (
+        f"readings in sequence err alike (correlation {correlation:.2f}), so that the intervals "
+        "are too narrow"
     )
+    return "sequence", p, says, remedy
 
 
-def _spread(optimum: Optimum) -> Finding | None:
-    """Test whether the size of the residuals depends on the penetration, by ranks."""
+def _spread(optimum: Optimum) -> _Shown | None:
     noise = optimum.fit.noise
     if optimum.known:
         return None
@@ -186,32 +173,23 @@ def _spread(optimum: Optimum) -> Finding | None:
     remedy = "allow for both kinds of scatter with --noise both"
     if noise is not None and len(noise.covariance.model.scatter) == 2:
         remedy = "look for what else makes readings scatter"
-    return Finding(
-        test="spread",
-        p=p,
-        says=f"the scatter of the readings{relative} {grows} with them",
-        remedy=remedy,
-    )
+    return "spread", p, f"the scatter of the readings{relative} {grows} with them", remedy
 
 
-def _branches(optimum: Optimum) -> Finding | None:
-    """Test whether unloading reads otherwise than loading."""
+def _branches(optimum: Optimum) -> _Shown | None:
     groups = _groups(optimum, "branch")
     if groups is None:
         return None
     names, index = groups
-    p = _f_test(optimum, as_floats(index[:, None] == np.arange(len(names)))[:, 1:])
-    if p is None:
-        return None
-    return Finding(
-        test="branches",
-        p=p,
-        says="loading and unloading differ, by friction in the rig or by plastic flow",
-        remedy="fit one of them with --branch loading, and compare",
+    return (
+        "branches",
+        _f_test(optimum, as_floats(index[:, None] == np.arange(len(names)))[:, 1:]),
+        "loading and unloading differ, by friction in the rig or by plastic flow",
+        "fit one of them with --branch loading, and compare",
     )
 
 
-def _repeats(optimum: Optimum) -> Finding | None:
+def _repeats(optimum: Optimum) -> _Shown | None:
     """Test whether the law misses the means of repeated loads by more than they scatter."""
     sets = optimum.fit.data.replicates()
     r, degrees = optimum.r, sum(rows.size - 1 for rows in sets)
@@ -222,12 +200,12 @@ def _repeats(optimum: Optimum) -> Finding | None:
     if pure <= 0:
         return None
     ratio = max(float((r**2).sum()) - pure, 0.0) / between / (pure / degrees)
-    return Finding(
-        test="repeats",
-        p=float(special.fdtrc(between, degrees, ratio)),
-        says="the law misses the means of repeated loads by more than their scatter",
-        remedy="try other laws with `cylcontact choose`"
-        + ("" if "offset" in _allowed(optimum) else ", or name the series with --group COLUMN"),
+    series = "" if "offset" in _allowed(optimum) else ", or name the series with --group COLUMN"
+    return (
+        "repeats",
+        float(special.fdtrc(between, degrees, ratio)),
+        "the law misses the means of repeated loads by more than their scatter",
+        f"try other laws with `cylcontact choose`{series}",
     )
 
 
@@ -364,7 +342,6 @@ def uncertainty_of(optimum: Optimum, level: float = LEVEL, jobs: Workers = 1) ->
 
 
 def _deviations(optimum: Optimum, noise: FittedNoise) -> FittedDeviations:
-    """Return the deviations of the noise model and the effects of the series."""
     covariance, series, effects = noise.covariance, [], optimum.series
     if effects is not None:
         over, data = covariance.model.over, optimum.fit.data
@@ -394,7 +371,6 @@ def _without(optimum: Optimum, far: Sequence[Outlier]) -> dict[str, float]:
 
 
 def _better_optima(estimates: dict[str, Estimate]) -> list[str]:
-    """Return a warning for each profile that met a better optimum."""
     return [
         f"the profile of {name} found a better fit, (S − S_best)/τ = {e.profile.lowest:.3g}: the "
         "intervals are not those of the best fit; fit again with more starts"
@@ -414,7 +390,6 @@ def _unit(fit: Fit) -> str:
 
 
 def _estimates(optimum: Optimum, level: float, jobs: Workers) -> dict[str, Estimate]:
-    """Return each free parameter with its intervals."""
     names = optimum.fit.names
     profiles: Sequence[Interval | None] = [None] * len(names)
     if optimum.covariance is not None and not optimum.is_rounding:
@@ -446,7 +421,6 @@ def _estimate(optimum: Optimum, k: int, profile: Interval | None, level: float) 
 
 
 def _verdict(value: float, reach: float, profile: Interval | None, per_unit: float) -> str:
-    """Return "well", "fairly", "poorly", "not" or "at a bound" for a parameter."""
     half_width = reach
     if profile is not None:
         half_width = (profile.high - profile.low) / 2
@@ -465,7 +439,6 @@ def _verdict(value: float, reach: float, profile: Interval | None, per_unit: flo
 
 
 def _correlation(optimum: Optimum) -> dict[str, dict[str, float]]:
-    """Return the correlations of the free parameters; none without a covariance."""
     if optimum.covariance is None:
         return {}
     names, scale = optimum.fit.names, np.outer(optimum.errors, optimum.errors)

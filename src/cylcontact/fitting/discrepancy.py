@@ -129,13 +129,11 @@ def _leave_one_out(
 
 
 def _with_axis(grid: AnyGrid, axis: str, values: FloatArray) -> AnyGrid:
-    """Return a grid with other values on an axis."""
     changed: dict[str, Any] = {axis: values}
     return replace(grid, **changed)
 
 
 def _without(campaign: Campaign, best: Mapping[str, float], axis: str, place: int) -> LeftOut:
-    """Fit without one value of an axis."""
     values = getattr(campaign.grid, axis)
     rest = _with_axis(campaign.grid, axis, np.delete(values, place))
     own = _with_axis(campaign.grid, axis, values[place : place + 1])

@@ -95,7 +95,6 @@ class WholePopulations(pygad.GA):  # type: ignore[misc]
 
 
 def _keys(genes: FloatArray) -> list[bytes]:
-    """Return each individual's genes as bytes, which are hashable."""
     data, width = genes.tobytes(), genes.shape[1] * genes.itemsize
     return [data[first : first + width] for first in range(0, len(data), width)]
 
@@ -112,13 +111,11 @@ def _crossover(second: Callable[[tuple[int, int], RandomState], BoolArray]) -> _
 
 
 def _beyond_one_point(size: tuple[int, int], rng: RandomState) -> BoolArray:
-    """Return a mask of the genes from a random point on."""
     point = rng.randint(0, size[1], size=size[0])
     return np.asarray(np.arange(size[1]) >= point[:, None])
 
 
 def _between_two_points(size: tuple[int, int], rng: RandomState) -> BoolArray:
-    """Return a mask of the genes between two different random points."""
     one, two = rng.randint(0, size[1] + 1, size=size[0]), rng.randint(0, size[1], size=size[0])
     two += two >= one
     first, last = np.minimum(one, two)[:, None], np.maximum(one, two)[:, None]
@@ -127,7 +124,6 @@ def _between_two_points(size: tuple[int, int], rng: RandomState) -> BoolArray:
 
 
 def _any_genes(size: tuple[int, int], rng: RandomState) -> BoolArray:
-    """Return a mask drawn for each gene."""
     return np.asarray(rng.randint(0, 2, size=size) == 1)
 
 

@@ -79,9 +79,10 @@ def for_measurements(model: LawModel, free: Collection[str], named: Collection[s
 
 def model_of(law: str, contact: Contact, source: str) -> LawModel:
     """Return the model of a law of the package."""
-    model = MODELS.get((law, contact)) or _without_parameters(law, contact)
-    if model is not None:
-        return model
+    if (law, contact) in MODELS:
+        return MODELS[law, contact]
+    if any(law == each.name in LAWS and contact in each.contacts for each in LAW_TYPES):
+        return LawModel(law, contact, (), lambda _: LAWS[law]())  # without constants to fit
     others = [place for name, place in MODELS if name == law]
     if others:
         raise InputError(
@@ -91,13 +92,6 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
     rule = "is not a law that can be fitted"
     remedy = f"choose {known}, or module:function for one of your own"
     raise InputError(source, "law", law, rule, remedy)
-
-
-def _without_parameters(law: str, contact: Contact) -> LawModel | None:
-    """Return the model of a law that has no constants to fit; None if there is no such law."""
-    if law not in LAWS or not any(k.name == law and contact in k.contacts for k in LAW_TYPES):
-        return None
-    return LawModel(law, contact, (), lambda _: LAWS[law]())
 
 
 def units_of(law: str, contact: Contact) -> dict[str, str]:

@@ -179,7 +179,6 @@ class Fit(ParameterSpace):
             return as_floats(difference * (root if self.is_log else root / self.sigma))
 
     def _predicted(self, law: ContactLaw | None) -> FloatArray:
-        """Return what one law predicts, shape (N,); NaN outside its domain."""
         data = self.data
         if law is None:
             return np.full(len(data), np.nan)
@@ -346,7 +345,6 @@ class Fit(ParameterSpace):
 
 
 def _norm(residuals: FloatArray) -> FloatArray:
-    """Return the root of the sum of squares of each row; inf if undefined."""
     with np.errstate(over="ignore", invalid="ignore"):
         values = np.sqrt((residuals**2).sum(axis=1))
     return np.where(np.isfinite(values), values, np.inf)

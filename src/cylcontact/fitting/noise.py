@@ -447,7 +447,6 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
 def _scaled(
     first: Mapping[str, float], names: tuple[str, ...], steps: FloatArray
 ) -> dict[str, float]:
-    """Return deviations by the logarithms of their ratios to the first guess."""
     return {name: first[name] * math.exp(step) for name, step in zip(names, steps, strict=True)}
 
 

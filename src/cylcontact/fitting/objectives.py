@@ -320,7 +320,6 @@ class RootMeanSquare(OnRows):
         return as_floats(weight[:, None] * (level[..., rows.index] + tilt[..., rows.index] * at))
 
     def _best_line(self, s: FloatArray, j: FloatArray) -> float:
-        """Return the least sum of squares of one K* and n on the samples of one clearance."""
         if np.ptp(s) == 0:
             return 0.0  # samples at one s are one point
         x, y = (j - j.mean(), s) if self.of_load else (s - s.mean(), j)

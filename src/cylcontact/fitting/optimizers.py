@@ -105,7 +105,6 @@ class EvaluationBudget:
         return residuals
 
     def _points(self, units: FloatArray) -> FloatArray:
-        """Return as many candidates as the budget allows, unscaled, and charge for them."""
         allowed = units[: self._budget - self.spent]
         self.spent += len(allowed)
         span = self._problem.high - self._problem.low
@@ -136,7 +135,6 @@ def _within_budget(
 def _differential_evolution(
     budget: EvaluationBudget, population: int, rng: np.random.Generator
 ) -> None:
-    """Search by scipy's differential evolution with populations of at least five."""
     from scipy import optimize
 
     shape = (max(5, population), budget.size)
@@ -209,7 +207,6 @@ def _cma_es(budget: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
 
 
 def _finite(values: FloatArray) -> FloatArray:
-    """Replace what is not finite by a huge number."""
     return np.where(np.isfinite(values), values, _WORST)
 
 

@@ -383,7 +383,6 @@ class Optimum:
         return best + float(share) * reach, False, lowest
 
     def _is_at_bound(self, coefficients: Coefficients) -> bool:
-        """Return whether a free parameter is at a bound, to the precision of a descent."""
         return any(
             min(coefficients[p.name] - p.low, p.high - coefficients[p.name])
             < _AT_BOUND * (p.high - p.low)

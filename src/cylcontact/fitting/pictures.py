@@ -122,14 +122,12 @@ def choice_drawing(name: str, optima: Mapping[str, Optimum], table: pd.DataFrame
 
 
 def _first_pair(optima: Mapping[str, Optimum]) -> tuple[Measurements, str, Indices]:
-    """Return the data of a choice, and the name and the rows of their first pair."""
     data = next(iter(optima.values())).fit.data
     names, index = data.groups("pair")
     return data, names[0], np.flatnonzero(index == 0)
 
 
 def _of_laws(optima: Mapping[str, Optimum]) -> dict[str, Curve]:
-    """Return the curves of the best laws for the first pair, of those that coincide only one."""
     data, _, rows = _first_pair(optima)
     loads, pair = data.load[rows], data.take(rows[:1]).pair
     at = np.geomspace(loads.min(), loads.max(), _POINTS)
@@ -143,7 +141,6 @@ def _of_laws(optima: Mapping[str, Optimum]) -> dict[str, Curve]:
 
 
 def _draw_differences(optima: Mapping[str, Optimum], axes: Axes) -> Axes:
-    """Draw the readings of the first pair and the other laws, less the best law."""
     (data, _, rows), curves, first = _first_pair(optima), _of_laws(optima), next(iter(optima))
     best, load = curves[first], data.load[rows]
     less = [
@@ -157,13 +154,11 @@ def _draw_differences(optima: Mapping[str, Optimum], axes: Axes) -> Axes:
 
 
 def _series(data: Measurements) -> list[str] | None:
-    """Return the series of each row: the groups, or the pairs if there are several."""
     names, index = data.groups("group" if "group" in data.data.labels else "pair")
     return [names[k] for k in index] if len(names) > 1 else None
 
 
 def _curves(optimum: Optimum, law: str, level: float) -> list[Curve]:
-    """Return the predicted curve of each pair in the data, over its loads."""
     data = optimum.fit.data
     names, index = data.groups("pair")
     curves = []

@@ -250,7 +250,6 @@ def _by_free(problem: ParameterSpace, points: FloatArray, slopes: FloatArray) ->
 
 
 def _has_formula(problem: ParameterSpace) -> bool:
-    """Return whether the law has a formula for its slopes, and the objective can use it."""
     return problem.model.smooth_form is not None and isinstance(problem.objective, _SLOPED)
 
 
@@ -273,7 +272,6 @@ def central_differences(
 def _descend_largest(
     problem: ParameterSpace, start: FloatArray, held: BoolArray, precision: float
 ) -> FloatArray:
-    """Minimise the largest magnitude of the residuals within the bounds."""
     free = ~held
 
     def residuals(points: FloatArray) -> FloatArray:

@@ -213,7 +213,6 @@ def _parsed(expression: str) -> ast.expr:
 
 
 def _value(node: ast.expr, values: Mapping[str, ArrayLike]) -> FloatArray:
-    """Return the value of a tree of arithmetic."""
     match node:
         case ast.Constant(value=int() | float() as number):
             return as_floats(number)

@@ -39,7 +39,7 @@ from cylcontact.fitting.records import (
     Uncertainty,
     same_basin,
 )
-from cylcontact.fitting.table_campaign import TableCampaign, campaign_of, require_increasing
+from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
 from cylcontact.fitting.words import (
     OBJECTIVE_UNITS,
     WIDTH,
@@ -311,7 +311,6 @@ class FitResult(Spec):
         )
 
     def _on_disagreement(self, poor: Sequence[str], how: str) -> list[str]:
-        """Warn if fewer than half of the runs reached the best objective."""
         (_, agreeing), *_ = self.basins()
         runs = len(self.runs)
         if 2 * agreeing >= runs:
@@ -324,7 +323,6 @@ class FitResult(Spec):
         ]
 
     def _on_runs(self) -> list[str]:
-        """Say how many runs agree with the best, and where the others ended."""
         (_, agreeing), *others = self.basins()
         sentences = [f"{agreeing} of {len(self.runs)} runs reached the best objective within 0.1 %"]
         if others:
@@ -439,7 +437,6 @@ class LawFit(FitResult):
         return columns, [*rows, ("max |Eq 9|, %", *largest, "", "", "")]
 
     def _on_published(self) -> str:
-        """Compare the objective of the published coefficients with the fitted one."""
         if self.published is None:
             return ""
         published, best = self.published.objective, self.objective.value
@@ -456,7 +453,6 @@ class LawFit(FitResult):
         )
 
     def _on_lower_bound(self) -> str:
-        """Give the distance to the best objective that any law of this form could reach."""
         if not self.bound:
             return ""
         return (
@@ -466,11 +462,9 @@ class LawFit(FitResult):
 
     @property
     def _poor(self) -> list[str]:
-        """The coefficients that the profiles show to be poorly identified."""
         return [name for name in self.profiles if self.identification(name) == "poorly"]
 
     def _on_identification(self) -> str:
-        """Name the coefficients that are poorly identified, if there are profiles."""
         if not self.profiles:
             return ""
         if not self._poor:
@@ -561,7 +555,6 @@ class DataFit(FitResult):
         if not np.isfinite(fit.value_of(self.coefficients)):
             rule = "leave the law undefined for some of the data"
             raise InputError(source, "coefficients", self.coefficients, rule, "redo the fit")
-        require_increasing(fit, self.coefficients)
         return Optimum.of(fit, self.coefficients)
 
     # --- tables -------------------------------------------------------------------------------
@@ -655,7 +648,6 @@ class DataFit(FitResult):
     def _in_units_of_the_table(
         self, table: pd.DataFrame, pair: CylinderPair
     ) -> dict[str, pd.Series[float]]:
-        """Return load, penetration and band in the units of the table, if these are others."""
         units, columns = self.optimum.fit.data.data.units, {}
         load = column_named(f"load_{units.get('load', '')}")
         if load is not None and load.unit != "N_per_mm" and not (load.is_total and not pair.length):
@@ -789,7 +781,6 @@ class DataFit(FitResult):
         return self.uncertainty.level
 
     def _of_uncertainty(self, name: str) -> float:
-        """Return a number of the uncertainty; raise `InputError` if it has none."""
         value = getattr(self.uncertainty, name)
         if value is None:
             rule = "is for fits to measurements, by least squares, of this version"
@@ -934,7 +925,6 @@ class DataFit(FitResult):
         return [sentence for sentence in sentences if sentence]
 
     def _on_published(self) -> str:
-        """Give the objective of the published coefficients."""
         if self.published is None:
             return ""
         return (
@@ -946,7 +936,6 @@ class DataFit(FitResult):
         return "\n\n".join([super().__str__(), *self._series_table()])
 
     def _series_table(self) -> list[str]:
-        """Return the table of the series, if there are several."""
         series = self.uncertainty.noise.series if self.uncertainty.noise else []
         if len(series) < 2:
             return []
@@ -963,7 +952,6 @@ class DataFit(FitResult):
         return [str(Table(("series", "readings", *(names[k][0] for k in shown)), rows))]
 
     def _table(self) -> tuple[tuple[str, ...], Rows]:
-        """Return the headings and the rows of the report's table."""
         published, level = self.published, f"{100 * self.level:g} % interval"
         rows: Rows = []
         # The free ones first: the others are the law's own constants.
@@ -1017,7 +1005,6 @@ def require_same_inputs(path: Path, campaign: CampaignBase) -> None:
 
 
 def _differences(before: Any, now: Any, key: str = "") -> list[str]:
-    """Return the differences between two settings, one text for each key."""
     if before == now:
         return []
     if isinstance(before, dict) and isinstance(now, dict):

@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
+from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.polish import minimise
-from cylcontact.fitting.problem import ParameterSpace
+from cylcontact.fitting.problem import Minimum, ParameterSpace
 from cylcontact.fitting.records import Published, RunRecord
 from cylcontact.fitting.specs import GeneticSpec
 from cylcontact.journal import Journal
@@ -28,7 +30,7 @@ class RunPlan:
     """The index, settings and seed of a run."""
 
     index: int
-    population: int
+    population: int | None
     generations: int
     crossover: str | None
     seed: int
@@ -79,7 +81,6 @@ def published_on(problem: ParameterSpace) -> Published | None:
 
 
 def _recorded(entry: Any, source: str) -> tuple[int, RunRecord]:
-    """Return the index and the record of a run in a journal."""
     record = parse_spec(RunRecord, entry, source)
     return record.index, record
 
@@ -117,22 +118,37 @@ def execute(problem: ParameterSpace, plan: RunPlan, source: str = "campaign") ->
     started = time.perf_counter()
     with threadpool_limits(limits=1):
         best = OPTIMIZERS[plan.optimizer].search(
-            problem, plan.population, plan.generations, plan.crossover, plan.seed
+            problem, plan.population or 0, plan.generations, plan.crossover, plan.seed
         )
         point, value = minimise(problem, best.point, plan.seed)
     if not np.isfinite(value):
         rule = f"run {plan.index} found no coefficients for which the law is defined"
         remedy = "narrow the parameters' bounds, or raise populations and generations"
         raise InputError(source, "genetic.populations", plan.population, rule, remedy)
+    return record_of(problem, plan, best, Minimum(point, value, best.evaluations), started)
+
+
+def descend_from(problem: Fit, start: FloatArray, index: int, seed: int) -> RunRecord:
+    """Descend from one start on one thread and return the record of the run."""
+    started, before = time.perf_counter(), Minimum(start, problem.value(start), 1)
+    with threadpool_limits(limits=1):  # matrices this small are slower on several threads
+        end = problem.minimise(start)
+    return record_of(problem, RunPlan(index, None, 0, None, seed), before, end, started)
+
+
+def record_of(
+    problem: ParameterSpace, plan: RunPlan, before: Minimum, end: Minimum, started: float
+) -> RunRecord:
+    """Return what is kept of a run: where it was before its last descent, and where it ended."""
     return RunRecord(
         index=plan.index,
         seed=plan.seed,
         population=plan.population,
         crossover=plan.crossover,
-        objective_before_polish=best.value,
-        coefficients_before_polish=problem.coefficients(best.point),
-        objective=value,
-        coefficients=problem.coefficients(point),
-        evaluations=best.evaluations,
+        objective_before_polish=before.value,
+        coefficients_before_polish=problem.coefficients(before.point),
+        objective=end.value,
+        coefficients=problem.coefficients(end.point),
+        evaluations=end.evaluations,
         seconds=round(time.perf_counter() - started, 3),
     )

@@ -205,7 +205,6 @@ class MeasuredSpec(Spec):
 def _require_known(
     key: str, name: str, kind: str, known: Collection[str], otherwise: str = ""
 ) -> None:
-    """Refuse a name that is not one of those known."""
     if name not in known:
         remedy = f"choose {', '.join(known)}{otherwise}"
         raise broken(key, name, f"is not a known {kind}", remedy)
@@ -232,34 +231,19 @@ def parameters_of(
             raise InputError(source, f"parameters.{name}", None, rule, remedy)
     ties = ties or {}
     require_valid(ties, tables, model.names, source)
-    parameters = tuple(
-        Parameter(default.name, tie=ties[default.name], shift=default.shift)
-        if default.name in ties
-        else _parameter(default, tables.get(default.name), source)
-        for default in model.parameters
-    )
+    parameters = []
+    for p in model.parameters:
+        if p.name in ties:
+            parameters.append(Parameter(p.name, tie=ties[p.name], shift=p.shift))
+        elif p.name in tables:
+            parameters.append(tables[p.name].applied_to(p))
+        elif p.fixed or math.isfinite(p.high - p.low):
+            parameters.append(p)
+        else:
+            rule = "is required: a law of your own has no default bounds"
+            remedy = "give low and high, or value with fixed = true"
+            raise InputError(source, f"parameters.{p.name}", None, rule, remedy)
     if not any(p.is_free for p in parameters):
         rule, remedy = "all are fixed or tied", "free at least one: give it low and high"
         raise InputError(source, "parameters", None, rule, remedy)
-    return parameters
-
-
-def _parameter(default: Parameter, table: ParameterSpec | None, source: str) -> Parameter:
-    """Return one parameter from its table in the campaign, or the default."""
-    if table is not None:
-        return table.applied_to(default)
-    if not default.fixed and not math.isfinite(default.high - default.low):
-        rule = "is required: a law of your own has no default bounds"
-        remedy = "give low and high, or value with fixed = true"
-        raise InputError(source, f"parameters.{default.name}", None, rule, remedy)
-    return default
-
-
-def require_complete(
-    tables: Mapping[str, ParameterSpec], parameters: tuple[Parameter, ...], source: str
-) -> None:
-    """Refuse the settings of a result that leave a parameter to the defaults."""
-    for parameter in parameters:
-        if parameter.name not in tables and parameter.tie is None:
-            known = f"the law has {', '.join(p.name for p in parameters)}"
-            raise InputError(source, f"parameters.{parameter.name}", None, "is required", known)
+    return tuple(parameters)

@@ -114,14 +114,12 @@ def _interval(low: float | None, high: float | None) -> str:
 
 
 def _resampled(bootstrap: Bootstrap, name: str) -> str:
-    """Return the bootstrap interval, or only the standard error after too few refits."""
     if name not in bootstrap.intervals:
         return f"error {bootstrap.standard_errors[name]:.3g}"
     return _interval(bootstrap.intervals[name].low, bootstrap.intervals[name].high)
 
 
 def _on_bootstrap(bootstrap: Bootstrap, level: str) -> str:
-    """Return a sentence on the bootstrap: the groups resampled, and if the refits suffice."""
     plural = {"rows": "rows", "dR": "clearances"}.get(bootstrap.over, f"{bootstrap.over}s")
     sentence = f"bootstrap: {bootstrap.replicates} refits to {bootstrap.groups} resampled {plural}"
     refits = bootstrap.replicates - bootstrap.undefined
@@ -139,7 +137,6 @@ def _on_bootstrap(bootstrap: Bootstrap, level: str) -> str:
 
 
 def _on_bands(bands: Sequence[Band], level: str) -> list[str]:
-    """Return the half-widths of the bands at both ends of each pair's range."""
     if not bands:
         return []
     rows = [
@@ -152,7 +149,6 @@ def _on_bands(bands: Sequence[Band], level: str) -> list[str]:
 
 
 def _half_widths(band: Band, k: int) -> tuple[str, str, str]:
-    """Return a point of a band and its half-widths there, in percent."""
     value = abs(band.value[k])  # a predicted reading may be 0 or below
     widths = (band.high[k] - band.low[k], band.new_high[k] - band.new_low[k])
     curve, new = (f"{50 * width / value:.2g}" if value > 0 else "-" for width in widths)
@@ -268,7 +264,6 @@ def _replicates(
 
 
 def _without(optimum: Optimum, over: str, number: int) -> LeftOut:
-    """Fit without one group, and evaluate the fit on it."""
     names, group = optimum.fit.data.groups(over)
     own = np.flatnonzero(group == number)
     rest = optimum.fit.take(np.flatnonzero(group != number))

@@ -36,7 +36,7 @@ from cylcontact.fitting.law_models import (
 )
 from cylcontact.fitting.measured import OBJECTIVES, STANDARDISED, Fit
 from cylcontact.fitting.noise import NoiseModel
-from cylcontact.fitting.specs import MeasuredSpec, completed, parameters_of, require_complete
+from cylcontact.fitting.specs import MeasuredSpec, completed, parameters_of
 from cylcontact.housing_spec import takes_housing
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.law import Coefficients, LawModel, Parameter
@@ -90,10 +90,13 @@ class TableCampaign(CampaignBase):
         where = f"{source}, settings.campaign", f"{source}, settings.measurements"
         spec = parse_spec(MeasuredSpec, settings["campaign"], where[0])
         data = parse_spec(MeasuredData, settings["measurements"], where[1])
-        model = _stored_model(spec, source)
-        campaign = _on_table(name, spec, measurements_of(data, where[1]), model, source)
-        require_complete(settings["campaign"].get("parameters", {}), campaign.parameters, source)
-        return campaign
+        if is_user_law(spec.law):
+            own = [key for key in spec.named if key not in RIG_NAMES]
+            named = tuple(Parameter(key, -math.inf, math.inf) for key in own)
+            model = named_user_model(UserFunction(spec.law, None), named, spec.contact)
+        else:
+            model = _package_model(spec.law, spec, source)
+        return _on_table(name, spec, measurements_of(data, where[1]), model, source)
 
     @property
     def plain(self) -> Fit:
@@ -138,14 +141,13 @@ class TableCampaign(CampaignBase):
                 return
             defined += inside
         row = int(np.argmin(defined))
-        others = ", and other rows at the rest" if defined[row] else ""
         tried = f"{len(points) - defined[row]} of {len(points)} sets of" if defined[row] else "all"
         raise InputError(
             f"{self.source}, {data.data.row_word} {data.line(row)}",
             "load, penetration, dR",
             [float(data.columns[name][row]) for name in ("load", "penetration", "dR")],
             f"lies outside the domain of {self.model.law} at {tried} coefficients tried within "
-            f"the bounds{others}",
+            "the bounds",
             "move the bounds, remove the row, or choose a law that reaches that far",
         )
 
@@ -297,14 +299,12 @@ def campaign_of(name: str, settings: dict[str, Any], source: str) -> Campaign | 
 
 
 def _law_model(law: str, spec: MeasuredSpec, folder: Path, source: str) -> LawModel:
-    """Return the model of a law of the package, or of a function of the user's own."""
     if is_user_law(law):
         return user_model(law, spec.contact, source, folder, Path.cwd())
     return _package_model(law, spec, source)
 
 
 def _package_model(law: str, spec: MeasuredSpec, source: str) -> LawModel:
-    """Return the model of a law of the package, in a known housing if it takes one."""
     if spec.housing is not None and (takes_housing(law) or law == spec.law):
         return housed_model(law, spec.contact, spec.housing.housing, source)
     return model_of(law, spec.contact, source)
@@ -358,7 +358,6 @@ def _freed(model: LawModel, spec: MeasuredSpec, measured: Measurements, source: 
 def _on_table(
     name: str, spec: MeasuredSpec, measured: Measurements, model: LawModel, source: str
 ) -> TableCampaign:
-    """Return the checked campaign, with defaults for what the spec leaves out."""
     model = with_rig(model, spec.named)
     rig = f"; the rig's: {', '.join(RIG_NAMES)}"
     parameters = parameters_of(model, spec.parameters, spec.ties, source, rig)
@@ -376,15 +375,6 @@ def _on_table(
     chosen = {"objective": objective, "noise": spec.noise if noise else None}
     complete = completed(spec, parameters).model_copy(update=chosen)
     return TableCampaign(name, complete, model, parameters, objective, source, measured, noise)
-
-
-def _stored_model(spec: MeasuredSpec, source: str) -> LawModel:
-    """Return the model of a result's law; a user's function is not imported."""
-    if not is_user_law(spec.law):
-        return _package_model(spec.law, spec, source)
-    own = [key for key in spec.named if key not in RIG_NAMES]
-    named = tuple(Parameter(key, -math.inf, math.inf) for key in own)
-    return named_user_model(UserFunction(spec.law, None), named, spec.contact)
 
 
 def _noise_of(

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from threadpoolctl import threadpool_limits
 
-from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measurements import Constants
 from cylcontact.fitting.diagnose import uncertainty_of
-from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.records import MaxDifference, ObjectiveValue, RunRecord, SampleCounts
+from cylcontact.fitting.records import MaxDifference, ObjectiveValue, SampleCounts
 from cylcontact.fitting.results import DataFit
-from cylcontact.fitting.runs import best_of, published_on, run_all, searches
+from cylcontact.fitting.runs import best_of, descend_from, published_on, run_all, searches
 from cylcontact.fitting.table_campaign import TableCampaign, require_increasing, table_of
 from cylcontact.journal import Journal
 from cylcontact.laws.law import ContactLaw
@@ -67,7 +63,7 @@ def fit_table(
     journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
     if spec.optimizer is None:
         starts = fit.starts(campaign.nominal, spec.starts, spec.seed)
-        calls = [call(_run_from, fit, start, k, spec.seed) for k, start in enumerate(starts)]
+        calls = [call(descend_from, fit, start, k, spec.seed) for k, start in enumerate(starts)]
     else:
         calls = searches(fit, spec.optimizer, spec.genetic, spec.seed, campaign.source)
     records = run_all(calls, jobs, progress, journal, resume)
@@ -99,26 +95,6 @@ def fit_table(
         provenance=provenance,
         uncertainty=uncertainty,
     ).with_optimum(optimum)
-
-
-def _run_from(fit: Fit, start: FloatArray, index: int, seed: int) -> RunRecord:
-    """Descend from one start and return the record of the run."""
-    began = time.perf_counter()
-    before = fit.value(start)
-    with threadpool_limits(limits=1):  # matrices this small are slower on several threads
-        point, value, evaluations = fit.minimise(start)
-    return RunRecord(
-        index=index,
-        seed=seed,
-        population=None,
-        crossover=None,
-        objective_before_polish=before,
-        coefficients_before_polish=fit.coefficients(start),
-        objective=value,
-        coefficients=fit.coefficients(point),
-        evaluations=evaluations,
-        seconds=round(time.perf_counter() - began, 3),
-    )
 
 
 def _largest_percent(campaign: TableCampaign, law: ContactLaw) -> float | None:

@@ -73,7 +73,6 @@ def _misfit(uncertainty: Uncertainty) -> str:
 
 
 def _on_misfit(uncertainty: Uncertainty) -> str:
-    """Warn of a law that is not near the readings at all."""
     how = _misfit(uncertainty)
     if not how:
         return ""
@@ -88,7 +87,6 @@ def _on_misfit(uncertainty: Uncertainty) -> str:
 
 
 def _on_stiffness(uncertainty: Uncertainty) -> list[str]:
-    """Warn of a stiffness that is not that of the pair as given."""
     sentences = []
     for name, estimate in uncertainty.estimates.items():
         ends = estimate.profile or estimate
@@ -130,7 +128,6 @@ def noise_verdicts(uncertainty: Uncertainty) -> list[str]:
 
 
 def _on_outliers(uncertainty: Uncertainty) -> str:
-    """Name the outliers, and what a fit without them gives."""
     if not uncertainty.outliers:
         return ""
     lines = ", ".join(
@@ -154,12 +151,10 @@ def _on_outliers(uncertainty: Uncertainty) -> str:
 
 
 def _is_exact(uncertainty: Uncertainty) -> bool:
-    """Return whether the residuals are round-off."""
     return not uncertainty.sigma_known and uncertainty.residual_sigma < ROUNDING
 
 
 def _on_noise(uncertainty: Uncertainty) -> str:
-    """Return sentences on the noise, and on its agreement with the given standard deviations."""
     sigma, unit = uncertainty.residual_sigma, uncertainty.residual_unit
     if _is_exact(uncertainty):
         return (
@@ -194,7 +189,6 @@ def _on_noise(uncertainty: Uncertainty) -> str:
 
 
 def _on_deviations(noise: FittedDeviations, level: float) -> str:
-    """Return a sentence on the deviations of a noise model."""
     in_mm = {"constant": "{} µm", "offset": "{} µm of offset", "drift": "{} µm of drift"}
     relative = {"proportional": "{} % of the penetration", "gain": "{} % of gain"}
     single: list[str] = []
@@ -225,7 +219,6 @@ def _on_deviations(noise: FittedDeviations, level: float) -> str:
 
 
 def _on_shape(uncertainty: Uncertainty) -> str:
-    """Return a sentence if neighbouring residuals are correlated, unlike those of noise."""
     p = uncertainty.runs_test_p
     if p is None or p > SURPRISING or _is_exact(uncertainty):
         return ""
@@ -236,7 +229,6 @@ def _on_shape(uncertainty: Uncertainty) -> str:
 
 
 def _on_lack_of_determination(uncertainty: Uncertainty) -> list[str]:
-    """Name the parameters that are not well or fairly determined."""
     together = uncertainty.only_together
     if len(together) == 1:
         return [
@@ -264,7 +256,6 @@ def _on_lack_of_determination(uncertainty: Uncertainty) -> list[str]:
 
 
 def _on_correlations(uncertainty: Uncertainty) -> list[str]:
-    """Name the pairs of strongly correlated parameters."""
     names = list(uncertainty.correlation)
     sentences = []
     for i, one in enumerate(names):
@@ -280,7 +271,6 @@ def _on_correlations(uncertainty: Uncertainty) -> list[str]:
 
 
 def _on_rows(uncertainty: Uncertainty) -> list[str]:
-    """Name duplicates, and the scale of a robust loss."""
     sentences = []
     if uncertainty.duplicates:
         groups = "; ".join(
