@@ -35,29 +35,14 @@ def test_best_known_objective_is_reached(results, name):
     assert result.bound < result.objective.value
 
 
-def test_external_optimum_is_the_one_known(results):
-    coefficients = results["external-E1000"].coefficients
-    assert coefficients == pytest.approx({"a": 0.391, "b": 1.049, "n": 1.0933}, abs=5e-4)
-
-
-def test_holding_b_at_its_published_value_costs_about_five_percent(results):
+def test_external_optimum_and_the_profile_of_b_are_the_ones_known(results):
     result = results["external-E1000"]
-    assert result.profiles["b"].objective_at_published == pytest.approx(0.0577, abs=5e-5)
-    rise = result.profiles["b"].objective_at_published / result.objective.value
-    assert rise == pytest.approx(1.05, abs=0.01)
-
-
-@pytest.mark.parametrize(("b", "objective"), [(0.4, 0.084), (2.0, 0.089)])
-def test_profile_of_b_has_the_known_values(results, b, objective):
-    profile = results["external-E1000"].profiles["b"]
-    assert np.interp(b, profile.values, profile.objective) == pytest.approx(objective, abs=5e-4)
-
-
-@pytest.mark.parametrize("name", BEST)
-def test_no_profile_dips_below_the_optimum(results, name):
-    result = results[name]
-    for profile in result.profiles.values():
-        assert min(profile.objective) >= result.objective.value * (1 - 1e-3)
+    assert result.coefficients == pytest.approx({"a": 0.391, "b": 1.049, "n": 1.0933}, abs=5e-4)
+    profile = result.profiles["b"]
+    at = np.interp([0.4, 2.0], profile.values, profile.objective)
+    assert at == pytest.approx([0.084, 0.089], abs=5e-4)
+    # Holding b at its published value costs about five percent.
+    assert profile.objective_at_published == pytest.approx(0.0577, abs=5e-5)
 
 
 @pytest.mark.parametrize("name", BEST)

@@ -47,16 +47,6 @@ def test_published_coefficients_lie_within_the_bounds_of_every_search(path):
 # --- what is read -----------------------------------------------------------------------------
 
 
-def test_what_may_be_left_out_has_a_default(tmp_path):
-    left_out = dict.fromkeys(("objective", "seed", "genetic"), DROP)
-    spec = read_campaign(write_bench(tmp_path, left_out)).spec
-    assert (spec.objective, spec.seed) == (OBJECTIVES[0], 20150101)
-    assert (spec.genetic.runs, spec.genetic.populations, spec.genetic.generations) == (
-        *(16, (60, 120)),
-        300,
-    )
-
-
 def test_a_fixed_parameter_keeps_its_value_within_its_bounds(tmp_path):
     held = {"value": 1.1, "fixed": True}
     for table in (held, {**held, "low": 1.0, "high": 1.1}):

@@ -159,20 +159,8 @@ def test_commands_predict_and_design(tmp_path, run):
     frame = readings(3, 1, 25).drop(columns="group")
     frame["load_N"] = 20 * frame.pop("load_N_per_mm")
     frame.to_csv(tmp_path / "t.csv", index=False)
-    pair = ("--contact", "internal", "--E", "207 GPa", "--nu", 0.3)
-    pair = (
-        *pair,
-        "--Ri",
-        10,
-        "--Rj",
-        9.97,
-        "--length",
-        20,
-        "--law",
-        "explicit",
-        "--noise",
-        "constant",
-    )
+    pair = ("--contact", "internal", "--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--Rj", 9.97)
+    pair = (*pair, "--length", 20, "--law", "explicit", "--noise", "constant")
     assert run("fit", tmp_path / "t.csv", *pair, "-o", tmp_path / "fit")[0] == 0
     code, said, errors = run(
         "predict", tmp_path / "fit/result.json", "--load", "4500 N", "--load", "90 kN"

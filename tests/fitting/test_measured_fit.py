@@ -180,22 +180,6 @@ def test_a_held_constant_is_freed_with_its_default_bounds(tmp_path):
     assert free["c"] == (default.low, default.high)
 
 
-# --- laws -------------------------------------------------------------------------------------
-
-
-def test_a_scaled_law_answers_consistently(pair):
-    law = ScaledLaw(laws.Johnson(), load_factor=2.0, penetration_factor=3.0)
-    delta = law.penetration(150.0, pair)
-    assert law.load(delta, pair) == pytest.approx(150.0)
-    step = 1e-7
-    slope = (law.load(delta + step, pair) - law.load(delta - step, pair)) / (2 * step)
-    assert law.stiffness(delta, pair) == pytest.approx(slope, rel=1e-6)
-    assert law.load(law.max_penetration(pair), pair) == pytest.approx(law.max_load(pair))
-    assert law.name == "johnson"
-    with pytest.raises(InputError, match="load_factor = 0"):
-        ScaledLaw(laws.Johnson(), load_factor=0)
-
-
 # --- a law of the user's own ------------------------------------------------------------------
 
 
@@ -241,15 +225,6 @@ def test_nothing_is_imported_because_a_result_names_it(tmp_path):
 @pytest.fixture(scope="module")
 def example():
     return fit_table(read_campaign(EXAMPLE))
-
-
-def test_the_shipped_example_is_what_its_script_writes():
-    import runpy
-
-    script = ROOT / "datasets/examples/make_pin_in_hole.py"
-    text = runpy.run_path(str(script))["table"]()
-    assert text == (ROOT / "datasets/examples/pin-in-hole.csv").read_text(encoding="utf-8")
-    assert text.startswith("# SYNTHETIC, derived")
 
 
 def test_the_shipped_example_finds_the_law_it_was_made_of(example):
@@ -392,26 +367,11 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     assert rows["residual_mm"].to_numpy() == pytest.approx(expected, rel=1e-5, abs=1e-9)
 
 
-def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
-    table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
-    fit = ("fit", table, *JOHNSON, "--Ri", 10, "--runs", 1, "-j", 1)
-    names = ("PEEK", "low-carbon steel")
-    for number, options in enumerate((("--pin", "--hole"), ("--material-j", "--material-i"))):
-        named = [word for pair in zip(options, names, strict=True) for word in pair]
-        assert run(*fit, *named, "-o", tmp_path / f"{number}.json")[0] == 0
-    one, other = (FitResult.read(tmp_path / f"{number}.json") for number in range(2))
-    assert one.coefficients == other.coefficients
-    constants = one.settings["campaign"]["constants"]
-    assert (constants["material_i"], constants["material_j"]) == ("low-carbon steel", "PEEK")
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("--contact", "internal"), "--law: is required for a table"),
-        (("--law", "johnson"), "--contact: is required for a table"),
         ((*JOHNSON, "--bound", "c=1"), "--bound = 'c=1': is not valid"),
-        ((*JOHNSON, "--fix", "=1"), "--fix = '=1': is not valid"),
         ((*JOHNSON, "--fix", "c=1", "--bound", "c=1:2"), "c is given twice"),
         (
             (*JOHNSON, "--pin", "PEEK", "--hole", "bronze", "--material-j", "PTFE"),
@@ -422,10 +382,6 @@ def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
             "--contact = 'external': has no pin and no hole; leave out --pin; rollers have",
         ),
         ((*JOHNSON, "--E", "207"), "--E = '207': a bare number is in MPa; did you mean"),
-        (
-            (*JOHNSON, "--bound", "c=2:1", "--E", "2e5", "--nu", ".3"),
-            "parameters.c.low = 2.0: must be below high",
-        ),
     ],
 )
 def test_a_bad_command_line_is_told_and_leaves_nothing(tmp_path, run, arguments, message):
@@ -442,16 +398,6 @@ def test_options_for_tables_are_refused_beside_a_campaign(run):
         code, _, errors = run("fit", EXAMPLE, option, value)
         assert code == 2
         assert f"toml: {option}: is an option for tables of measurements" in errors
-
-
-def test_what_cannot_be_exported_says_so(tmp_path, run):
-    own = user_campaign(tmp_path)
-    for campaign, rule in (
-        (own, "is a Python function of your own"),
-        (measured_campaign(tmp_path, "persson", starts=1), "has no closed form to write"),
-    ):
-        fit_table(campaign).save(tmp_path / "r.json")
-        assert rule in run("export", tmp_path / "r.json", "--to", "c")[2]
 
 
 # --- the rig ----------------------------------------------------------------------------------
@@ -516,38 +462,23 @@ def test_the_rig_is_not_exported(tmp_path, run):
     assert f == pytest.approx(float(law.load(1e-3, pair)), rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("offset", "compliance"), [(0.0, 0.0), (1e-3, 0.0), (-1e-4, 3e-6), (1e-4, -2e-6)]
-)
-def test_a_mounted_law_answers_consistently(pair, offset, compliance):
-    law = RigCompliance(laws.Johnson(), offset, compliance)
+@pytest.mark.parametrize("compliance", [0.0, 3e-6, -2e-6])
+def test_a_mounted_and_scaled_law_answers_consistently(pair, compliance):
+    law = RigCompliance(ScaledLaw(laws.Johnson(), load_factor=2.0), 1e-4, compliance)
     loads = np.array([1.0, 50.0, 400.0])
     seen = law.penetration(loads, pair)
-    assert seen == pytest.approx(
-        laws.Johnson().penetration(loads, pair) + compliance * loads + offset, rel=1e-14
-    )
+    expected = laws.Johnson().penetration(loads / 2, pair) + compliance * loads + 1e-4
+    assert seen == pytest.approx(expected, rel=1e-14)
     assert law.load(seen, pair) == pytest.approx(loads, rel=1e-9)
     step = 1e-7
     slope = (law.load(seen + step, pair) - law.load(seen - step, pair)) / (2 * step)
     assert law.stiffness(seen, pair) == pytest.approx(slope, rel=1e-4)
-    assert law.load(offset - 1e-6, pair) == law.stiffness(offset - 1e-6, pair) == 0
-    assert np.isnan(law.load(2 * law.max_penetration(pair) + 1, pair))
-    assert law.load(law.max_penetration(pair) * (1 - 1e-9), pair) == pytest.approx(
-        law.max_load(pair), rel=1e-3
-    )
-    assert np.isinf(RigCompliance(laws.Liu(), offset, compliance).max_penetration(pair))
-
-
-def test_a_negative_compliance_ends_where_the_reading_would_fall_with_the_load(pair):
-    law = RigCompliance(laws.Persson(), compliance=-6e-6)
-    largest = law.max_load(pair)
-    inside = largest * np.linspace(0.01, 0.999, 200)
-    reading = law.penetration(inside, pair)
-    assert (np.diff(reading) > 0).all()
-    assert law.load(reading, pair) == pytest.approx(inside, rel=1e-9)
-    assert law.max_penetration(pair) == pytest.approx(reading[-1], rel=1e-3)
-    assert np.isnan(law.penetration(1.001 * largest, pair))
-    assert np.isnan(law.load(1.001 * law.max_penetration(pair), pair))
+    assert law.load(9e-5, pair) == law.stiffness(9e-5, pair) == 0
+    # Where the law ends, or the reading would fall with the load.
+    end = law.max_penetration(pair)
+    assert law.load(end * (1 - 1e-9), pair) == pytest.approx(law.max_load(pair), rel=1e-3)
+    assert np.isnan(law.penetration(1.001 * law.max_load(pair), pair))
+    assert np.isnan(law.load(1.001 * end, pair))
 
 
 @pytest.mark.parametrize("noise", [None, "constant", "both"])
@@ -567,37 +498,25 @@ def test_a_reading_of_0_is_fitted_and_drawn(noise):
 
 # --- loads above first yield --------------------------------------------------------------------
 
-YIELDING = """dR_um,load_N_per_mm,penetration_um
-50,100,1.6
-50,1000,13
-50,9000,110
-50,12000,140
-"""
+YIELDING = {"load_N_per_mm": [100, 1000, 9000, 12000], "penetration_um": [1.6, 13, 110, 140]}
 
 
 @pytest.mark.parametrize(
     ("words", "count"),
     [
         (("--material", "high-strength steel"), 0),
-        (("--material", "low-carbon steel"), 2),
         (("--pin", "high-strength steel", "--hole", "low-carbon steel"), 2),
         (("--E", "200000", "--nu", "0.3"), 0),  # of unknown strength
     ],
 )
 def test_loads_above_first_yield_are_told(run, tmp_path, words, count):
-    (tmp_path / "t.csv").write_text(YIELDING)
+    table = write_table(tmp_path / "t.csv", YIELDING | {"dR_um": [50] * 4})
     options = ("--law", "power-one-pair", "--contact", "internal", "--Ri", "10", "-j", "1")
-    code, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "r.json")
+    code, said, _ = run("fit", table, *options, *words, "-o", tmp_path / "r.json")
     assert code == 0
-    note = f"{count} of 4 loads are above first yield by von Mises"
-    assert (note in said) == (count > 0)
-    assert said.count("first yield") == (count > 0)
+    assert (f"{count} of 4 loads are above first yield by von Mises" in said) == (count > 0)
     # A pulled eye yields far below an infinite plate.
-    if count == 2:
+    if count:
         eye = (*options, "--R-o", 15, "--clamp", "far:60", "--law", "conformal")
-        _, said, _ = run("fit", tmp_path / "t.csv", *eye, *words, "-o", tmp_path / "e.json")
-        assert "3 of 4 loads are above first yield" in said
-    # Without a radius there is no telling.
-    options = tuple(word for word in options if word not in ("--Ri", "10"))
-    _, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "s.json")
-    assert "first yield" not in said
+        said = run("fit", table, *eye, *words, "-o", tmp_path / "e.json")[1]
+    assert ("3 of 4 loads are above first yield" in said) == (count > 0)

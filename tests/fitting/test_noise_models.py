@@ -8,7 +8,6 @@ from scipy.optimize import minimize
 
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
-from cylcontact.fitting.diagnose import findings_of
 from cylcontact.fitting.noise import (
     Covariance,
     Degrees,
@@ -17,14 +16,13 @@ from cylcontact.fitting.noise import (
     NoiseModel,
     estimate,
 )
-from cylcontact.fitting.study import leave_one_out, study_noise
+from cylcontact.fitting.study import study_noise
 from tests.support.measured_files import CONSTANTS, STEEL
-from tests.support.noisy_series import LAW, PAIR, campaign_of, readings, refitted
+from tests.support.noisy_series import LAW, PAIR, readings
 from tests.support.programs import require_package
 
 # With the stiffness held, a reading is linear in what is left.
 LINEAR = {"fixed": {"stiffness_factor": 1.0}, "free": ["compliance"], "starts": 3}
-BOUNDED = {"fixed": LINEAR["fixed"], "bounds": {"compliance": (0.0, 1e-3)}, "starts": 3}
 
 
 def likelihood_of(result):
@@ -285,54 +283,7 @@ def test_the_effects_of_the_series_solve_hendersons_equations():
     assert effects.ravel() == pytest.approx(solution[2:], rel=1e-9)
 
 
-def test_estimated_deviations_minimise_the_restricted_likelihood():
-    covariance, _, X = likelihood_and_design(7)
-    rng = np.random.default_rng(3)
-    V, _, _ = dense(covariance, DEVIATIONS)
-    y = np.linalg.cholesky(V) @ rng.normal(size=42)
-    likelihood = Likelihood(covariance, y, X)
-    best = estimate(likelihood)
-    names = [name for name in best if best[name] > 0]
-
-    def value(logarithms):
-        moved = {**best, **dict(zip(names, np.exp(logarithms), strict=True))}
-        return restricted(X, y, dense(covariance, moved)[0])
-
-    start = np.log([DEVIATIONS[name] for name in names])
-    options = {"fatol": 1e-10, "xatol": 1e-7, "maxiter": 4000, "maxfev": 4000}
-    found = minimize(value, start, method="Nelder-Mead", options=options)
-    assert [best[name] for name in names] == pytest.approx(np.exp(found.x), rel=1e-3)
-    # A deviation at zero cannot be made better by a little of it.
-    at_best = likelihood(best)
-    assert all(likelihood({**best, name: 0.02}) >= at_best for name in best if name not in names)
-
-
 # --- limits -----------------------------------------------------------------------------------
-
-
-def test_constant_scatter_alone_is_plain_least_squares():
-    frame = readings(11, 1, 20)
-    only = {"ignore": ["group"], "starts": 3}
-    plain = cc.fit(frame, "explicit", PAIR, objective="rms-penetration", **only)
-    # Errors of the load that are too small to matter make it a noise model.
-    model = cc.fit(frame, "explicit", PAIR, noise="constant", load_error=1e-9, **only)
-    r = 1e-3 * frame["penetration_um"] - plain.residuals["fitted_mm"]
-    sigma = float(np.sqrt((r**2).sum() / 18))
-    assert plain.uncertainty.residual_sigma == pytest.approx(sigma, rel=1e-9)
-    noise = model.uncertainty.noise
-    assert noise.deviations == {"constant": pytest.approx(sigma, rel=1e-6)}
-    for name, expected in plain.uncertainty.estimates.items():
-        actual = model.uncertainty.estimates[name]
-        assert actual.degrees_of_freedom == pytest.approx(18, rel=1e-3)
-        assert actual.value == pytest.approx(expected.value, rel=1e-7)
-        for key in ("standard_error", "low", "high"):
-            assert getattr(actual, key) == pytest.approx(getattr(expected, key), rel=1e-4)
-        assert actual.profile.low == pytest.approx(expected.profile.low, rel=1e-4)
-        assert actual.profile.high == pytest.approx(expected.profile.high, rel=1e-4)
-    assert model.uncertainty.log_likelihood < plain.uncertainty.log_likelihood
-    assert model.uncertainty.log_likelihood == pytest.approx(
-        plain.uncertainty.log_likelihood, abs=0.1
-    )
 
 
 def test_a_balanced_layout_has_the_error_and_the_degrees_of_an_analysis_of_variance():
@@ -485,10 +436,6 @@ FINDINGS = {
         *(of_pairs, {"ignore": ["pin"], **PAIRS}, "pairs", "--group COLUMN"),
         {"group": "pin", "ignore": []},
     ),
-    "a drift": (
-        *(lambda: readings(7, 1, 40, drift=4e-4, shuffled=True), {"ignore": ["group"]}),
-        *("drift", "--drift", {"drift": True}),
-    ),
     "drifts": (
         *(lambda: readings(7, 8, 12, drift=4e-4, shuffled=True), {"group": "group"}),
         *("drift", "--drift", {"drift": True}),
@@ -502,10 +449,6 @@ FINDINGS = {
     ),
     "relative scatter that falls": (
         *(lambda: ungrouped(readings(3, 4)), {"noise": None}),
-        *("spread", "--noise both", {"noise": "both"}),
-    ),
-    "more than assumed": (
-        *(lambda: ungrouped(readings(3, 4)), {"noise": "proportional"}),
         *("spread", "--noise both", {"noise": "both"}),
     ),
     "branches": (
@@ -542,28 +485,6 @@ def test_echoes_of_a_finding_are_left_out():
 def test_a_drift_along_one_sweep_cannot_be_told_from_the_law():
     assert "drift" not in found(ungrouped(readings(7, 1, 40, drift=4e-4)))
     assert "drift" not in found(by_load())  # nor where no time is given
-
-
-CLEAN = {
-    "one series": (40, {"series": 1, "rows": 40}, {"ignore": ["group"]}),
-    "alike": (40, {}, {}),
-    "in random order": (40, {"shuffled": True}, {}),
-    "relative scatter": (40, {"constant": 0.0, "proportional": 0.01, "zero": 0.0}, {"noise": None}),
-    "random effects": (8, {"offset": 1e-4, "gain": 0.03}, {"group": "group"}),
-    "fixed effects": (20, {"series": 3, "offset": 1e-4, "gain": 0.03}, {"group": "group"}),
-}
-
-
-@pytest.mark.parametrize("name", CLEAN)
-@pytest.mark.slow
-def test_noise_as_assumed_is_found_no_more_often_than_by_chance(name):
-    number, simulated, settings = CLEAN[name]
-    settings = {"noise": "constant"} | settings
-    campaign = campaign_of(readings(0, **simulated), "explicit", PAIR, **settings)
-    sets = [
-        findings_of(refitted(campaign, readings(100 + seed, **simulated))) for seed in range(number)
-    ]
-    assert sum(map(bool, sets)) <= 0.05 * number
 
 
 # --- conflicts --------------------------------------------------------------------------------
@@ -627,33 +548,3 @@ def test_series_are_resampled_and_left_out_whole(series):
     errors = {name: e.standard_error for name, e in result.uncertainty.estimates.items()}
     assert study.bootstrap.standard_errors == pytest.approx(errors, rel=0.5)
     assert [left.rows for left in study.left_out] == [8] * 6
-
-
-def test_a_series_left_out_is_judged_with_the_effects_of_a_random_one():
-    # Of five series four remain, which would be too few to estimate a deviation.
-    frame = readings(32, 5, 8, offset=2e-4, gain=0.03)
-    result = cc.fit(frame, "explicit", PAIR, group="group", noise="constant", starts=2)
-    problem = result.optimum.fit
-    deviations = {"proportional": 0.0, "drift": 0.0, **result.uncertainty.noise.deviations}
-    for left, rows in zip(
-        leave_one_out(result.optimum, "group"), np.arange(40).reshape(5, 8), strict=True
-    ):
-        V, _, _ = dense(problem.noise.covariance.take(rows, np.zeros(8, int)), deviations)
-        law = problem.model.build(left.coefficients)
-        r = law.penetration(frame["load_N_per_mm"][rows].to_numpy(), PAIR)
-        r = r - 1e-3 * frame["penetration_um"][rows].to_numpy()
-        assert left.own_rms == pytest.approx(np.sqrt(r @ np.linalg.solve(V, r) / 8), rel=1e-6)
-
-
-# --- what a result does not depend on ---------------------------------------------------------
-
-
-def test_a_coefficient_at_its_bound_has_an_error(series):
-    frame, _ = series
-    # A rig stiffer than none at all: its compliance ends at the least that is allowed, 0.
-    frame = frame.assign(penetration_um=frame["penetration_um"] - 2e-4 * frame["load_N_per_mm"])
-    result = cc.fit(frame, "explicit", PAIR, group="group", noise="constant", **BOUNDED)
-    estimates = result.uncertainty.estimates
-    assert result.uncertainty.only_together == []
-    assert estimates["compliance"].verdict == "at a bound"
-    assert estimates["compliance"].standard_error > 0

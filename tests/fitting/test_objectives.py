@@ -92,13 +92,6 @@ def test_squared_residuals_add_up_to_the_objective(name):
     assert total == pytest.approx(objective.values(form)[0], rel=1e-12)
 
 
-def test_residuals_of_moments_leave_exactly_the_bound_out():
-    model, objective = MODELS["enhanced", "internal"], make("rms-log-penetration", "internal")
-    form = form_of(model, np.array(CANDIDATES["internal"][:1]), objective.dR)
-    squares = (objective.residuals(form) ** 2).sum() + objective.bound**2
-    assert np.sqrt(squares) == pytest.approx(objective.values(form)[0], rel=1e-12)
-
-
 @pytest.mark.parametrize("name", OBJECTIVES)
 def test_bound_is_reached_by_a_direct_search_at_each_clearance(name):
     """Nelder-Mead on ln K* and n, one clearance at a time, arrives at the same bound."""

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.optimize import least_squares
 
 from cylcontact.fitting import calibrate, polish, read_campaign
 from cylcontact.fitting.calibration import problem_of
@@ -64,17 +63,8 @@ def test_too_few_runs_at_the_best_are_a_warning_above_the_table(monkeypatch):
     result = calibrate(campaign)
     agreeing = at_best(np.array([run.objective for run in result.runs]), result.objective.value)
     assert agreeing < 3
-    said = (
-        f"only {agreeing} of 6 runs reached the best objective within 0.1 %, so a lower one may "
-        "have been missed: make more runs (--runs 24), or hold a coefficient at a value (fixed = "
-        "true in the campaign)"
-    )
-    assert result.verdicts[0] == said
-    above, below = str(result).split("\n\n", 1)
-    assert f"! {said}" in " ".join(above.split())
-    assert "- only" not in below
-    assert f"{said}</p><table>" in result._repr_html_()
-    assert f"<li>{said}" not in result._repr_html_()
+    assert f"only {agreeing} of 6 runs reached the best objective" in result.verdicts[0]
+    assert result.warnings == result.verdicts[:1]
 
 
 # --- the descents ------------------------------------------------------------------------------
@@ -95,25 +85,6 @@ def test_slopes_by_formula_are_differences_of_the_residuals(few_points):
     low, high = few_points.low, few_points.high
     differences = polish.central_differences(few_points.residuals, low, high, points)
     assert slopes == pytest.approx(differences, rel=1e-6, abs=1e-7)
-
-
-def test_descents_end_where_least_squares_of_scipy_does(few_points):
-    """From the same starts; where both are in one basin, they agree to 1e-9."""
-    begun = starts(few_points, 12)
-    _, values = polish.descend(few_points, begun, 1e-14)
-    theirs = []
-    for start in begun:
-        solution = least_squares(
-            lambda point: few_points.finite_residuals(point[None, :])[0],
-            start,
-            bounds=(few_points.low, few_points.high),
-            x_scale=few_points.high - few_points.low,
-            **dict.fromkeys(("ftol", "xtol", "gtol"), 1e-14),
-        )
-        theirs.append(few_points.value(solution.x))
-    away = np.abs(values / np.array(theirs) - 1)
-    assert np.count_nonzero(away < 1e-9) >= 4
-    assert not np.any((away > 1e-9) & (away < 1e-6))
 
 
 def test_an_end_does_not_depend_on_the_others_of_its_batch(few_points):

@@ -34,20 +34,6 @@ def test_every_committed_result_loads_and_saves_as_it_is(path, tmp_path):
     assert (tmp_path / path.name).read_bytes() == path.read_bytes()
 
 
-def test_repeatable_leaves_out_times_and_provenance_only(small_result):
-    data, left = small_result.model_dump(), small_result.repeatable()
-    assert set(data) - set(left) == {"provenance"}
-    assert set(data["runs"][0]) - set(left["runs"][0]) == {"seconds"}
-    other = small_result.model_copy(
-        update={
-            "provenance": {},
-            "runs": [run.model_copy(update={"seconds": 99.0}) for run in small_result.runs],
-        }
-    )
-    assert other.repeatable() == left
-    assert other != small_result
-
-
 def test_a_result_says_what_it_was_made_with(small_result, small_campaign):
     made_with = small_result.provenance
     assert {"cylcontact", "git_commit", "spec_hashes", "python", "libraries"} == set(made_with)
@@ -56,25 +42,20 @@ def test_a_result_says_what_it_was_made_with(small_result, small_campaign):
     assert small_result.settings == small_campaign.settings
 
 
-def git(folder, *arguments):
-    identity = ["-c", "user.name=n", "-c", "user.email=e", "-c", "commit.gpgsign=false"]
-    command = ["git", *identity, *arguments]
-    return subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
-
-
 @pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 def test_the_commit_is_that_of_the_campaign_and_marked_when_changed(tmp_path):
+    def git(*arguments):
+        identity = ["-c", "user.name=n", "-c", "user.email=e", "-c", "commit.gpgsign=false"]
+        command = ["git", *identity, *arguments]
+        options = {"cwd": tmp_path, "check": True, "capture_output": True, "text": True}
+        return subprocess.run(command, **options).stdout.strip()
+
     campaign = read_campaign(write_bench(tmp_path))
-    git(tmp_path, "init", "--quiet")
-    git(tmp_path, "add", ".")
-    git(tmp_path, "commit", "--quiet", "--message", "all")
-    commit = git(tmp_path, "rev-parse", "HEAD").strip()
+    git("init", "--quiet")
+    git("add", ".")
+    git("commit", "--quiet", "--message", "all")
+    commit = git("rev-parse", "HEAD")
     assert campaign.provenance["git_commit"] == commit
-    result = tmp_path / "fitting/results/small.json"
-    result.parent.mkdir()
-    result.write_text("{}")
-    git(tmp_path, "add", ".")
-    assert campaign.provenance["git_commit"] == commit  # results are what is made
     write_bench(tmp_path, {"seed": 8})
     assert campaign.provenance["git_commit"] == f"{commit}-dirty"
 
@@ -117,14 +98,6 @@ def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     with pytest.raises(InputError) as caught:
         FitResult.read(path)
     assert_told(caught, f"{path}{where}", key, value, rule, remedy)
-
-
-def test_a_profile_of_no_coefficient_is_refused(tmp_path):
-    data = json.loads(EXTERNAL.read_text("utf-8"))
-    data["profiles"]["m"] = data["profiles"]["a"]
-    (tmp_path / "r.json").write_text(json.dumps(data))
-    with pytest.raises(InputError, match="profiles: must be those of coefficients"):
-        FitResult.read(tmp_path / "r.json")
 
 
 def test_a_foreign_table_is_refused_by_its_first_unknown_key(tmp_path):

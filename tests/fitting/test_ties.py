@@ -4,12 +4,13 @@ import ast
 import pickle
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cylcontact import InputError
-from cylcontact.fitting import FitResult, calibrate, fit_table, read_campaign
+from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact.fitting import FitResult, calibrate, fit, read_campaign
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.problem import evaluate, require_valid
 from cylcontact.progress import silent
@@ -68,6 +69,10 @@ def test_arithmetic_without_a_value_is_not_a_number_or_infinite(expression):
 
 
 NO_ARITHMETIC = (
+    *("", "a +", "exp(a)", "a.real", "a[0]", "a < b", "not a", "a // 2", "'a'", "True", "1e999"),
+    *("(a := 2)", "a; b", "a\0", "1or 2", "__import__('os').getcwd()", "9" * 5000),
+)
+ARITHMETIC = (
     *("", "a +", "a b", "exp(a)", "a.real", "a[0]", "[a]", "a if a else b", "a < b", "a and b"),
     *("not a", "~1", "a // 2", "a % 2", "a @ b", "'a'", "True", "None", "1j", "1e999", "lambda: 1"),
     *("(a := 2)", "a; b", "a\nb", "a\0", "1or 2", "__import__('os').getcwd()", "().__class__"),
@@ -108,35 +113,19 @@ def test_a_tied_parameter_follows_the_others(tmp_path):
 
 def test_a_fit_keeps_its_ties_and_says_so(tmp_path):
     result = calibrate(read_campaign(write_bench(tmp_path, TIED)))
-    assert result.coefficients["K_star"] == 2 * result.coefficients["n"]
     assert all(run.coefficients["K_star"] == 2 * run.coefficients["n"] for run in result.runs)
     assert set(result.profiles) == {"n"}
     result.save(tmp_path / "result.json")
     again = FitResult.read(tmp_path / "result.json")
     assert again == result
-    assert again.settings["campaign"]["ties"] == {"K_star": "2*n"}
-    (line,) = (line for line in str(again).splitlines() if line.startswith("K_star"))
-    assert line.endswith("= 2*n")
+    assert again.identification("K_star") == "= 2*n"
 
 
-def test_a_tie_that_has_no_value_leaves_the_law_undefined(tmp_path):
-    broken = TIED | {"ties": {"K_star": "n/(n - n)"}}
-    with pytest.raises(InputError, match="within these bounds the law is undefined"):
-        problem_of(read_campaign(write_bench(tmp_path, broken)), 1, silent)
-
-
-def test_a_law_fitted_to_measurements_may_have_ties(tmp_path):
-    rows = [(dR, f) for dR in (0.05, 0.5) for f in (10.0, 30.0, 100.0, 300.0)]
-    n = 1.1
-    lines = [f"{f},{(f * dR / (2 * n * 1e5)) ** (1 / n)!r},{dR}" for dR, f in rows]
-    text = "load_N_per_mm,penetration_mm,dR_mm\n" + "\n".join(lines) + "\n"
-    (tmp_path / "table.csv").write_text(text)
-    (tmp_path / "campaign.toml").write_text(
-        'data = "table.csv"\ncontact = "internal"\nlaw = "power"\n'
-        '[constants]\nE_GPa = 182.0\nnu = 0.3\n[ties]\nK_star = "2*n"\n'
-    )
-    result = fit_table(read_campaign(tmp_path / "campaign.toml"))
+def test_a_law_fitted_to_measurements_may_have_ties():
+    load = np.geomspace(10.0, 300.0, 8)
+    pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
+    depth = laws.PowerLaw(n=1.1, K_star=2.2).penetration(load, pair)
+    data = pd.DataFrame({"load_N_per_mm": load, "penetration_mm": depth})
+    result = fit(data, "power", pair, ties={"K_star": "2*n"})
     assert result.coefficients == pytest.approx({"K_star": 2.2, "n": 1.1}, rel=1e-9)
     assert list(result.uncertainty.estimates) == ["n"]
-    result.save(tmp_path / "result.json")
-    assert FitResult.read(tmp_path / "result.json") == result

@@ -42,12 +42,6 @@ def test_rows_give_the_moments_of_their_samples(name, rows, loads):
     assert_same(row_moments(law, pair, load), by_samples(law, pair, load))
 
 
-@pytest.mark.parametrize(("rows", "loads"), [(3, 65541), (1313, 50), (400, 400)])
-def test_many_rows_and_loads_are_interpolated(rows, loads):
-    law, pair, load = laws.Johnson(), pairs(rows), np.geomspace(0.1, 300.0, loads)
-    assert_same(row_moments(law, pair, load), by_samples(law, pair, load))
-
-
 def test_grids_that_are_partly_masked_are_the_sum_of_their_samples():
     """Samples inside the domain go one way, rows that leave it the other."""
     E, dR = np.geomspace(20.0, 400.0, 9), np.array([0.005, 0.02])
