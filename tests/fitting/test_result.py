@@ -47,8 +47,7 @@ def test_the_commit_is_that_of_the_campaign_and_marked_when_changed(tmp_path):
     def git(*arguments):
         identity = ["-c", "user.name=n", "-c", "user.email=e", "-c", "commit.gpgsign=false"]
         command = ["git", *identity, *arguments]
-        options = {"cwd": tmp_path, "check": True, "capture_output": True, "text": True}
-        return subprocess.run(command, **options).stdout.strip()
+        return subprocess.check_output(command, cwd=tmp_path, text=True).strip()
 
     campaign = read_campaign(write_bench(tmp_path))
     git("init", "--quiet")
