@@ -30,28 +30,16 @@ INTERNAL = ("a", "b", "Y_log_scale", "Y_log_exponent", "Y_slope", "Y_offset", "n
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
-def test_every_shipped_campaign_parses(path):
+def test_every_shipped_campaign_searches_around_what_is_published(path):
     campaign = read_campaign(path)
     assert campaign.name == path.stem
     assert {p.name for p in campaign.parameters} == set(campaign.model.names)
-
-
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
-def test_published_coefficients_lie_within_the_bounds_of_every_search(path):
-    campaign = read_campaign(path)
     for parameter in campaign.parameters:
         if campaign.model.published is not None and parameter.is_free:
             assert parameter.low < campaign.model.published[parameter.name] < parameter.high
 
 
 # --- what is read -----------------------------------------------------------------------------
-
-
-def test_a_fixed_parameter_keeps_its_value_within_its_bounds(tmp_path):
-    held = {"value": 1.1, "fixed": True}
-    for table in (held, {**held, "low": 1.0, "high": 1.1}):
-        campaign = read_campaign(write_bench(tmp_path, {"parameters.n": table}))
-        assert (campaign.parameters[1].value, campaign.parameters[1].fixed) == (1.1, True)
 
 
 def test_a_parameter_left_out_is_searched_between_the_bounds_of_the_law(tmp_path):
@@ -74,21 +62,14 @@ def test_runs_and_seed_may_be_given_instead_of_the_files(tmp_path):
     assert read_campaign(without, runs=5).spec.genetic.runs == 5
 
 
-@pytest.mark.parametrize("dataset", ["small.toml", "grids/small.toml", "../elsewhere/small.toml"])
-def test_a_dataset_is_found_beside_the_campaign(tmp_path, dataset):
-    write_toml(tmp_path / "fitting" / dataset, GRID)
-    path = write_toml(tmp_path / "fitting/c.toml", changed(CAMPAIGN, {"dataset": dataset}))
-    assert read_campaign(path).grid.size == 96
-
-
-def test_a_dataset_is_found_above_the_campaign_from_wherever_it_is_read(tmp_path, monkeypatch):
+def test_a_dataset_is_found_beside_the_campaign_or_above_it(tmp_path, monkeypatch):
+    for dataset in ("small.toml", "grids/small.toml", "../elsewhere/small.toml"):
+        write_toml(tmp_path / "fitting" / dataset, GRID)
+        path = write_toml(tmp_path / "fitting/c.toml", changed(CAMPAIGN, {"dataset": dataset}))
+        assert read_campaign(path).grid.size == 96
     path = write_bench(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    assert read_campaign(path.relative_to(tmp_path)).grid.source == "datasets/small.toml"
     monkeypatch.chdir(path.parent)
     assert read_campaign(path.name).grid.source == "../datasets/small.toml"
-    monkeypatch.chdir("/")
-    assert read_campaign(path).grid.size == 96
 
 
 def test_the_key_changes_with_whatever_the_result_depends_on(tmp_path):
@@ -174,19 +155,16 @@ def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     assert_told(caught, path, key, value, rule, remedy)
 
 
-@pytest.mark.parametrize(
-    ("values", "limits"), [([0.001, 1.0], [0.001, 1.0]), ([1.0, 10.1], [1.0, 10.1])]
-)
-def test_clearances_that_the_law_is_not_stated_for_are_refused(tmp_path, values, limits):
+@pytest.mark.parametrize("values", [[0.001, 1.0], [1.0, 10.1]])
+def test_clearances_that_the_law_is_not_stated_for_are_refused(tmp_path, values):
     bounds = {"low": 0.1, "high": 1.0}
     law = {"law": "enhanced", "parameters": dict.fromkeys(INTERNAL, bounds)}
     path = write_bench(tmp_path, law)
-    read_campaign(path)
     write_toml(tmp_path / "datasets/small.toml", changed(GRID, {"axes.dR": {"values": values}}))
     with pytest.raises(InputError) as caught:
         read_campaign(path)
     rule = "ΔR (mm) leave the range of the enhanced law for internal contact, 0.005 to 10 mm"
-    assert_told(caught, path, "dataset", limits, rule, "narrow the dR axis of the grid")
+    assert_told(caught, path, "dataset", values, rule, "narrow the dR axis of the grid")
 
 
 def test_a_grid_is_no_campaign_and_a_campaign_no_grid(tmp_path):
@@ -200,9 +178,7 @@ def test_a_grid_is_no_campaign_and_a_campaign_no_grid(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "source", "key", "rule"),
     [
-        ({"campaign": DROP}, "r.json", "settings", "lacks the campaign or the dataset"),
         ({"dataset": []}, "r.json", "settings", "lacks the campaign or the dataset"),
-        ({"campaign.seed": "1"}, "r.json, settings.campaign", "seed", "must be an integer"),
         ({"dataset.axes.E": DROP}, "r.json, settings.dataset", "axes.E", "is required"),
     ],
 )
