@@ -33,24 +33,17 @@ __all__ = [
 ]
 
 # Loaded on first use, so that the command line can read the names of the optimisers at once.
-_MODULES = {
-    "Campaign": "campaign",
-    "Choice": "choice",
-    "DataFit": "results",
-    "FitResult": "results",
-    "LawFit": "results",
-    "PowerFit": "power_fit",
-    "TableCampaign": "table_campaign",
-    "calibrate": "calibration",
-    "campaign_of_table": "table_campaign",
-    "choose": "choice",
-    "compare": "comparison",
-    "fit": "table_fit",
-    "fit_power": "power_fit",
-    "fit_power_to_law": "power_fit",
-    "fit_table": "table_fit",
-    "read_campaign": "table_campaign",
+_NAMES = {
+    "calibration": ("calibrate",),
+    "campaign": ("Campaign",),
+    "choice": ("Choice", "choose"),
+    "comparison": ("compare",),
+    "power_fit": ("PowerFit", "fit_power", "fit_power_to_law"),
+    "results": ("DataFit", "FitResult", "LawFit"),
+    "table_campaign": ("TableCampaign", "campaign_of_table", "read_campaign"),
+    "table_fit": ("fit", "fit_table"),
 }
+_MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 
 def __getattr__(name: str) -> object:

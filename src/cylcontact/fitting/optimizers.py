@@ -140,7 +140,8 @@ def _differential_evolution(
     shape = (max(5, population), budget.size)
 
     def values(units: FloatArray, /) -> FloatArray:
-        return _finite(budget.values(units.T))
+        values = budget.values(units.T)
+        return np.where(np.isfinite(values), values, _WORST)
 
     while True:
         optimize.differential_evolution(
@@ -202,12 +203,9 @@ def _cma_es(budget: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
         strategy = cma.CMAEvolutionStrategy(rng.uniform(size=budget.size), _CMA_STEP, options)
         while not strategy.stop():
             candidates = strategy.ask()
-            strategy.tell(candidates, _finite(budget.values(np.array(candidates))).tolist())
+            values = budget.values(np.array(candidates))
+            strategy.tell(candidates, np.where(np.isfinite(values), values, _WORST).tolist())
         population *= 2
-
-
-def _finite(values: FloatArray) -> FloatArray:
-    return np.where(np.isfinite(values), values, _WORST)
 
 
 OPTIMIZERS: Mapping[str, Optimizer] = {
