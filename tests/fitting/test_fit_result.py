@@ -162,6 +162,20 @@ def test_a_prediction_is_the_law_with_the_textbook_bands(plain):
         assert (high + low) / 2 == pytest.approx(table["penetration_mm"].to_numpy(), rel=1e-9)
 
 
+def test_a_new_reading_is_one_of_a_new_series(series):
+    _, result = series
+    table, noise = result.predict([20.0, 300.0]), result.uncertainty.noise.deviations
+    half = (table[["high_mm", "curve_high_mm"]].to_numpy() - table[["penetration_mm"]].to_numpy()).T
+    load = table["load_N_per_mm"].to_numpy()
+    _, slopes = result.optimum.slopes_of(lambda law: law.penetration(load, PAIR))
+    reach = stats.t.ppf(0.975, result.optimum.degrees_of(slopes))
+    added = (half[0] ** 2 - half[1] ** 2) / reach**2
+    depth = table["penetration_mm"] - result.coefficients["offset"]
+    share = noise["proportional"] ** 2 + noise["gain"] ** 2
+    expected = noise["constant"] ** 2 + noise["offset"] ** 2 + share * depth**2
+    assert added == pytest.approx(expected.to_numpy(), rel=1e-6)
+
+
 def test_a_prediction_for_a_pair_of_many(pairs):
     _, result = pairs
     other = CylinderPair.from_dR("internal", 0.06, STEEL, R_i=10.0, length=12.0)

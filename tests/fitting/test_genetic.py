@@ -106,10 +106,3 @@ def test_whole_populations_evolve_as_in_pygad(elite):
     assert np.array_equal(ours.last_generation_fitness, theirs.last_generation_fitness)
     assert ours.best_solutions_fitness == theirs.best_solutions_fitness
     assert ours.num_fitness_evaluations == theirs.num_fitness_evaluations
-
-
-def test_a_fixed_parameter_stays_where_it_is_held():
-    problem = exact_problem("external").fixing(b=0.5)
-    point, _ = polish(problem, search(problem, 20, 10, "uniform", 1).point)
-    assert point.size == 2
-    assert problem.coefficients(point)["b"] == 0.5

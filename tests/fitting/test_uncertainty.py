@@ -25,6 +25,7 @@ from tests.support.measured_files import (
     user_campaign,
     write_measured,
 )
+from tests.support.programs import require_package
 from tests.support.spec_files import golden
 
 LEVEL = 0.95
@@ -310,6 +311,9 @@ def test_the_bootstrap_agrees_with_the_covariance_and_not_with_the_workers(noisy
     assert list(one.standard_errors.values()) == pytest.approx(errors, rel=0.25)
     assert (one.undefined, set(one.intervals)) == (0, {"kappa", "c"})
     assert bootstrap(noisy, "rows", 25, 2, LEVEL).intervals == {}
+    middle = bootstrap(noisy, "rows", 120, 1, 0.5).intervals  # half of a normal distribution
+    widths = np.array([ends.high - ends.low for ends in middle.values()])
+    assert widths == pytest.approx(1.35 * errors, rel=0.3)
     over = bootstrap(noisy, "dR", 25, 1, LEVEL)
     assert (over.groups, over.over) == (3, "dR")
 
@@ -412,6 +416,11 @@ def test_a_law_of_the_wrong_shape_is_told_by_its_residuals(tmp_path):
     table = tmp_path / "measured.csv"
     wrong = campaign_of_table(table, "power", "internal", CONSTANTS, starts=2)
     of_wrong, of_right = (fit_table(campaign) for campaign in (wrong, right))
+    runs = require_package("statsmodels.sandbox.stats.runs")
+    data, r = of_wrong.optimum.fit.data, of_wrong.optimum.r
+    along = r[np.lexsort((data.load, data.groups("pair")[1]))]
+    z, _ = runs.runstest_1samp(along, cutoff=0, correction=False)
+    assert of_wrong.uncertainty.runs_test_p == pytest.approx(stats.norm.cdf(z), rel=1e-9)
     assert of_wrong.uncertainty.runs_test_p < 1e-3
     assert any("wrong shape" in sentence for sentence in of_wrong.warnings)
     assert of_right.uncertainty.runs_test_p > 0.01
