@@ -274,10 +274,8 @@ class SpatialJoint:
         record["chi"], record["friction"] = planar.chi, planar.friction
         record["rate_floor"] = IMPACT_RATE_FLOOR
         record["v0"], record["v1"] = planar.v0, planar.v1
-        record["edge"] = (
-            0.4 * c * float(planar.pair.E_star) * np.sqrt(2 * R_i * R_j / planar.radial)
-        )
-        record["edge_width"] = b * R_i
+        stiff = 0.4 * float(planar.pair.E_star) * (2 * R_i * R_j / planar.radial) ** 0.5
+        record["edge"], record["edge_width"] = c * stiff, b * R_i
         first, second = map(float, planar.pair.moduli)
         record["unlike"] = spec.edge.kind is not None and not 1 / LIKE < first / second < LIKE
         if thrust is not None:
