@@ -59,7 +59,7 @@ def pytest_collection_modifyitems(config, items):
 
 
 def pytest_terminal_summary(terminalreporter, config):
-    if not config.getoption("--rest"):
+    if not config.getoption("--rest") and hasattr(config, "cache"):  # not so by -p no:cacheprovider
         skipped = {report.nodeid for report in terminalreporter.stats.get("skipped", [])}
         config.cache.set(programs.CACHED, sorted(skipped))
 

@@ -13,6 +13,7 @@ from cylcontact.mechanism.linkage import assemble, closure, constraint_table, dr
 from cylcontact.mechanism.slider_crank import recognise
 from tests.support.mechanism_cases import (
     CLEARANCE,
+    FOUR_BAR,
     ODD,
     SLIDER_CRANK,
     TURNED,
@@ -228,6 +229,14 @@ def test_events_of_two_joints_may_coincide():
     assert np.abs(run.energy_error).max() < 1e-6 * run.kinetic_energy.max()
 
 
+def test_a_four_bar_with_three_clearances_keeps_its_energy():
+    spec = with_clearance(with_clearance(FOUR_BAR, "crank-pin", clearance=0.1), "rocker")
+    run = simulate(mechanism_from(spec, clearance=0.1), revolutions=2)
+    assert list(run.joints) == ["crank-pin", "rocker-pin", "rocker"]
+    assert all(len(joint.contacts) > 3 for joint in run.joints.values())
+    assert np.abs(run.energy_error).max() < 1e-6 * run.kinetic_energy.max()
+
+
 # --- springs, dampers, loads, torques -------------------------------------------------------------
 
 PENDULUM = {
@@ -316,6 +325,18 @@ def test_an_ideal_pendulum_with_spring_damper_and_load_is_that_of_scipy():
     assert run.coordinates[:, 0, 2] == pytest.approx(path.y[0], abs=1e-9)
     assert np.abs(run.energy_error).max() < 1e-9
     assert run.damping[-1] > 1e-3
+
+
+def test_a_driving_torque_does_its_work():
+    """Without gravity a rotor gains M·θ, and turns by M·t²/2J."""
+    drive = {"name": "motor", "type": "driver", "between": ["ground", "rod"], "torque": 0.3}
+    rotor = {"spring": [], "gravity": [0.0, 0.0], "joint": [*PENDULUM["joint"], drive]}
+    run = simulate(ideal(PENDULUM, **rotor), tolerance=1e-11)
+    angle = run.coordinates[:, 0, 2]
+    inertia = 2e-3 + 0.8 * 0.08**2
+    assert angle == pytest.approx(0.3 * run.time**2 / (2 * inertia), abs=1e-9)
+    assert run.drive_work == pytest.approx(0.3 * angle, abs=1e-9)
+    assert run.kinetic_energy == pytest.approx(run.drive_work, abs=1e-8)
 
 
 def test_a_driver_reaches_its_speed_smoothly():
