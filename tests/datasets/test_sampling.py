@@ -105,7 +105,7 @@ def test_what_cannot_be_written_leaves_nothing(grid, tmp_path, monkeypatch):
     format_ = r": is neither \.parquet nor \.csv; name the output so"
     for each, name, said in (
         (MASKED, "samples.csv", masked),
-        (MASKED, "new/samples.parquet", masked),
+        (MASKED, "new/samples.csv", masked),
         (grid, "samples.txt", format_),
         (grid, ".csv", format_),
     ):

@@ -490,11 +490,6 @@ def test_a_drift_along_one_sweep_cannot_be_told_from_the_law():
 # --- conflicts --------------------------------------------------------------------------------
 
 
-def with_column(name, value):
-    """A small table with one more column."""
-    return readings(0, 2, 6).assign(**{name: value})
-
-
 GIVEN = {"penetration_std_um": 0.05}
 # Columns beside the readings, settings, the key that is blamed, and the rule.
 CONFLICTS = [

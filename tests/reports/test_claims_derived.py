@@ -47,7 +47,6 @@ MODULI = {name: e_star(ROWS[name].material.E, ROWS[name].material.nu) for name i
 STRENGTHS = {name: ROWS[name].material.yield_stress for name in MATERIALS}
 STEEL = e_star(207e3, 0.3)
 LOADS = np.geomspace(10, 1000, 41)
-FROM_50 = (0.05, 2)
 each_material = pytest.mark.parametrize("name", MATERIALS)
 each_contact = pytest.mark.parametrize(
     ("contact", "low", "high"), [("internal", 0.05, 10.0), ("external", 5, 500)]

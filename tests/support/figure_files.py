@@ -1,6 +1,5 @@
 """Pinned numbers of figures, and what tests read from the files that were written."""
 
-import csv
 import json
 import re
 from pathlib import Path
@@ -39,15 +38,3 @@ def font_sizes_inside(figure: Figure) -> set[float]:
     assert drawn.x1 <= page.x1
     assert drawn.y1 <= page.y1
     return {text.get_fontsize() for text in figure.findobj(Text) if text.get_text()}
-
-
-def significant_digits(cell: str) -> int:
-    """Return how many significant digits a number is written with."""
-    return len(cell.split("e", maxsplit=1)[0].replace(".", "").lstrip("-0"))
-
-
-def read_columns(path: Path) -> dict[str, list[str]]:
-    """Return the columns of a CSV file as they are written."""
-    with path.open(newline="") as file:
-        header, *rows = csv.reader(file)
-    return {name: list(cells) for name, cells in zip(header, zip(*rows, strict=True), strict=True)}

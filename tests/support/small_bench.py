@@ -40,7 +40,6 @@ FITS = (
     *("power-clearance-practical-six", "power-clearance-external"),
     *("recovered-internal", "recovered-external"),
 )
-CACHES = shutil.ignore_patterns("__pycache__")
 
 
 def build_small_site(root):

@@ -217,14 +217,12 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
     """Redo a fit with the settings in a result file and compare."""
     committed = FitResult.read(path)
     campaign = campaign_of(committed.name, committed.settings, str(path))
-    problem, fresh = (
-        _problem_of(campaign, jobs, progress),
-        (
-            fit_table(campaign, jobs, progress)
-            if isinstance(campaign, TableCampaign)
-            else calibrate(campaign, jobs, progress)
-        ),
-    )
+    problem = _problem_of(campaign, jobs, progress)
+    fresh: FitResult
+    if isinstance(campaign, TableCampaign):
+        fresh = fit_table(campaign, jobs, progress)
+    else:
+        fresh = calibrate(campaign, jobs, progress)
     of_coefficients = Check(
         "objective of the coefficients",
         committed.objective.value,
