@@ -93,6 +93,7 @@ def test_the_rig_with_its_compliance_and_drift_gives_the_truth(corrected):
     assert not result.uncertainty.findings
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [0.0, 0.5, 2.0])
 def test_offsets_of_the_series_are_no_misfit_of_the_law(scale):
     pair = script(SPECIMENS)["PAIR"]

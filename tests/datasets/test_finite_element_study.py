@@ -157,6 +157,7 @@ class TestCommittedTables:
 
 
 class TestCommand:
+    @pytest.mark.slow
     def test_writes_a_table_whatever_the_workers(self, bench, run):
         code, out, _ = run("finite-element", "small.toml", "--jobs", 1)
         assert code == 0

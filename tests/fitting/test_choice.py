@@ -67,6 +67,7 @@ def test_the_cross_validated_error_is_that_of_refits(frame, choice):
     assert 0 < choice.table.loc["johnson", "cv_standard_error"] < error
 
 
+@pytest.mark.slow
 def test_a_series_left_out_is_what_is_predicted():
     series = readings(2, 5, 8, offset=2e-4, gain=0.03)
     assert cc.choose(series, PAIR, laws=["explicit"]).parts == "5 series"
@@ -141,6 +142,7 @@ def test_of_all_laws_the_right_one_is_not_ruled_out_by_the_datum(datum, seed):
     assert name in cc.choose(data, pair).undecided
 
 
+@pytest.mark.slow
 def test_none_is_the_best_of_readings_that_no_law_describes():
     _, pair, data = from_datum("more", 1)
     load = data["load_N_per_mm"]

@@ -134,6 +134,7 @@ def readings(tmp_path):
 EYE = {"R_o": 20.0, "clamp": "sector", "angle": 60.0, "side": "far"}
 
 
+@pytest.mark.slow
 def test_a_fit_in_a_known_housing_finds_the_stiffness_of_the_materials(tmp_path):
     path = readings(tmp_path)
     result = fit(path, "parametric", PAIR, housing=EYE, fixed={"offset": 0.0})
@@ -145,6 +146,7 @@ def test_a_fit_in_a_known_housing_finds_the_stiffness_of_the_materials(tmp_path)
     assert plain.coefficients["stiffness_factor"] < 0.5
 
 
+@pytest.mark.slow
 def test_choose_holds_the_compliance_of_laws_that_know_the_housing(tmp_path):
     choice = choose(readings(tmp_path), PAIR, laws=["conformal", "johnson"], housing=EYE)
     assert choice.table.index[0] == "conformal" or choice.table.iloc[0]["law"] == "conformal"

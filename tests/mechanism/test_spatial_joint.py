@@ -107,7 +107,7 @@ def test_the_energy_is_that_of_a_dense_quadrature(kind):
 
 
 @each_kind
-@pytest.mark.parametrize("rims", [1, 2])
+@pytest.mark.parametrize("rims", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_power_is_the_slope_of_the_energy_and_no_work_is_left_around_a_loop(kind, rims):
     """Loops of all six coordinates, so small that the same rims and faces stay in contact."""
     joint, N = elastic_joint(kind), 128

@@ -60,6 +60,7 @@ class TestStyles:
         for file in files:
             assert round(page_mm(file)[0], 1) in style.widths_mm
 
+    @pytest.mark.slow
     def test_texts_are_inside_the_page_and_have_the_styles_sizes(self, sheet) -> None:
         style, drawings, _ = sheet
         with figure_style(style):
