@@ -36,7 +36,6 @@ from exudyn.itemInterface import (
 )
 from scipy.integrate import cumulative_trapezoid
 
-from cylcontact.export import export_joint
 from cylcontact.laws.power import PowerShaped
 from cylcontact.mechanism import ClearanceJoint, Trajectory, joint_from
 
@@ -112,14 +111,6 @@ def joint_of(mechanism, **changes) -> ClearanceJoint:
         for body, point in (("bearing", clearance.point_i), ("pin", clearance.point_j))
     }
     return joint_from(clearance.contact.data | points | changes)
-
-
-def module_of(joint: ClearanceJoint) -> ModuleType:
-    """Return the module that `cylcontact export --to python` writes of a joint."""
-    ((name, text),) = export_joint(joint, "python").items()
-    module = ModuleType(name.removesuffix(".py"))
-    exec(compile(text, name, "exec"), module.__dict__)
-    return module
 
 
 def _integral(powers: list[tuple[float, float]], times: np.ndarray) -> np.ndarray:

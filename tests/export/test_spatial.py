@@ -3,7 +3,6 @@
 from collections import Counter
 from ctypes import c_double
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from cylcontact import InputError
 from cylcontact.export import export_joint
 from cylcontact.mechanism import SpatialJoint
 from tests.support.fmu_masters import Cosim, export_fmu, started
-from tests.support.joint_runners import RUNNERS
+from tests.support.joint_runners import RUNNERS, module_of
 from tests.support.programs import require_package
 from tests.support.spatial_cases import FIXED, body, joint_for, motions, run_library
 
@@ -133,8 +132,7 @@ def test_a_leaf_that_rattles_in_exudyn_keeps_its_energy():
     exu, items = require_package("exudyn"), require_package("exudyn.itemInterface")
     mass, inertia, step, steps, weight = 2.0, np.array([2e-3, 4e-3, 5e-3]), 2e-6, 2500, 2.0 * 9.81
     joint = joint_for(**{"pin.point": [-60.0, 0.0, 0.0]}, thrust=THRUST)
-    module, fixed, rows = SimpleNamespace(), FIXED.tolist(), []
-    exec(export_joint(joint, "python", "element")["element.py"], vars(module))
+    module, fixed, rows = module_of(joint), FIXED.tolist(), []
     state = module.start()
     system = exu.SystemContainer().AddSystem()
     node = system.AddNode(items.NodeRigidBodyRotVecLG(

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from benchmarks.exudyn_joint import imbalance, slider_crank
-from benchmarks.exudyn_peer import joint_of, module_of, simulate_in_exudyn
+from benchmarks.exudyn_peer import joint_of, simulate_in_exudyn
 from benchmarks.mechanism import CONTACTS, ELASTIC, END, SPEC, onsets_of
 from cylcontact.mechanism import read_mechanism, simulate
+from tests.support.joint_runners import module_of
 
 pytestmark = pytest.mark.slow
 

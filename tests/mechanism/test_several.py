@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import DOP853, solve_ivp
 
-from benchmarks.exudyn_peer import module_of
 from cylcontact import InputError
 from cylcontact.mechanism import Trajectory, long_run, mechanism_from, simulate
 from cylcontact.mechanism.linkage import assemble, closure, constraint_table, driven
 from cylcontact.mechanism.slider_crank import recognise
+from tests.support.joint_runners import module_of
 from tests.support.mechanism_cases import (
     CLEARANCE,
     FOUR_BAR,

@@ -7,6 +7,7 @@ behind the flag.
 
 import ctypes
 from functools import partial
+from types import ModuleType
 
 import numpy as np
 
@@ -192,14 +193,20 @@ def run_octave(text, folder):
     return run_program("octave-cli", "--no-gui", "--norc", "--quiet", script)
 
 
-def run_python(one, rows, folder):
-    names = {}
-    exec(write(one, "python", folder).read_text(encoding="ascii"), names)
+def module_of(one):
+    """Return the module that `cylcontact export --to python` writes of a joint."""
+    module = ModuleType("element")
+    exec(export_joint(one, "python", "element")["element.py"], vars(module))
+    return module
+
+
+def run_python(one, rows, _folder):
+    module = module_of(one)
     element, _, _ = element_of(one)
     n, size, answers = element.contacts, len(element.motion), []
     for row in rows.tolist():
         given = row[0] if n == 1 else row[:n], row[n : n + size], row[n + size :]
-        wrench, accepted = names["evaluate"](*given), names["accept"](*given)
+        wrench, accepted = module.evaluate(*given), module.accept(*given)
         answers.append(np.hstack([*map(np.atleast_1d, wrench), accepted]))
     return in_order(one, np.array(answers))
 
