@@ -49,11 +49,8 @@ class AxisSpec(Spec):
         if self.values is not None:
             others = [key for key, value in ranged.items() if value is not None]
             if others:
-                rule, remedy = (
-                    "cannot be combined with values",
-                    "keep either the range or the values",
-                )
-                raise broken(others[0], None, rule, remedy)
+                remedy = "keep either the range or the values"
+                raise broken(others[0], None, "cannot be combined with values", remedy)
             if not self.values or any(b <= a for a, b in pairwise(self.values)):
                 rule, remedy = "must be a list of increasing numbers", "sort it, drop repeats"
                 raise broken("values", list(self.values), rule, remedy)

@@ -73,6 +73,7 @@ class _Code(NamedTuple):
     elastic: Callable[[_Curve, _Impact], Values]
     damped: Callable[[Values, float], Values]
     force: Callable[..., Any]
+    by_factor: bool = False  # whether `damped` takes a hysteresis factor, and needs no search
 
 
 def _step(share: FloatArray) -> FloatArray:
@@ -220,6 +221,7 @@ _CODES: Mapping[str, _Code] = {
         },
         _damp_exudyn,
         _exudyn,
+        by_factor=True,
     ),
     "simscape": _Code(
         "Simscape Multibody, Spatial Contact Force",
@@ -415,7 +417,7 @@ def _energy(joint: ClearanceJoint, force: float) -> float:
 
 def _damped(code: _Code, values: Values, chi: float, curve: _Curve, impact: _Impact) -> Values:
     """Return parameters with the damping that gives the restitution of a hysteresis factor."""
-    if chi == 0 or code.force is _exudyn:  # which has such a factor itself
+    if chi == 0 or code.by_factor:
         return code.damped(values, chi)
     wanted = float(achieved_restitution(chi))
 

@@ -148,9 +148,12 @@ class Statistics:
         if len(names) == 1:
             return self
         others = tuple(f"{other}." for other in names if other != name)
-        kept = [column for column in map(str, self.revolutions) if not column.startswith(others)]
-        own = {column: column.removeprefix(f"{name}.") for column in kept}
-        table = self.revolutions[kept].rename(columns=own)
+        own = {
+            column: column.removeprefix(f"{name}.")
+            for column in map(str, self.revolutions)
+            if not column.startswith(others)
+        }
+        table = self.revolutions[[*own]].rename(columns=own)
         return replace(self, revolutions=table, only=name)
 
     @property

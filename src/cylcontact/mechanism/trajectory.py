@@ -465,8 +465,8 @@ def simulate(
         for rows in run.revolutions(total, progress, first):
             parts.append(rows)
     except (KeyboardInterrupt, RunError) as error:
-        kept = concatenate(parts)
-        complete = Trajectory(mechanism, settings, kept) if kept.counts.size else None
+        done = concatenate(parts)
+        complete = Trajectory(mechanism, settings, done) if done.counts.size else None
         if isinstance(error, RunError):
             error.trajectory = complete
             raise

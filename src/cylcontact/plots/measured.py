@@ -29,7 +29,7 @@ _PLAIN = FuncFormatter(lambda value, _: plain_number(value))
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """What a law predicts for one pair."""
+    """The readings that a law predicts over loads, with the ends of their band."""
 
     load: FloatArray
     reading: FloatArray

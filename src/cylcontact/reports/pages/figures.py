@@ -97,9 +97,9 @@ def sections(
     numbered = []
     for number, title in paper.figures.items():
         name, heading = f"fig{number:02d}", f"Figure {number}. {title}"
-        found = rest.pop(name, None)
+        drawn = rest.pop(name, None)
         lacking = Shown(name, heading, f"there is no recipe reports/{name}.py")
-        numbered.append(_shown(found, heading, recipes) if found else lacking)
+        numbered.append(_shown(drawn, heading, recipes) if drawn else lacking)
     others = [
         _shown(each, _title(recipes[each.name]) or each.name, recipes) for each in rest.values()
     ]
