@@ -7,7 +7,7 @@ import cylcontact as cc
 
 steel, bronze = cc.Material.named("high-strength steel"), cc.Material.named("bronze")
 pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.95, pin=steel, hole=bronze)
-outer = np.geomspace(14, 100, 8)
+outer = np.geomspace(14, 100, 20)
 clamps = {
     "clamped all round": "rim",
     "eye, pushed": cc.laws.Sector(60, "near"),
@@ -17,7 +17,8 @@ figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
 for label, clamp in clamps.items():
     laws = [cc.laws.Conformal(cc.laws.Housing(R_o, clamp)) for R_o in outer]
     axes.plot(outer, [1e3 * law.penetration(1000.0, pair) for law in laws], label=label)
-axes.axhline(1e3 * cc.laws.Johnson().penetration(1000.0, pair), linestyle=":", label="Johnson")
+johnson = 1e3 * cc.laws.Johnson().penetration(1000.0, pair)
+axes.axhline(johnson, color="black", linestyle=":", label="Johnson")
 axes.set(xscale="log", yscale="log")
 axes.set(xlabel="outer radius (mm)", ylabel="penetration at 1000 N/mm (µm)")
 axes.legend()
