@@ -3,7 +3,6 @@
 import re
 import shutil
 import subprocess
-from dataclasses import replace
 from functools import partial
 from html.parser import HTMLParser
 
@@ -13,7 +12,6 @@ import typer
 from cylcontact.cli import app
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.pages import build_site
-from cylcontact.reports.pages import figures as figures_of
 from tests.support.browser import chromium, opened
 from tests.support.doc_blocks import ROOT, blocks, copy_bench, run_page, same
 from tests.support.programs import require_package
@@ -98,7 +96,7 @@ def site(tmp_path_factory):
     require_package("mkdocstrings")
     pages = "cylcontact.reports.pages"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(f"{pages}.figures.chosen_recipes", lambda _, names=FEW: names)
+        patch.setattr("cylcontact.reports.build.chosen_recipes", lambda *_: FEW)
         patch.setattr(f"{pages}.content.ledger", lambda *_: [])
         return build_site(Bench(ROOT), tmp_path_factory.mktemp("docs") / "site").index.parent
 
@@ -161,19 +159,6 @@ def test_the_site_shows_each_figure_with_its_command_and_recipe(site):
         assert f"figures/{recipe}.html" in parsed.links
         assert "Drawing" in (site / "figures" / f"{recipe}.html").read_text(encoding="utf-8")
     assert "Figure 12. Enhanced against Johnson: low-carbon steel" in text
-
-
-def test_a_figure_is_drawn_again_when_its_inputs_change(site, monkeypatch):
-    assert site
-    drawn = []
-    monkeypatch.setattr(figures_of, "chosen_recipes", lambda _: FEW)
-    monkeypatch.setattr(figures_of, "build", lambda _, names, *_rest, **_more: drawn.extend(names))
-    results = figures_of.draw_changed(Bench(ROOT))
-    assert [result.name for result in results] == FEW
-    assert drawn == []
-    (read, *_), changed = results[0].inputs, results[0]
-    for inputs in ({read: "0" * 12}, {"reports/gone.py": "0" * 12}):
-        assert not figures_of.is_current(replace(changed, inputs=inputs), ROOT)
 
 
 # Elements that reach beyond the window, unless they or what they are in can be scrolled.

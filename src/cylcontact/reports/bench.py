@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.results import FitResult, LawFit
-from cylcontact.materials import SHIPPED, MaterialRow, known_materials, shipped_materials
+from cylcontact.materials import MaterialRow, known_materials, shipped_materials
 from cylcontact.parallel import Workers
 
 if TYPE_CHECKING:
@@ -75,10 +75,6 @@ class Bench:
         data = (path for path in (self.root / "datasets").rglob("*") if path.is_file())
         return [*data, *self.results_folder.glob("*.json")]
 
-    def noted(self, path: Path) -> Path:
-        """Return a file that is about to be read; a subclass can record it."""
-        return path
-
     def input(self, name: Path | str) -> Path:
         """Return an input file of a figure, by its path below the root.
 
@@ -87,7 +83,7 @@ class Bench:
         >>> Bench(Path("bench")).input("datasets/benchmarks.json").as_posix()
         'bench/datasets/benchmarks.json'
         """
-        return self.noted(self.root / name)
+        return self.root / name
 
     def required(self, name: Path | str, rule: str, remedy: str) -> Path:
         """Return an input file that is there.
@@ -180,9 +176,8 @@ class Bench:
         InputError
             If the bench's own table is wrong.
         """
-        self.noted(SHIPPED)
         own = self.materials_file
-        return known_materials(self.noted(own) if own.is_file() else None)
+        return known_materials(own if own.is_file() else None)
 
     def material(self, name: str) -> MaterialRow:
         """Return a material that ships, or one of the bench's own.
@@ -195,7 +190,6 @@ class Bench:
         # A figure of shipped materials does not depend on the bench's own table.
         shipped = shipped_materials()
         if name in shipped:
-            self.noted(SHIPPED)
             return shipped[name]
         rows = self.materials()
         if name not in rows:
@@ -210,7 +204,7 @@ class Bench:
 
     def result_file(self, name: str) -> Path:
         """Return an input file of a figure, by its name in the results folder."""
-        return self.noted(self.results_folder / name)
+        return self.results_folder / name
 
     def result(self, name: str) -> LawFit:
         """Load the fit of a law to a law `NAME.json`.

@@ -7,16 +7,13 @@ figure is named after the file. A file that draws several figures lists them ins
 
 from __future__ import annotations
 
-import ast
 import gc
-import hashlib
 import inspect
 import io
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +45,9 @@ __all__ = [
 DPI = 300
 # Seven significant digits: more than a figure can show, fewer than round-off affects.
 NUMBER_FORMAT = "%.7g"
-SOURCES = Path(__file__).parents[1]
+
+# A line of a recipe that defines its function or its table of them, or imports one.
+DEFINES = re.compile(r"^(?:def |from .* import (?:.*, )?)?(draw|FIGURES)\b(?! as)", re.MULTILINE)
 
 Arguments = Mapping[str, str]
 
@@ -70,8 +69,6 @@ class FigureResult:
         The text of the note: how the figure was made.
     headline : mapping of str to float
         The figure's main results.
-    inputs : mapping of str to str
-        The files read for the figure → the first twelve digits of their SHA-256.
     size_mm : tuple of float
         Width and height.
     problem : InputError or None
@@ -83,7 +80,6 @@ class FigureResult:
     caption: str = ""
     method: str = ""
     headline: Mapping[str, float] = field(default_factory=dict)
-    inputs: Mapping[str, str] = field(default_factory=dict)
     size_mm: tuple[float, float] = (0.0, 0.0)
     problem: InputError | None = None
 
@@ -106,7 +102,7 @@ def find_recipes(bench: Bench) -> dict[str, Path]:
     """
     recipes: dict[str, Path] = {}
     for file in sorted(bench.recipes_folder.glob("*.py")):
-        defined = _top_level_names(file)
+        defined = _defined(file)
         if "draw" in defined:
             recipes[file.stem] = file
         if "FIGURES" in defined:
@@ -225,6 +221,7 @@ def build(
         for ending in (*options.formats, "csv", "txt")
     ]
     require_writable(*outputs)
+    require_apart(outputs, bench.inputs)
     work = [call(_attempt, bench, name, target, options, given) for name in chosen]
     results: list[FigureResult] = []
     progress("drawing", 0, len(chosen))
@@ -242,7 +239,7 @@ def chosen_recipes(bench: Bench, names: Iterable[str] = ()) -> list[str]:
     for name in chosen:
         if name not in recipes:
             _refuse_unknown(name, bench, recipes)
-    return chosen or [name for name, file in recipes.items() if not _needs_arguments(name, file)]
+    return chosen or [name for name in recipes if not _needs_arguments(name, bench)]
 
 
 def write(
@@ -286,18 +283,6 @@ def save_picture(drawing: Drawing, picture: Path, form: Format, style: FigureSty
     picture.write_bytes(target.getvalue())
 
 
-@dataclass(frozen=True)
-class _WatchedBench(Bench):
-    """A bench that records which files a recipe reads from it."""
-
-    read: list[Path] = field(default_factory=list)
-
-    def noted(self, path: Path) -> Path:
-        """Return a file that is about to be read, and record it."""
-        self.read.append(path)
-        return path
-
-
 def _attempt(
     bench: Bench, name: str, folder: Path, options: FigureOptions, arguments: Arguments | None
 ) -> FigureResult:
@@ -316,19 +301,10 @@ def _drawn(
     bench: Bench, name: str, folder: Path, options: FigureOptions, arguments: Arguments | None
 ) -> FigureResult:
     """Draw and write one figure; return any error of the recipe, raise those of the disk."""
-    watched = _WatchedBench(bench.root, bench.results)
-    drawn = False
     try:
-        drawing = draw(name, watched, options.style, arguments)
-        drawn = True
-        stem = _stem(name, arguments)
-        endings = (*options.formats, "csv", "txt")
-        require_apart([folder / f"{stem}.{ending}" for ending in endings], watched.read)
-        paths = write(drawing, stem, folder, options)
+        drawing = draw(name, replace(bench, jobs=1), options.style, arguments)
     except InputError as error:
-        if drawn:  # the next would fail too
-            raise
-        return FigureResult(name, inputs=_inputs(watched, name), problem=error)
+        return FigureResult(name, problem=error)
     except Exception as error:
         file = find_recipes(bench).get(name, bench.recipes_folder / f"{name}.py")
         problem = InputError(
@@ -338,7 +314,8 @@ def _drawn(
             f"failed with {type(error).__name__} ({error})",
             "correct the recipe",
         )
-        return FigureResult(name, inputs=_inputs(watched, name), problem=problem)
+        return FigureResult(name, problem=problem)
+    paths = write(drawing, _stem(name, arguments), folder, options)
     width, height = (float(inches) * 25.4 for inches in drawing.figure.get_size_inches())
     return FigureResult(
         name,
@@ -346,7 +323,6 @@ def _drawn(
         drawing.caption,
         drawing.method,
         dict(drawing.headline),
-        _inputs(watched, name),
         (width, height),
     )
 
@@ -357,79 +333,9 @@ def _stem(name: str, arguments: Arguments | None) -> str:
     return "-".join([name, *values])
 
 
-def _inputs(bench: _WatchedBench, name: str) -> dict[str, str]:
-    """Return the files a figure was drawn from, each with the start of its hash."""
-    recipe = find_recipes(bench).get(name, bench.recipes_folder / f"{name}.py")
-    files = dict.fromkeys([recipe, *_imported_files(bench, recipe), *bench.read])
-    return {
-        _name_of(file, bench.root): hashlib.sha256(file.read_bytes()).hexdigest()[:12]
-        for file in files
-        if file.is_file()
-    }
-
-
-def _imported_files(bench: Bench, file: Path) -> list[Path]:
-    """Return the bench's own files that a recipe imports, directly or through others."""
-    seen: dict[Path, None] = {}
-    queue = [file]
-    while queue:
-        for name in _relative_imports(queue.pop()):
-            other = bench.recipes_folder.joinpath(*name.split(".")).with_suffix(".py")
-            if other.is_file() and other not in seen:
-                seen[other] = None
-                queue.append(other)
-    return sorted(seen)
-
-
-def _relative_imports(file: Path) -> list[str]:
-    """Return the neighbours that a file of the `reports` folder imports, "paper" for `.paper`."""
-    tree = _parsed(file)
-    names: list[str] = []
-    for node in ast.walk(tree) if tree else ():
-        if isinstance(node, ast.ImportFrom) and node.level == 1:
-            names += [node.module] if node.module else [alias.name for alias in node.names]
-    return names
-
-
-def _name_of(file: Path, root: Path) -> str:
-    """Return a file's path in the package or below the bench's root, or its full path."""
-    for folder in (SOURCES.parent, root):
-        if file.is_relative_to(folder):
-            return file.relative_to(folder).as_posix()
-    return str(file)
-
-
-def _parsed(file: Path) -> ast.Module | None:
-    """Return a file's syntax tree, or None where it has a syntax error."""
-    status = file.stat()
-    return _parsed_as_it_is(file, status.st_mtime_ns, status.st_size)
-
-
-@lru_cache(maxsize=256)
-def _parsed_as_it_is(file: Path, _time: int, _size: int) -> ast.Module | None:
-    """Parse a file, once as long as its time and size are the same."""
-    try:
-        return ast.parse(file.read_text(encoding="utf-8"))
-    except (SyntaxError, ValueError):
-        return None
-
-
-def _top_level_names(file: Path) -> set[str]:
-    """Return the names that a file defines; one with a syntax error counts as a recipe."""
-    tree = _parsed(file)
-    if tree is None:
-        return {"draw"}
-    names: set[str] = set()
-    for node in tree.body:
-        if isinstance(node, ast.FunctionDef):
-            names.add(node.name)
-        elif isinstance(node, ast.Assign):
-            names |= {target.id for target in node.targets if isinstance(target, ast.Name)}
-        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            names.add(node.target.id)
-        elif isinstance(node, ast.ImportFrom):
-            names |= {alias.asname or alias.name for alias in node.names}
-    return names
+def _defined(file: Path) -> set[str]:
+    """Return which of `draw` and `FIGURES` a file defines or imports, without running it."""
+    return set(DEFINES.findall(file.read_text(encoding="utf-8", errors="replace")))
 
 
 def _figures_of(name: str, bench: Bench) -> Iterable[str]:
@@ -441,13 +347,13 @@ def _figures_of(name: str, bench: Bench) -> Iterable[str]:
     return figures
 
 
-def _needs_arguments(name: str, file: Path) -> bool:
-    """Return whether a recipe named after its file needs an argument."""
-    tree = _parsed(file) if file.stem == name else None
-    for node in tree.body if tree else ():
-        if isinstance(node, ast.FunctionDef) and node.name == "draw":
-            return None in node.args.kw_defaults
-    return False
+def _needs_arguments(name: str, bench: Bench) -> bool:
+    """Return whether a recipe cannot be drawn without an argument."""
+    try:
+        parameters = inspect.signature(_function_of(name, bench)).parameters.values()
+    except InputError:  # drawing it reports what is wrong
+        return False
+    return any(p.kind is p.KEYWORD_ONLY and p.default is p.empty for p in parameters)
 
 
 def _function_of(name: str, bench: Bench) -> Callable[..., Drawing]:
@@ -501,7 +407,7 @@ def _refuse_unknown(name: str, bench: Bench, recipes: Mapping[str, Path]) -> Non
     rule, remedy = "there is no such recipe", f"choose among {', '.join(recipes)}"
     try:
         for file in sorted(bench.recipes_folder.glob("*.py")):
-            if _parsed(file) is None or "FIGURES" in _top_level_names(file):
+            if "FIGURES" in _defined(file):
                 bench.module(file.stem)
     except InputError as error:
         rule = f"there is no such recipe, unless in a file that {error.rule}"

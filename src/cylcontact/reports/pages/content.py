@@ -16,11 +16,11 @@ from cylcontact.laws.enhanced import InternalCoefficients
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import find_recipes
+from cylcontact.reports.build import build, find_recipes
 from cylcontact.reports.claims import ledger, withdrawn
 from cylcontact.reports.claims_text import MEANINGS, to_records, what_stands
 from cylcontact.reports.laws_to_use import error_text, laws_to_use
-from cylcontact.reports.pages.figures import draw_changed, sections
+from cylcontact.reports.pages.figures import sections
 from cylcontact.reports.paper import paper_of
 
 __all__ = ["FORMULAS", "Content", "answer", "collect"]
@@ -61,9 +61,10 @@ class _ReadableBench(Bench):
 
 
 def collect(bench: Bench, home: str, progress: Progress = silent) -> Content:
-    """Draw the figures that have changed, compute the statements, and fill the pages."""
+    """Draw the figures, compute the statements, and fill the pages."""
     recipes, paper = find_recipes(bench), paper_of(bench)
-    numbered, others = sections(draw_changed(bench, progress), recipes, paper)
+    figures = build(bench, folder=bench.root / "build" / "figures", progress=progress)
+    numbered, others = sections(figures, recipes, paper)
     drawn = [each.result for each in (*numbered, *others) if each.result]
     fits, broken = _fits(bench)
     statements = _statements(bench, progress)
