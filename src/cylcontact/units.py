@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from cylcontact.errors import InputError
+from cylcontact.reading import plain_number
 
 # For each kind of quantity, its units as they stand in the names of columns, and their value in
 # mm, N, MPa and s.
@@ -94,12 +95,25 @@ def named_quantity(name: str, quantity: str, unit: str) -> Column | None:
     return Column(name, quantity, plain) if plain in QUANTITIES.get(quantity, _PURE) else None
 
 
+def length_in_mm(text: str) -> float:
+    """Return a length in mm; without a unit it is in mm.
+
+    >>> length_in_mm("0.04"), length_in_mm("40 µm")
+    (0.04, 0.04)
+    """
+    number, _, unit = text.strip().partition(" ")
+    column = named_quantity("length", "length", unit or "mm")
+    if column is None:
+        raise ValueError(f"{text!r} is not a length")
+    return plain_number(number) * column.factor
+
+
 def load_in_N_per_mm(text: str, length: float | None) -> float:
     """Return a load with a unit, such as 4500 N or 225 N/mm, per unit of length in N/mm."""
     number, _, unit = text.strip().partition(" ")
     column = named_quantity("load", "load", unit)
     try:
-        value = float(number)
+        value = plain_number(number)
     except ValueError:
         column = None
     if column is None or not unit:
@@ -107,7 +121,8 @@ def load_in_N_per_mm(text: str, length: float | None) -> float:
             "load", "", text, "is not a load with its unit", 'e.g. "4500 N", "225 N/mm"'
         )
     if column.is_total and length is None:
-        rule, remedy = "is a total force, and the axial length is not known", "give it in N/mm"
+        rule = "is a total force, and the axial length is not known"
+        remedy = "give the length, or the load in N/mm"
         raise InputError("load", "", text, rule, remedy)
     return value * column.factor / (length if column.is_total and length is not None else 1.0)
 

@@ -181,7 +181,11 @@ BAD_COLUMNS = [
     (
         ("penetration_um", "dR_um", *E_NU), {"gap": [1, 2, 3]}, {},
         ": columns: lacks the penetration, ΔR or both radii, the material of the hole, the material"
-        "|penetration_um, dR_um, material_i, material_j|name one of 'gap' with --columns",
+        "|penetration_um, dR_um, material_i, material_j|of 'gap' with --columns penetration_um=",
+    ),
+    (
+        ("load_N_per_mm", "penetration_um"), {"Kraft [kN]": [1, 2, 3]}, {"length_mm": 10.0},
+        ": columns: lacks the load, the penetration|with --columns load='Kraft [kN]'",
     ),
     *(
         ((), {column: [GOOD[column][0], value, value]}, {}, f", line 3: {key} = |(1 more like it)")

@@ -33,10 +33,12 @@ def test_the_law_of_the_data_is_the_best_and_its_equal_cannot_be_told_apart(choi
     # From another datum a power law, which has a constant more, follows the readings as well.
     assert set(choice.undecided) == {"explicit", "persson", "power"}
     assert list(choice.table["verdict"][choice.table["verdict"] == "worse"].index) == ["johnson"]
+    assert "best" not in set(choice.table["verdict"])
     assert choice.table["aicc"].is_monotonic_increasing
     assert choice.table["weight"].sum() == pytest.approx(1.0)
     said = " ".join(str(choice).split())
     assert "the data cannot tell" in said
+    assert "(conformal is its elastic solution)" not in said  # it was not asked for
     assert "cannot tell the law from the datum" in said
 
 
@@ -74,6 +76,7 @@ def test_a_series_left_out_is_what_is_predicted():
     modelled = cc.choose(series, PAIR, laws=["explicit", "johnson"], group="group")
     assert modelled.parts == "10 parts of the rows"
     assert modelled.undecided == ["explicit"]
+    assert modelled.table.loc["explicit", "verdict"] == "best"
     # What a series adds is predicted from its other readings: errors are near the scatter alone.
     assert modelled.table.loc["explicit", "cv_error"] < 1.6
     assert modelled.table.loc["johnson", "cv_error"] > 1.6

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 @takes("pair", PAIR)
 def laws(
     *,
-    load: float = number("Load per unit length, N/mm.", default=100.0),
+    load: str = option("N/mm; '6 kN' with --length.", metavar="LOAD", default="100"),
     own: str | None = option("A function of your own to list as well.", metavar="MODULE:FUNCTION"),
     fit: str | None = option("A fit, 20H7/g6, in place of the radii.", metavar="CODE"),
     temperature: str | None = option(
@@ -40,37 +40,46 @@ def laws(
     find: str | None = option("dR, E or length, for a stiffness or penetration.", metavar="WHAT"),
     stiffness: float | None = number("For --find, N/mm²; of a length N/mm."),
     penetration: float | None = number("For --find, µm."),
+    listing: bool = option("A line on each law, and what a fit searches.", "--list", default=False),
     pair: dict[str, Any],
 ) -> None:
     """Compare the laws for a pair, and say which one to use.
 
     Without options it is a steel pin (207 GPa, 0.3) in a hole of 10 mm radius with ΔR = 0.05 mm.
-    With --fit it begins with the band of the fit. With --find it prints a clearance, a modulus or a
-    length alone; for a length --load is the total force in N.
+    With --fit it begins with the band of the fit. For the length of --find the load is the total.
     """
     from cylcontact.laws.user import user_law
     from cylcontact.limits import yield_warning
     from cylcontact.pair import unusual_lengths
     from cylcontact.reports import laws_to_use
     from cylcontact.reports.bench import Bench
+    from cylcontact.reports.laws_table import listing as all_laws
     from cylcontact.reports.laws_table import to_text
+    from cylcontact.units import load_in_N_per_mm
 
     around = _housing_of(pair, "laws")
     cylinders = _pair_of(pair, "laws")
+    if listing:
+        say(all_laws(cylinders.contact))
+        return
+    # Of a length that is sought the load is the total, as on a length of 1 mm.
+    length = 1.0 if find == "length" else pair.get("length_mm")
+    with blaming_options({"": "--load"}, "laws"):
+        force = load_in_N_per_mm(f"{load} N/mm" if plain_numbers([load]) else load, length)
     warm = _temperatures(temperature)
     if fit is not None:
-        cylinders = _of_fit(fit, cylinders, pair, load, warm)
+        cylinders = _of_fit(fit, cylinders, pair, force, warm)
     if temperature is not None:
         cylinders = cylinders.at_temperature(**warm)
     if find is not None:
-        _find(find, cylinders, load, stiffness, penetration)
+        _find(find, cylinders, force, stiffness, penetration)
         return
     for name, value in (("--stiffness", stiffness), ("--penetration", penetration)):
         require(value is None, "laws", name, value, "is for --find", "add --find dR")
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
     listed_too = None if own is None else user_law(own, Path.cwd())
-    say(f"{advice}\n\n{to_text(cylinders, load, listed_too, around)}")
-    for warning in (yield_warning(load, cylinders, around), *unusual_lengths(cylinders)):
+    say(f"{advice}\n\n{to_text(cylinders, force, listed_too, around)}")
+    for warning in (yield_warning(force, cylinders, around), *unusual_lengths(cylinders)):
         if warning is not None:
             say(f"warning: {warning}", err=True)
 

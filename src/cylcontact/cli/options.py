@@ -17,6 +17,7 @@ from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
 from cylcontact.files import require_apart, require_suffix, require_writable
 from cylcontact.reading import plain_number
+from cylcontact.units import length_in_mm
 
 RESULTS = Path("fitting/results")
 # Keys of tables of functions, which are slow to import; tests/cli/test_commands.py compares them.
@@ -62,6 +63,20 @@ def _number(given: str | float) -> float:
         return plain_number(str(given))
     except ValueError:
         raise typer.BadParameter(f"{given!r} is not a number") from None
+
+
+def length(help: str, *names: str, **details: Any) -> Any:
+    """Return an option of a length in mm, or with its unit."""
+    return option(help, *names, parser=_length, metavar="MM", **details)
+
+
+def _length(given: str | float) -> float:
+    """Return the text of an option as a length in mm, or its default."""
+    try:
+        return length_in_mm(str(given))
+    except ValueError:
+        rule = f"{given!r} is not a length; give mm, or e.g. '40 um'"
+        raise typer.BadParameter(rule) from None
 
 
 def count(least: int, help: str, *names: str, default: int | None = None) -> Any:

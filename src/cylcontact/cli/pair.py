@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
 from cylcontact.choices import CONTACTS, Contact, listed
-from cylcontact.cli.options import Options, number, option, plain_numbers
+from cylcontact.cli.options import Options, length, number, option, plain_numbers
 from cylcontact.errors import InputError, require
 
 if TYPE_CHECKING:
@@ -29,6 +29,10 @@ def _number(help: str, name: str) -> tuple[Any, Any]:
     return float | None, number(help, name, **_PANEL)
 
 
+def _length(help: str, name: str) -> tuple[Any, Any]:
+    return float | None, length(help, name, **_PANEL)
+
+
 # By their names as constants of a table, where they have one.
 PAIR: Options = {
     "contact": _text(f"{listed(CONTACTS)}.", "--contact"),
@@ -40,13 +44,13 @@ PAIR: Options = {
     "materials": _text("Your own materials; datasets/materials.csv by default.", "--materials"),
     "E_MPa": _text("Young's modulus of both bodies, MPa or e.g. '207 GPa'.", "--E"),
     "nu": _number("Poisson's ratio of both bodies.", "--nu"),
-    "dR_mm": _number("ΔR, mm: the radial clearance, or the sum of two rollers' radii.", "--dR"),
-    "R_i_mm": _number("Radius R_i of the hole, or of the first roller, mm.", "--Ri"),
-    "R_j_mm": _number("Radius R_j of the pin, or of the second roller, mm.", "--Rj"),
-    "hole_diameter": _number("Diameter of the hole, mm.", "--hole-diameter"),
-    "pin_diameter": _number("Diameter of the pin, mm.", "--pin-diameter"),
-    "length_mm": _number("Axial length, mm.", "--length"),
-    "R_o": _number("Radius of the housing's rim, mm; laws that know it take it.", "--R-o"),
+    "dR_mm": _length("ΔR: the radial clearance, or the sum of two rollers' radii.", "--dR"),
+    "R_i_mm": _length("Radius R_i of the hole, or of the first roller.", "--Ri"),
+    "R_j_mm": _length("Radius R_j of the pin, or of the second roller.", "--Rj"),
+    "hole_diameter": _length("Diameter of the hole.", "--hole-diameter"),
+    "pin_diameter": _length("Diameter of the pin.", "--pin-diameter"),
+    "length_mm": _length("Axial length.", "--length"),
+    "R_o": _length("Radius of the housing's rim; laws that know it take it.", "--R-o"),
     "clamp": _text("What is clamped: rim (all of it, by default), near:60 or far:60.", "--clamp"),
     "layer": (
         list[str] | None,

@@ -74,7 +74,8 @@ def require_found(found: Mapped, quantity: str) -> None:
     if quantity in {column.quantity for column in found.columns.values()}:
         return
     others = (
-        f", or name one of {first_of(map(repr, found.left_out), _LISTED)} with {_option(quantity)}"
+        f", or name one of {first_of(map(repr, found.left_out), _LISTED)} with "
+        f"{option_for(quantity, found.left_out)}"
     )
     remedy = f"add {spellings(quantity)}{others if found.left_out else ''}"
     raise InputError(found.table.source, quantity, None, "is required", remedy)
@@ -152,6 +153,12 @@ def _column(table: Table, name: str, unit_below: str) -> Column | None:
         rule, remedy = f"has {unit_below!r} below its name", "correct one of the two units"
         raise InputError(table.source, "columns", name, rule, remedy)
     return column
+
+
+def option_for(quantity: str, names: Sequence[str]) -> str:
+    """Return the option that says which column is a quantity; of one whose unit its name says."""
+    named = next((name for name in names if unit_in(name, quantity)), "")
+    return f"--columns {quantity}={named!r}" if named else _option(quantity)
 
 
 def _option(quantity: str, name: str = "COLUMN") -> str:

@@ -26,6 +26,7 @@ from cylcontact.datasets.columns import (
     equal_rows,
     kept_rows,
     mapped,
+    option_for,
     require_found,
 )
 from cylcontact.errors import InputError
@@ -336,7 +337,8 @@ def _require_all(found: Mapped, values: Mapping[str, object], contact: Contact) 
     if len(lacks) > 1 and {"load", "penetration"} - {*values}:
         rule = f"lacks {', '.join(lacks)}"
         named = ", ".join(map(repr, found.left_out[:_LISTED]))
-        others = f"; name one of {named} with --columns {needs[0]}=COLUMN" if named else ""
+        option = option_for("penetration" if "load" in values else "load", found.left_out)
+        others = f"; name one of {named} with {option}" if named else ""
         remedy = f"add columns, e.g. {', '.join(needs)}, or options, e.g. --dR{others}"
         raise InputError(found.table.source, "columns", None, rule, remedy)
     require_found(found, "load")

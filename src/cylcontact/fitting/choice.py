@@ -158,7 +158,8 @@ class Choice:
         Columns parameters (free ones and deviations), aicc, aicc_behind, weight (Akaike's),
         cv_error with cv_standard_error (in the unit of the residuals), cv_behind (in standard
         errors of the difference), compliance with compliance_error (in mm/(N/mm)), and verdict:
-        best, undecided or worse, or misses if no law describes the data.
+        best, undecided or worse, or misses if no law describes the data. None is best where
+        several are undecided.
         """
         behind = np.array([law.aicc - self.best.aicc for law in self.laws])
         weight = np.exp(-behind / 2)
@@ -182,10 +183,13 @@ class Choice:
     def _verdict(self, law: RankedLaw) -> str:
         if not self.describes:
             return "misses"
-        if law is self.best:
-            return "best"
-        is_worse = law.aicc - self.best.aicc > _AICC and law.behind(self.best) > _STANDARD_ERRORS
-        return "worse" if is_worse else "undecided"
+        if self._is_worse(law):
+            return "worse"
+        return "best" if all(self._is_worse(each) for each in self.laws[1:]) else "undecided"
+
+    def _is_worse(self, law: RankedLaw) -> bool:
+        behind = law.aicc - self.best.aicc > _AICC
+        return behind and law.behind(self.best) > _STANDARD_ERRORS
 
     def fit(self, law: str = "", jobs: int = 1) -> DataFit:
         """Return the fit of a law, by default of the best, with its intervals."""
@@ -250,9 +254,14 @@ class Choice:
         return (
             f"the data cannot tell {listed_with_and(undecided)} apart: AICc within {_AICC:g}, or "
             f"the cross-validated error (over {self.parts}) within {_STANDARD_ERRORS:g} standard "
-            "error of the difference; take the one that is known to be right for this contact, or "
-            "measure at loads where they differ"
+            f"error of the difference; take the one that is right for this contact{self._exact()}, "
+            "or measure at loads where they differ"
         )
+
+    def _exact(self) -> str:
+        """Return which of the laws that cannot be told apart is the solution of the contact."""
+        exact = {"internal": "conformal", "external": "johnson"}[self.data.measurements.contact]
+        return f" ({exact} is its elastic solution)" if exact in self.undecided else ""
 
     def _on_datum(self) -> list[str]:
         """Return what the compliance means, and whether the data tell law from datum by it."""

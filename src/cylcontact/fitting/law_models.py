@@ -1,9 +1,9 @@
 """The models by which laws are fitted: those of the package, and what a test rig adds.
 
-`cylcontact laws` lists the parameters of each law with their bounds. A campaign may add three to
-any law: `offset`, the reading at first touch in mm, `compliance` of the rig and of another datum in
-mm per N/mm, of either sign (`laws.adapters.RigCompliance`), and `stiffness_factor`, a factor of the
-load.
+`cylcontact laws --list` has the parameters of each law with their bounds. A campaign may add three
+to any law: `offset`, the reading at first touch in mm, `compliance` of the rig and of another datum
+in mm per N/mm, of either sign (`laws.adapters.RigCompliance`), and `stiffness_factor`, a factor of
+the load.
 
 A fit to measurements holds the constants that give a law its shape, which are known, and frees the
 offset and one parameter of stiffness: the law's own if it has one, such as Johnson's `kappa`, else

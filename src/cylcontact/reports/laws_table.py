@@ -20,7 +20,7 @@ from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error, truth_of
 
-__all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "to_text"]
+__all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "listing", "to_text"]
 
 # The default case: the steel and the clearance of Fig 2, the radius and the length of the paper's
 # bearing.
@@ -205,9 +205,8 @@ def to_text(
     Returns
     -------
     str
-        The comparison, the deviations, Johnson's departures from conformal contact (internal
-        contact only), the explicit law's error, the laws in a line each, and the parameters that
-        a fit searches.
+        The comparison, the deviations, and of one material in a hole Johnson's departures from
+        conformal contact. `listing` has what does not depend on the pair.
 
     Raises
     ------
@@ -238,8 +237,12 @@ def to_text(
         parts[0] += f"\nfirst yield at {first_yield(pair)}"
         if housing is not None:
             parts[0] += f"; in this housing at {first_yield(pair, housing=housing)}"
-    parts += [_explicit(), _each_law(contact), _parameters(contact)]
     return "\n\n".join(parts)
+
+
+def listing(contact: Contact) -> str:
+    """Return the laws in a line each, what a fit searches, and the explicit law's error."""
+    return "\n\n".join([_each_law(contact), _parameters(contact), _explicit()])
 
 
 def _advice(pair: CylinderPair, side_by_side: pd.DataFrame, errors: pd.DataFrame) -> str:
