@@ -93,8 +93,9 @@ def _graded(nodes: int) -> tuple[FloatArray, FloatArray]:
     return ((u + 1) / 2) ** 3, 1.5 * ((u + 1) / 2) ** 2 * weight
 
 
-# Along a piece, in the depth of a section, and along both halves of a face's arc.
-PART, PART_WEIGHT = _graded(8)
+# Along a piece (8 nodes, 10 of a crowned pin), in the depth of a section, and along both halves of
+# a face's arc.
+PART, PART_WEIGHT = np.concatenate([_graded(8), _graded(10)], axis=1)
 DEPTH, DEPTH_WEIGHT = _graded(20)
 _u, _weight = np.polynomial.legendre.leggauss(8)
 ARC, ARC_WEIGHT = np.concatenate([1 + _u, -1 - _u]) / 2, np.tile(_weight, 2) / 2
@@ -377,15 +378,19 @@ def press_piece(
 ) -> None:
     """Add the wall from `start`, where a section has that energy, to `stop`."""
     length = stop - start
-    nodes = 8 if length != 0.0 else 0
+    first = 8 if joint.crown > 0.0 else 0
+    nodes = 10 if joint.crown > 0.0 else 8
+    if length == 0.0:
+        nodes = 0
     for k in range(nodes):
-        z = start + length * PART[k]
+        node = first + k
+        z = start + length * PART[node]
         section(z, w, joint)
         if w.delta > 0.0:
             line = load_at(w.delta, joint, law)
             w.deepest = max(w.deepest, line)
-            load = PART_WEIGHT[k] * abs(length) * line
-            w.elastic_energy += load * w.slope * length * (1.0 - PART[k])
+            load = PART_WEIGHT[node] * abs(length) * line
+            w.elastic_energy += load * w.slope * length * (1.0 - PART[node])
             press(load, 0.0, onset_at(z, w, joint), w, joint)
     w.elastic_energy += abs(length) * energy
     w.touched += abs(length)
