@@ -78,8 +78,8 @@ class Bands:
         In N/mm.
     distribution : {"normal", "uniform"}
     each : dict of Band
-        By name: "radial clearance", "penetration", "stiffness", "half-width", "first yield" (if the
-        yield stresses are known) and "Johnson's end".
+        By name: "radial clearance", "penetration", "stiffness", "half-width", "peak pressure",
+        "first yield" (if the yield stresses are known) and "Johnson's end".
     """
 
     fit: Fit
@@ -168,6 +168,7 @@ def bands(
         ("penetration", "µm"): lambda p: 1e3 * law.penetration(load, p),
         ("stiffness", "N/mm²"): lambda p: law.stiffness(law.penetration(load, p), p),
         ("half-width", "mm"): lambda p: half_width(load, p),
+        ("peak pressure", "MPa"): lambda p: Conformal().peak_pressure(load, p),
     }
     if limit is not None:
         # A smooth function of ΔR, too slow for thousands of pairs.

@@ -36,6 +36,7 @@ def test_a_band_ends_at_the_worst_of_four_corners(code):
         "stiffness": [LAW.stiffness(LAW.penetration(f, pair), pair) for pair in corners],
         "Johnson's end": [limits.johnson_limit_load(pair) for pair in corners],
         "first yield": [limits.first_yield(pair).load for pair in corners],
+        "peak pressure": [laws.Conformal().peak_pressure(f, pair) for pair in corners],
     }
     for name, values in by_name.items():
         assert over[name].least == pytest.approx(min(values), rel=1e-6), name

@@ -115,7 +115,7 @@ def _of_fit(
     over = bands(
         fit, pair, load, pin_temperature=warm.get("pin"), hole_temperature=warm.get("hole")
     )
-    say(f"{over}\n")
+    say(f"{over}\nby Johnson's datum, which knows no housing\n")
     R_i, R_j = fit.radii(0.5)
     return replace(pair, dR=R_i - R_j, R_i=R_i, R_j=R_j)
 

@@ -12,13 +12,22 @@ from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.housing_spec import in_housing, takes_housing
-from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw, Explicit, Housing, Parametric
+from cylcontact.laws import (
+    LAW_TYPES,
+    LAWS,
+    Conformal,
+    ContactLaw,
+    Explicit,
+    Housing,
+    Parametric,
+)
 from cylcontact.laws.housed import needs_series
 from cylcontact.laws.law import Parameter
-from cylcontact.limits import first_yield
+from cylcontact.limits import first_yield, hertz_half_width, hertz_stress
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error, truth_of
+from cylcontact.sizing import half_width
 
 __all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "listing", "to_text"]
 
@@ -218,7 +227,8 @@ def to_text(
     side_by_side, errors = comparison(pair, load, own, housing), deviations(pair)
     parts = [
         f"{contact} contact, ΔR = {float(pair.dR):g} mm, E* = {float(pair.E_star):.2f} MPa, "
-        f"f = {load:g} N/mm, φ = f/(E*·ΔR) = {load / float(pair.E_star * pair.dR):.6g}",
+        f"f = {load:g} N/mm, φ = f/(E*·ΔR) = {load / float(pair.E_star * pair.dR):.6g}\n"
+        f"{_contact(load, pair)}",
         _comparison(side_by_side),
         f"penetration against {truth}'s at equal load, percent, at φ =",
         _deviations(errors),
@@ -243,6 +253,15 @@ def to_text(
 def listing(contact: Contact) -> str:
     """Return the laws in a line each, what a fit searches, and the explicit law's error."""
     return "\n\n".join([_each_law(contact), _parameters(contact), _explicit()])
+
+
+def _contact(load: float, pair: CylinderPair) -> str:
+    """Return the half-width and the largest pressure of the contact, without a housing."""
+    if pair.contact == "internal":
+        width, peak, source = half_width(load, pair), Conformal().peak_pressure(load, pair), ""
+    else:
+        width, peak, source = hertz_half_width(load, pair), hertz_stress(load, pair), " (Hertz)"
+    return f"half-width {float(width):.4g} mm, peak pressure {float(peak):.4g} MPa{source}"
 
 
 def _advice(pair: CylinderPair, side_by_side: pd.DataFrame, errors: pd.DataFrame) -> str:
