@@ -2,12 +2,11 @@
 
     python -m benchmarks.faults -j 2         # what is left of faults.toml, into faults.csv
     python -m benchmarks.faults --only laws/ # those whose text, kind or part matches this
-    python -m benchmarks.faults --near 6     # by the six test files that speak most of a module
 
-The docstrings of the faulty file are tried first, then the test files, in the order of how much
-they speak of it, up to the first failure: as in `make test`, and if nothing fails the slow tests
-too. What became of each fault stays in build/faults, for a run that was interrupted and the next
-ones; it is tried again if the package has changed, or if it was missed and the tests have.
+The docstrings of the faulty file and the test files that speak most of it are tried first, then
+all test files in that order, up to the first failure: as in `make test`, and if nothing fails the
+slow tests too. What became of each fault stays in build/faults, for a run that was interrupted and
+the next ones; it is tried again if the package has changed, or if it was missed and the tests have.
 """
 
 from __future__ import annotations
@@ -32,6 +31,7 @@ WORK = ROOT / "build/faults"
 RESULTS = WORK / "results.jsonl"
 PACKAGE = Path("src/cylcontact")
 MARKS = {"make test": (), "make test-all": ("-m", "slow and not long")}
+NEAR = 4  # test files that are tried first: to collect all of them takes longer
 # Seconds for one run of pytest; the exit code of the program `timeout`.
 LIMIT, TIMED_OUT = 3600, 124
 IDENTITY = ("-c", "user.name=faults", "-c", "user.email=faults@localhost")
@@ -45,7 +45,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.faults")
     parser.add_argument("-j", "--jobs", type=int, default=1, help="faults at a time")
     parser.add_argument("--only", default="", metavar="PATTERN", help="text, kind or part")
-    parser.add_argument("--near", type=int, metavar="N", help="N test files only")
     asked = parser.parse_args()
     faults = tomllib.loads(LIST.read_text("utf-8"))["fault"]
     copies: SimpleQueue[Path] = SimpleQueue()
@@ -62,7 +61,7 @@ def main() -> None:
             return
         copy = copies.get()
         try:
-            found = {"fault": key_of(fault), "trees": trees} | outcome(fault, copy, asked.near)
+            found = {"fault": key_of(fault), "trees": trees} | outcome(fault, copy)
         finally:
             copies.put(copy)
         with RESULTS.open("a", encoding="utf-8") as file:
@@ -126,12 +125,12 @@ def place_of(fault: Fault, package: Path) -> Path | None:
     return max(counts, key=lambda f: counts[f]) if sum(counts.values()) == 1 else None
 
 
-def outcome(fault: Fault, copy: Path, near: int | None) -> dict:
+def outcome(fault: Fault, copy: Path) -> dict:
     """Apply a fault to a copy, and return which tests see it."""
     file = place_of(fault, copy / PACKAGE)
     if file is None:
         return {**dict.fromkeys(MARKS, "moved"), "by": ""}
-    tests = [str(file.relative_to(copy)), *nearest(file, copy)[:near]]
+    tests = [str(file.relative_to(copy)), *nearest(file, copy)]
     right, found = file.read_text("utf-8"), {"by": ""}
     file.write_text(right.replace(fault["old"], fault["new"]), encoding="utf-8")
     git(*IDENTITY, "commit", "--quiet", "-am", "A fault", folder=copy)  # some tests ask git
@@ -141,8 +140,10 @@ def outcome(fault: Fault, copy: Path, near: int | None) -> dict:
         "stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT,
     }  # fmt: skip
     try:
-        for column, marks in MARKS.items():
-            done = subprocess.run([*command, "--tb=no", *tests, *marks], check=False, **settings)
+        stages = [(column, some) for column in MARKS for some in (tests[: 1 + NEAR], tests)]
+        for column, some in stages:
+            words = [*command, "--tb=no", *some, *MARKS[column]]
+            done = subprocess.run(words, check=False, **settings)
             if done.returncode in (1, 2) or "while loading conftest" in done.stdout:
                 by = [*FAILED.findall(done.stdout), "the import"][0]
                 found |= dict.fromkeys(list(MARKS)[list(MARKS).index(column) :], "caught")
