@@ -1,0 +1,67 @@
+"""How the package scales on a Dask cluster, here of local processes, and what a task costs.
+
+python -m benchmarks.cluster    # prints the table of docs/how-to/cluster.md; some minutes
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import cloudpickle
+from distributed import LocalCluster
+
+from cylcontact.fitting import Campaign, calibrate
+from cylcontact.fitting.calibration import problem_of
+from cylcontact.fitting.runs import searches
+from cylcontact.mechanism import cases, read_mechanism
+from cylcontact.mechanism.study import Plan, run_case, sweep
+from cylcontact.parallel import Cluster, Workers, call, collect
+
+ROOT = Path(__file__).parents[1]
+WORKERS, ROUNDS, RUNS, EMPTY = (1, 2, 4, 8), 3, 64, 500
+CASES = cases(["johnson"], [0.5, 0.3, 0.2, 0.1, 0.07, 0.05], [1.0, 0.9], [0.0, 0.1])
+PLAN = Plan(revolutions=150, beyond="tangent")
+
+
+def main() -> None:
+    """Time each job with each number of workers, of one thread each, and print both tables."""
+    campaign = Campaign.read(ROOT / "fitting/internal.toml", runs=RUNS)
+    spec = campaign.spec
+    mechanism = read_mechanism(ROOT / "datasets/slider_crank.toml")
+    jobs: dict[str, Callable[[Workers], Any]] = {
+        f"fit of {RUNS} runs": lambda workers: calibrate(campaign, workers),
+        f"{len(CASES)} cases, {PLAN.revolutions} revolutions": partial(
+            sweep, mechanism, CASES, PLAN
+        ),
+        f"{EMPTY} empty calls": lambda workers: collect([call(abs, -1)] * EMPTY, workers),
+    }
+    print("| workers | " + " | ".join(jobs) + " |\n|---:|" + "---:|" * len(jobs))
+    for count in WORKERS:
+        with LocalCluster(
+            n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as local:
+            where = Cluster(local.scheduler_address)
+            seconds = [min(_seconds(job, where) for _ in range(ROUNDS)) for job in jobs.values()]
+        print(f"| {count} | " + " | ".join(f"{each:.2f} s" for each in seconds) + " |", flush=True)
+    problem, _ = problem_of(campaign)
+    run = searches(problem, spec.optimizer, spec.genetic, spec.seed, campaign.source)[0]
+    for name, task in {"run": run, "case": call(run_case, mechanism, PLAN)}.items():
+        function, arguments, named = task
+        sent, back = len(cloudpickle.dumps(task)), function(*arguments, **named)
+        print(
+            f"{name}: {sent / 1e3:.1f} kB there, {len(cloudpickle.dumps(back)) / 1e3:.1f} kB back"
+        )
+
+
+def _seconds(job: Callable[[Workers], Any], where: Workers) -> float:
+    started = time.perf_counter()
+    job(where)
+    return time.perf_counter() - started
+
+
+if __name__ == "__main__":
+    main()
