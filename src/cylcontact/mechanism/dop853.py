@@ -66,20 +66,22 @@ def later(turn: Turn, dt: float, crank: Any) -> Turn:
 
 @inlined
 def _evaluate(
-    t: float, turn: Turn, y: FloatArray, row: int, m: Model, crank: Any, pin: Any, linkage: Any
-) -> None:
+    t: float, turn: Turn, y: FloatArray, rates: FloatArray, row: int, joints: Any,
+    laws: FloatArray, crank: Any, pin: Any, linkage: Any,
+) -> None:  # fmt: skip
     if pin is not None:
-        slider_crank.derivatives_of_two(turn, y, m.rates, row, m.joints, m.laws, crank, pin)
+        slider_crank.derivatives_of_two(turn, y, rates, row, joints, laws, crank, pin)
     elif crank is not None:
-        slider_crank.derivatives(turn, y, m.rates, row, m.joints[0], m.laws, crank)
+        slider_crank.derivatives(turn, y, rates, row, joints[0], laws, crank)
     if linkage is not None:
-        cartesian.derivatives(t, y, m.rates, row, m.joints, m.laws, linkage)
+        cartesian.derivatives(t, y, rates, row, joints, laws, linkage)
 
 
-@compiled
+@inlined
 def rates_at(t: float, turn: Turn, y: FloatArray, row: int, m: Model) -> None:
     """Write the rates of coordinates and ledgers at a state to a row of `rates`."""
-    _evaluate(t, turn, y, row, m, m.crank, m.pin, m.linkage)
+    joints, laws, crank, pin, linkage, rates, _ = m
+    _evaluate(t, turn, y, rates, row, joints, laws, crank, pin, linkage)
 
 
 @inlined
@@ -97,11 +99,26 @@ def motion(turn: Turn, y: FloatArray, joint: Joint, crank: Any, pin: Any, linkag
 @compiled
 def step(t: float, h: float, turn: Turn, y: FloatArray, new: FloatArray, m: Model) -> None:
     """Write the state at t + h to `new`, from the state at t and its rates in row 0."""
+    joints, laws, crank, pin, linkage, rates, stage = m
+    _stages(t, h, turn, y, new, joints, laws, crank, pin, linkage, rates, stage)
+
+
+@inlined
+def _stages(
+    t: float, h: float, turn: Turn, y: FloatArray, new: FloatArray, joints: Any, laws: FloatArray,
+    crank: Any, pin: Any, linkage: Any, rates: FloatArray, stage: FloatArray,
+) -> None:  # fmt: skip
+    """Do so with the parts of a model: taken from it at every stage, they would be counted there."""
     for i in range(1, STAGES):
-        _combine(i, h, y, m.rates, m.stage, m.crank, m.pin)
-        at = later(turn, C[i] * h, m.crank)
-        _evaluate(t + C[i] * h, at, m.stage, i, m, m.crank, m.pin, m.linkage)
-    _combine(STAGES, h, y, m.rates, new, m.crank, m.pin)
+        _combine(i, h, y, rates, stage, crank, pin)
+        at = later(turn, C[i] * h, crank)
+        if pin is not None:
+            slider_crank.derivatives_of_two(at, stage, rates, i, joints, laws, crank, pin)
+        elif crank is not None:
+            slider_crank.derivatives(at, stage, rates, i, joints[0], laws, crank)
+        if linkage is not None:
+            cartesian.derivatives(t + C[i] * h, stage, rates, i, joints, laws, linkage)
+    _combine(STAGES, h, y, rates, new, crank, pin)
 
 
 @inlined
