@@ -108,7 +108,7 @@ def _stages(
     t: float, h: float, turn: Turn, y: FloatArray, new: FloatArray, joints: Any, laws: FloatArray,
     crank: Any, pin: Any, linkage: Any, rates: FloatArray, stage: FloatArray,
 ) -> None:  # fmt: skip
-    """Do so with the parts of a model: taken from it at every stage, they would be counted there."""
+    """Do so with the parts of a model, which at every stage would have to be counted."""
     for i in range(1, STAGES):
         _combine(i, h, y, rates, stage, crank, pin)
         at = later(turn, C[i] * h, crank)
