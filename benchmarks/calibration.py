@@ -13,7 +13,8 @@ from benchmarks.peers import PEERS, RowProblem, reach, rows_of
 from benchmarks.sampling import grid_of
 from benchmarks.search import problem_of
 from cylcontact.fitting.objectives import Problem
-from cylcontact.fitting.runs import execute, plan_runs
+from cylcontact.fitting.runs import searches
+from cylcontact.fitting.specs import GeneticSpec
 
 # A search has arrived when its objective is this close to the best.
 CLOSE = 1.001
@@ -96,16 +97,15 @@ def _ours(shape: tuple[int, ...], target: float, seed: int, optimizer: str) -> f
     """Return the seconds until a campaign's runs, in their order, arrive."""
     started = time.perf_counter()
     problem = problem_of(*shape)
-    crossovers = ("single_point", "uniform", "blend")
-    for plan in plan_runs(MOST_RUNS, (60, 120), crossovers, 300, seed, optimizer):
-        if execute(problem, plan).objective <= target:
+    for run, arguments, _ in searches(problem, optimizer, GeneticSpec(runs=MOST_RUNS), seed, ""):
+        if run(*arguments).objective <= target:
             return time.perf_counter() - started
     raise AssertionError(f"seed {seed}: none of {MOST_RUNS} runs came within {CLOSE}")
 
 
 def _best_known(problem: Problem, runs: int) -> float:
-    plans = plan_runs(runs, (60, 120), ("single_point", "uniform", "blend"), 300, 20150101)
-    return min(execute(problem, plan).objective for plan in plans)
+    planned = searches(problem, "genetic", GeneticSpec(runs=runs), 20150101, "")
+    return min(run(*arguments).objective for run, arguments, _ in planned)
 
 
 def require_same_objective(problem: Problem, samples: RowProblem) -> None:

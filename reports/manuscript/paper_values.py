@@ -177,7 +177,7 @@ def _rms_over(samples_of: LawFit, fit: LawFit) -> float:
     samples, _ = collect_samples(grid_from(samples_of.settings["dataset"], samples_of.name))
     model = grid_model_of(fit.law, fit.contact, fit.name)
     form = form_of(model, model.candidates(fit.coefficients), samples.dR)
-    return float(np.sqrt(np.mean(form.log_penetration_ratio(0, samples) ** 2)))
+    return float(np.sqrt(np.mean(form.log_ratio(0, samples) ** 2)))
 
 
 def _axes(result: LawFit) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cylcontact import InputError
-from cylcontact.datasets.measurements import MeasuredData, measurements_of, read_measured
+from cylcontact.datasets.measurements import measurements_of, read_measured
 from cylcontact.fitting.measured import STANDARDISED
 from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
 from cylcontact.materials import COLUMNS
@@ -205,22 +205,6 @@ def test_bad_columns_and_constants_are_told(tmp_path, dropped, added, constants,
     start, *parts = said.split("|")
     assert str(caught.value).startswith(f"{path}{start}")
     assert all(part in str(caught.value) for part in parts)
-
-
-@pytest.mark.parametrize(
-    ("changes", "key"),
-    [
-        ({"numbers": {"load": [1.0, 2.0]}}, "numbers.load"),
-        ({"numbers": {"colour": [1.0]}}, "numbers.colour"),
-        ({"labels": {"material": ["a", "b"]}}, "labels.material"),
-        ({"lines": [], "numbers": {}}, "lines"),
-    ],
-)
-def test_damaged_data_in_a_result_are_refused(tmp_path, changes, key):
-    data = read_measured(write_table(tmp_path / "t.csv", GOOD), "internal")
-    with pytest.raises(InputError, match="redo the fit") as caught:
-        measurements_of(MeasuredData(**data.model_dump() | changes), "r.json")
-    assert caught.value.key == key
 
 
 # --- campaigns --------------------------------------------------------------------------------

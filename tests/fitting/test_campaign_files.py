@@ -173,17 +173,3 @@ def test_a_grid_is_no_campaign_and_a_campaign_no_grid(tmp_path):
     with pytest.raises(InputError) as caught:
         read_campaign(path)
     assert_told(caught, path, "", None, "is a grid spec, not a campaign", "name a campaign")
-
-
-@pytest.mark.parametrize(
-    ("changes", "source", "key", "rule"),
-    [
-        ({"dataset": []}, "r.json", "settings", "lacks the campaign or the dataset"),
-        ({"dataset.axes.E": DROP}, "r.json, settings.dataset", "axes.E", "is required"),
-    ],
-)
-def test_settings_that_are_no_campaign_are_refused(tmp_path, changes, source, key, rule):
-    settings = json.loads(json.dumps(read_campaign(write_bench(tmp_path)).settings))
-    with pytest.raises(InputError) as caught:
-        campaign_of("small", changed(settings, changes), "r.json")
-    assert_told(caught, source, key, DROP, rule, caught.value.remedy)

@@ -28,7 +28,7 @@ def study(small_result):
 def test_the_spread_is_that_of_eq_9_over_the_samples(small_campaign, small_result, study):
     rows, _ = collect_samples(small_campaign.grid)
     point = np.array([[small_result.coefficients[name] for name in small_campaign.model.names]])
-    ratio = form_of(small_campaign.model, point, rows.dR).log_penetration_ratio(0, rows)
+    ratio = form_of(small_campaign.model, point, rows.dR).log_ratio(0, rows)
     for share, value in study.spread_percent.items():
         expected = 100 * np.expm1(np.quantile(ratio, float(share) / 100, method="inverted_cdf"))
         assert value == pytest.approx(expected, abs=0.02)

@@ -7,7 +7,7 @@ import pytest
 from cylcontact.datasets import Moments, concatenate
 from cylcontact.fitting.genetic import CROSSOVERS, OPERATORS, WholePopulations, search
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.objectives import Problem, Samples, form_of, make_objective
+from cylcontact.fitting.objectives import Problem, RmsLogPenetration, form_of
 from cylcontact.fitting.polish import polish
 from cylcontact.laws.law import Parameter
 
@@ -26,23 +26,19 @@ BOUNDS = {
 DR = {"internal": np.geomspace(0.05, 9.9, 31), "external": np.geomspace(5, 500, 15)}
 
 
-def exact_problem(contact, objective="rms-log-penetration"):
+def exact_problem(contact):
     """A problem whose data are the published law itself: its coefficients are the answer."""
     model = MODELS["enhanced", contact]
     published = np.array([list(model.published.values())])
     form = form_of(model, published, DR[contact])
     s = np.tile(np.linspace(-10, -4, 9), (DR[contact].size, 1))
     j = (s + form.c[0][:, None]) / form.n[0][:, None]
-    if objective != "rms-log-penetration":
-        index = np.repeat(np.arange(DR[contact].size), s.shape[1])
-        data = Samples(contact, DR[contact], index, s.ravel(), j.ravel())
-    else:
-        data = concatenate(
-            Moments.of_samples(dR, *row)
-            for dR, row in zip(DR[contact], np.stack([s, j], axis=1), strict=True)
-        )
+    data = concatenate(
+        Moments.of_samples(dR, *row)
+        for dR, row in zip(DR[contact], np.stack([s, j], axis=1), strict=True)
+    )
     parameters = tuple(Parameter(name, *BOUNDS[contact][name]) for name in model.names)
-    return Problem(model, parameters, make_objective(objective, data))
+    return Problem(model, parameters, RmsLogPenetration(data))
 
 
 @pytest.mark.parametrize("contact", ["internal", "external"])

@@ -1,5 +1,7 @@
 """Noise models against statsmodels, ODRPACK, lmfit and iminuit, and against dense matrices."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,7 +13,6 @@ from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting.noise import (
     Covariance,
     Degrees,
-    FittedNoise,
     Likelihood,
     NoiseModel,
     estimate,
@@ -209,12 +210,13 @@ def test_whitened_residuals_have_the_norm_of_the_full_covariance(rows):
     V, _, _ = dense(covariance, DEVIATIONS)
     vectors = np.random.default_rng(1).normal(size=(3, rows))
     before = vectors.copy()
-    whitened = covariance.whitening(DEVIATIONS)(vectors)
+    covariance = replace(covariance, deviations=DEVIATIONS)
+    whitened = covariance.whitened(vectors)
     assert vectors == pytest.approx(before)
     expected = vectors @ np.linalg.inv(V) @ vectors.T
     assert whitened @ whitened.T == pytest.approx(expected, rel=1e-11)
     # It is a root of the inverse: independent noise of variance 1 comes out.
-    W = covariance.whitening(DEVIATIONS)(np.eye(rows)).T
+    W = covariance.whitened(np.eye(rows)).T
     assert W @ V @ W.T == pytest.approx(np.eye(rows), abs=1e-11)
 
 
@@ -226,14 +228,14 @@ def test_fixed_offsets_sum_to_zero_beside_the_laws_own():
     sums = [Z[:, 3 * k + place] - Z[:, place] for k in (1, 2) for place in (0, 1)]
     X = np.column_stack([slopes, *sums, Z[:, [2, 5, 8]]])
     beta, normal, _, squares = least_squares(X, likelihood.residuals, np.diag(single))
-    whiten = covariance.whitening(scatter)
+    whiten = replace(covariance, deviations=scatter).whitened
     own, rest, _, _ = np.linalg.lstsq(whiten(slopes.T).T, whiten(likelihood.residuals), rcond=None)
     assert own == pytest.approx(beta[:2], rel=1e-9)
     assert rest[0] == pytest.approx(squares, rel=1e-9)
     assert likelihood.parameter_covariance(scatter) == pytest.approx(normal[:2, :2], rel=1e-9)
     # The effects of the series are those of the dummy columns.
     left = likelihood.residuals - slopes @ beta[:2]
-    effects = FittedNoise(covariance, scatter).series_effects(-left)
+    effects = replace(covariance, deviations=scatter).series_effects(-left)
     assert effects[1:, :2].ravel() == pytest.approx(beta[2:6], rel=1e-8)
     assert effects[:, :2].sum(axis=0) == pytest.approx(0.0, abs=1e-9)
     assert effects[:, 2] == pytest.approx(beta[6:], rel=1e-8)
@@ -279,7 +281,7 @@ def test_the_effects_of_the_series_solve_hendersons_equations():
     solution = np.linalg.solve(left, np.concatenate([(X.T * R) @ y, (Z.T * R) @ y]))
     beta, _, rest, _ = least_squares(X, y, V)
     assert solution[:2] == pytest.approx(beta, rel=1e-9)
-    effects = FittedNoise(covariance, DEVIATIONS).series_effects(-rest)
+    effects = replace(covariance, deviations=DEVIATIONS).series_effects(-rest)
     assert effects.ravel() == pytest.approx(solution[2:], rel=1e-9)
 
 

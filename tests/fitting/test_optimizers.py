@@ -12,7 +12,7 @@ from cylcontact import InputError
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.comparison import compare_optimizers
-from cylcontact.fitting.optimizers import OPTIMIZERS, BudgetSpentError, EvaluationBudget
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.polish import polish
 from tests.support.spec_files import assert_told, tree, write_bench
 
@@ -30,7 +30,7 @@ def optimizer(request):
     return request.param
 
 
-@pytest.fixture(params=[name for name, each in OPTIMIZERS.items() if each.spends_budget])
+@pytest.fixture(params=[name for name in OPTIMIZERS if name != "descents"])
 def searching(request):
     """Each optimiser that searches by itself."""
     return request.param
@@ -77,17 +77,6 @@ def test_candidates_for_which_the_law_is_undefined_are_survived(problem, optimiz
     )
     actual = search(replace(problem, parameters=wide), optimizer, 30, 40, "blend", seed=1)
     assert np.isfinite(actual.value)
-
-
-def test_a_budget_is_spent_to_the_last_candidate_and_the_best_is_kept(problem):
-    metered = EvaluationBudget(problem, 5)
-    units = np.linspace(0.1, 0.9, 21).reshape(7, 3)
-    with pytest.raises(BudgetSpentError):
-        metered.values(units)
-    points = problem.low + units[:5] * (problem.high - problem.low)
-    assert metered.spent == 5
-    assert metered.value == problem.values(points).min()
-    assert (metered.point == points[problem.values(points).argmin()]).all()
 
 
 # --- campaigns --------------------------------------------------------------------------------

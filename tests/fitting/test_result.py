@@ -97,11 +97,3 @@ def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     with pytest.raises(InputError) as caught:
         FitResult.read(path)
     assert_told(caught, f"{path}{where}", key, value, rule, remedy)
-
-
-def test_a_foreign_table_is_refused_by_its_first_unknown_key(tmp_path):
-    path = tmp_path / "package.json"
-    path.write_text('{"name": "x", "dependencies": {}}')
-    with pytest.raises(InputError) as caught:
-        FitResult.read(path)
-    assert_told(caught, path, "dependencies", {}, "is not a known key", "name, law, contact")

@@ -24,7 +24,8 @@ from benchmarks.page import AIMS, PAGE, RESULTS, find, load, page, save
 from benchmarks.sampling import grid_of
 from benchmarks.search import problem_of
 from cylcontact import InputError
-from cylcontact.fitting.runs import execute, plan_runs
+from cylcontact.fitting.runs import searches
+from cylcontact.fitting.specs import GeneticSpec
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw
 from tests.support.programs import require_program
@@ -71,8 +72,9 @@ def test_the_peers_minimise_what_we_minimise():
 
 def test_least_squares_on_rows_find_our_minimum():
     problem = problem_of(3, 1, 9, 3)
-    plans = plan_runs(4, (60,), ("uniform",), 100, 1)
-    best = min(execute(problem, plan).objective for plan in plans)
+    genetic = GeneticSpec(runs=4, populations=(60,), crossovers=("uniform",), generations=100)
+    planned = searches(problem, "genetic", genetic, 1, "")
+    best = min(run(*arguments).objective for run, arguments, _ in planned)
     samples = peers.rows_of(grid_of(3, 1, 9, 3), problem, CLOSE * best)
     value, _ = peers.reach("scipy least_squares, random starts", samples, 0)
     assert best * (1 - 1e-6) <= value <= CLOSE * best

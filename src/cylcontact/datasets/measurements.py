@@ -181,15 +181,16 @@ class Measurements:
 
     def duplicates(self) -> list[list[int]]:
         """Return the positions of identical rows, one list for each group of them."""
-        positions: dict[tuple[float, ...], list[int]] = {}
-        stacked = np.column_stack(list(self.columns.values()))
-        for k, row in enumerate(map(tuple, stacked.tolist())):
-            positions.setdefault(row, []).append(self.line(k))
-        return [lines for lines in positions.values() if len(lines) > 1]
+        alike = sorted(self._alike(*self.columns), key=lambda rows: int(rows[0]))
+        return [[self.line(k) for k in rows] for rows in alike]
 
     def replicates(self) -> list[Indices]:
         """Return the indices of rows of the same load and pair, two or more of them."""
-        keys = [self.columns[name] for name in ("load", *PAIR_COLUMNS) if name in self.columns]
+        return self._alike("load", *PAIR_COLUMNS)
+
+    def _alike(self, *names: str) -> list[Indices]:
+        """Return the indices of rows that are equal in some columns, two or more of them."""
+        keys = [self.columns[name] for name in names if name in self.columns]
         alike = equal_rows(keys, len(self))
         order = np.argsort(alike, kind="stable")
         parts = np.split(order, np.flatnonzero(np.diff(alike[order])) + 1)
@@ -449,7 +450,6 @@ def _divide_by_length(source: str, numbers: _Numbers, totals: Sequence[str]) -> 
 def measurements_of(data: MeasuredData, source: str) -> Measurements:
     """Check columns row by row and return the measurements."""
     size = len(data.lines)
-    _require_shapes(data, size, source)
     columns = {
         name: np.broadcast_to(np.array(values, dtype=np.float64), size).copy()
         for name, values in data.numbers.items()
@@ -464,20 +464,6 @@ def measurements_of(data: MeasuredData, source: str) -> Measurements:
             _require(data, source, name, columns[name], allowed)
     _complete_geometry(data, columns, source)
     return Measurements(data, np.arange(size), columns)
-
-
-def _require_shapes(data: MeasuredData, size: int, source: str) -> None:
-    """Raise `InputError` for columns of a damaged result: unknown ones or another length."""
-    for name, values in data.numbers.items():
-        if name not in _RANGES or len(values) not in (1, size):
-            rule = f"is not a known column of 1 or {size} rows"
-            raise InputError(source, f"numbers.{name}", None, rule, "redo the fit")
-    for name, words in data.labels.items():
-        if len(words) not in (1, size):
-            rule = f"is not a column of 1 or {size} rows"
-            raise InputError(source, f"labels.{name}", None, rule, "redo the fit")
-    if not size:
-        raise InputError(source, "lines", [], "must hold at least one row", "redo the fit")
 
 
 def _require_given(source: str, names: Sequence[str], columns: _Numbers) -> None:

@@ -36,7 +36,7 @@ from cylcontact.datasets.measurements import Constants, Indices
 from cylcontact.errors import InputError
 from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.measured import Fit
-from cylcontact.fitting.noise import FittedNoise
+from cylcontact.fitting.noise import Covariance
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.results import DataFit
 from cylcontact.fitting.table_campaign import MeasuredTable, TableCampaign, table_of
@@ -371,7 +371,7 @@ def choose_law(
     best = fitted[order[0]][1]
     # Deviations are those of the best law's noise model, so that the errors of laws compare.
     noise = best.fit.noise
-    scale = np.ones(len(data)) if noise is None else noise.whitening.scale
+    scale = np.ones(len(data)) if noise is None else noise.scale
     sizes = np.array([float(part.size) for part in parts])
     ranked = []
     for name in order:
@@ -449,14 +449,14 @@ def _missed(optimum: Optimum, parts: Sequence[Indices]) -> FloatArray:
     return missed
 
 
-def _of_series(rest: Fit, point: FloatArray, noise: FittedNoise) -> FloatArray:
+def _of_series(rest: Fit, point: FloatArray, noise: Covariance) -> FloatArray:
     """Return what the series add to all readings in mm, estimated from a part of them."""
-    covariance, estimated = noise.covariance, Optimum(rest, point).series
+    estimated = Optimum(rest, point).series
     if estimated is None or rest.noise is None:
-        return np.zeros(covariance.load.size)
-    effects = np.zeros((int(covariance.series.max()) + 1, len(noise.effects)))
-    effects[np.unique(rest.noise.covariance.series)] = estimated
-    return as_floats((covariance.columns * effects[covariance.series]).sum(axis=1))
+        return np.zeros(noise.load.size)
+    effects = np.zeros((int(noise.series.max()) + 1, len(noise.model.effects)))
+    effects[np.unique(rest.noise.series)] = estimated
+    return as_floats((noise.columns * effects[noise.series]).sum(axis=1))
 
 
 def choose(

@@ -177,13 +177,12 @@ class _Candidates:
         if fit.noise is None:
             variance = optimum.variance_of_reading(centre, load, pair)
         else:
-            covariance = fit.noise.covariance
             variance = fit.noise.scatter_variance(depth, load)
-            if fit.noise.effects:
+            if fit.noise.model.effects:
                 columns = {"offset": np.ones_like(depth), "gain": depth, "drift": 0.5 + 0 * depth}
-                shared = np.stack([columns[name] for name in fit.noise.effects], axis=1)
-                if covariance.is_random:
-                    spread = covariance.spread(fit.noise.deviations)
+                shared = np.stack([columns[name] for name in fit.noise.model.effects], axis=1)
+                if fit.noise.is_random:
+                    spread = fit.noise.spread(fit.noise.deviations)
         table = pd.DataFrame({"load_N_per_mm": load, "dR_mm": gap})
         return cls(table, slopes, variance, shared, spread)
 

@@ -15,7 +15,7 @@ from scipy import special
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.fitting.measured import MEDIAN_TO_SIGMA, Fit
-from cylcontact.fitting.noise import FittedNoise, positions
+from cylcontact.fitting.noise import Covariance, positions
 from cylcontact.fitting.optimum import BETTER, Optimum, half_width
 from cylcontact.fitting.records import (
     FAIRLY,
@@ -81,7 +81,7 @@ def _series_of_rows(optimum: Optimum, *names: str) -> Indices:
 
 
 def _allowed(optimum: Optimum) -> tuple[str, ...]:
-    return () if optimum.fit.noise is None else optimum.fit.noise.effects
+    return () if optimum.fit.noise is None else optimum.fit.noise.model.effects
 
 
 def _series(optimum: Optimum) -> _Shown | None:
@@ -171,7 +171,7 @@ def _spread(optimum: Optimum) -> _Shown | None:
     if noise is not None:
         relative = " relative to that assumed"
     remedy = "allow for both kinds of scatter with --noise both"
-    if noise is not None and len(noise.covariance.model.scatter) == 2:
+    if noise is not None and len(noise.model.scatter) == 2:
         remedy = "look for what else makes readings scatter"
     return "spread", p, f"the scatter of the readings{relative} {grows} with them", remedy
 
@@ -250,7 +250,7 @@ def r_squared(optimum: Optimum) -> float | None:
     """
     noise, added = optimum.fit.noise, optimum.series_in_mm
     rest, seen = _less_series(optimum), optimum.fit.observed - (0.0 if added is None else added)
-    series = np.zeros(seen.size, dtype=np.intp) if noise is None else noise.covariance.series
+    series = np.zeros(seen.size, dtype=np.intp) if noise is None else noise.series
     mean = np.bincount(series, seen) / np.bincount(series)
     total = float(((seen - mean[series]) ** 2).sum())
     return 1 - float((rest**2).sum()) / total if total > 0 else None
@@ -341,23 +341,21 @@ def uncertainty_of(optimum: Optimum, level: float = LEVEL, jobs: Workers = 1) ->
     )
 
 
-def _deviations(optimum: Optimum, noise: FittedNoise) -> FittedDeviations:
-    covariance, series, effects = noise.covariance, [], optimum.series
+def _deviations(optimum: Optimum, noise: Covariance) -> FittedDeviations:
+    series, effects = [], optimum.series
     if effects is not None:
-        over, data = covariance.model.over, optimum.fit.data
+        over, data = noise.model.over, optimum.fit.data
         labels = data.groups(over)[0] if over else ["all rows"]
         series = [
             SeriesEffect(
                 name=label,
                 rows=int(size),
-                effects=dict(zip(noise.effects, own.tolist(), strict=True)),
+                effects=dict(zip(noise.model.effects, own.tolist(), strict=True)),
             )
-            for label, size, own in zip(
-                labels, np.bincount(covariance.series), effects, strict=True
-            )
+            for label, size, own in zip(labels, np.bincount(noise.series), effects, strict=True)
         ]
     deviations = dict(noise.deviations)
-    return FittedDeviations(deviations=deviations, random=covariance.is_random, series=series)
+    return FittedDeviations(deviations=deviations, random=noise.is_random, series=series)
 
 
 def _without(optimum: Optimum, far: Sequence[Outlier]) -> dict[str, float]:

@@ -17,11 +17,10 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.grid import AnyGrid
-from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.objectives import form_of, samples_of
+from cylcontact.fitting.objectives import log_ratios_at
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.profiles import discrepancy_pair
 from cylcontact.fitting.records import DiscrepancyPair, LeftOut, Profile
@@ -154,9 +153,7 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
     counts = np.zeros(edges.size - 1)
     candidate = campaign.model.candidates(best)
     for dR in campaign.grid.dR:
-        form = form_of(campaign.model, candidate, np.array([dR]))
-        for block in blocks(campaign.grid, float(dR)):
-            ratio = form.log_penetration_ratio(0, samples_of(campaign.grid, block))
+        for (ratio,) in log_ratios_at(campaign.grid, campaign.model, candidate, float(dR)):
             if not np.isfinite(ratio).all():
                 rule = "leave the law undefined for some of its samples"
                 raise InputError(campaign.source, "coefficients", dict(best), rule, "redo the fit")

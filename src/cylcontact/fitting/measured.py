@@ -22,7 +22,7 @@ from scipy.optimize import least_squares
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.errors import InputError
-from cylcontact.fitting.noise import FittedNoise, Likelihood, NoiseModel, estimate
+from cylcontact.fitting.noise import Covariance, Likelihood, NoiseModel, estimate
 from cylcontact.fitting.problem import Minimum, ParameterSpace, built
 from cylcontact.laws.law import ContactLaw
 
@@ -103,7 +103,7 @@ class Fit(ParameterSpace):
     objective: str
     data: Measurements
     loss: Loss = _LEAST_SQUARES
-    noise: FittedNoise | None = None
+    noise: Covariance | None = None
 
     @property
     def of_load(self) -> bool:
@@ -119,7 +119,7 @@ class Fit(ParameterSpace):
     def has_sigma(self) -> bool:
         """Whether the standard deviation of the noise is known."""
         if self.objective == STANDARDISED:
-            return self.noise is not None and self.noise.is_given
+            return self.noise is not None and not self.noise.names
         return not self.is_log and self._sigma_name in self.data.columns
 
     @property
@@ -174,7 +174,7 @@ class Fit(ParameterSpace):
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             difference = np.log(predicted / observed) if self.is_log else predicted - observed
             if self.noise is not None:
-                return self.noise.whitening(as_floats(difference))
+                return self.noise.whitened(as_floats(difference))
             root = np.sqrt(self.data.weight)
             return as_floats(difference * (root if self.is_log else root / self.sigma))
 
@@ -287,18 +287,18 @@ class Fit(ParameterSpace):
         if law is None:
             raise TypeError("the law is undefined at the best parameters")
         covariance = model.covariance(self.data, law, best.get("offset", 0.0))
-        return replace(self, noise=FittedNoise(covariance, dict(deviations)))
+        return replace(self, noise=replace(covariance, deviations=dict(deviations)))
 
     def at_best(self, best: Mapping[str, float]) -> Fit:
         """Return the fit with its noise, if it has a model of it, for the best law."""
         if self.noise is None:
             return self
-        return self.with_noise(self.noise.covariance.model, best, self.noise.deviations)
+        return self.with_noise(self.noise.model, best, self.noise.deviations)
 
-    def likelihood(self, point: FloatArray, noise: FittedNoise) -> Likelihood:
+    def likelihood(self, point: FloatArray, noise: Covariance) -> Likelihood:
         """Return the likelihood of the deviations of a noise model at a point."""
         slopes = self.jacobian(point, self.differences)
-        return Likelihood(noise.covariance, self.differences(point[None, :])[0], slopes)
+        return Likelihood(noise, self.differences(point[None, :])[0], slopes)
 
     def estimating(self, model: NoiseModel, start: FloatArray) -> Fit:
         """Return the fit with the deviations of a noise model.

@@ -26,9 +26,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -92,9 +92,7 @@ class NoiseModel:
         with np.errstate(divide="ignore"):
             slope = np.where(load_std > 0, 1 / law.stiffness(reading, pair), 0.0)
         given = columns.get("penetration_std", zero) ** 2 + (slope * load_std) ** 2
-        series = np.zeros(len(data), dtype=np.intp)
-        if self.over is not None:
-            series = data.groups(self.over)[1]
+        series = zero.astype(np.intp) if self.over is None else data.groups(self.over)[1]
         return Covariance(
             model=self,
             load=load,
@@ -108,19 +106,17 @@ class NoiseModel:
 
 def positions(series: Indices, time: FloatArray | None) -> FloatArray:
     """Return the position of each row in its series, from 0 for the first to 1 at most."""
-    order = np.arange(series.size, dtype=np.float64) if time is None else time
-    along, longest = np.empty(series.size), 0.0
+    along = np.empty(series.size)
     for number in np.unique(series):
         rows = np.flatnonzero(series == number)
-        ranks = np.arange(rows.size) if time is None else order[rows] - order[rows].min()
-        along[rows] = ranks
-        longest = max(longest, float(ranks.max()))
+        along[rows] = np.arange(rows.size) if time is None else time[rows] - time[rows].min()
+    longest = float(along.max())
     return along / longest if longest > 0 else along
 
 
 @dataclass(frozen=True, eq=False)
 class Covariance:
-    """The covariance of N readings, but for the deviations that are to be estimated.
+    """The covariance of N readings, and the deviations in it that were estimated.
 
     load in N/mm; given: the variance of each row that is known beforehand, in mm²; depth: the
     penetration of the contact in mm; weight of the squared residuals; series of each row, from 0,
@@ -136,6 +132,7 @@ class Covariance:
     series: Indices
     position: FloatArray
     random: bool | None = None
+    deviations: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def is_random(self) -> bool:
@@ -196,44 +193,82 @@ class Covariance:
             random=self.is_random,
         )
 
-    def whitening(self, deviations: Mapping[str, float]) -> Whitening:
-        """Return the map from residuals to independent ones of variance 1."""
-        scale = np.sqrt(self.variance(deviations))
-        blocks: list[_Block] = []
+    # --- at the estimated deviations ----------------------------------------------------------
+
+    @cached_property
+    def scale(self) -> FloatArray:
+        """The standard deviations of single readings in mm, shape (N,)."""
+        return as_floats(np.sqrt(self.variance(self.deviations)))
+
+    def whitened(self, residuals: FloatArray) -> FloatArray:
+        """Return residuals in mm, shape (..., N), as independent ones in standard deviations.
+
+        That is by the symmetric root of V⁻¹. Fixed effects leave no trace.
+        """
+        u = residuals / self.scale
+        for rows, Q, S in self._blocks:
+            part = u[..., rows]
+            u[..., rows] = part - ((part[..., None, :] @ Q) @ S @ Q.mT)[..., 0, :]
+        return as_floats(u)
+
+    @cached_property
+    def _blocks(self) -> list[tuple[Indices, FloatArray, FloatArray]]:
+        """Rows, Q and S of V^(−1/2) = I − Q·S·Qᵀ for G series of n rows each, Q orthonormal.
+
+        They have the shapes (G, n), (G, n, m) and (G, m, m).
+        """
+        if not self.is_random and not self.fixed.size:
+            return []
+        if not self.is_random:
+            basis = _basis_of(as_floats(self.fixed / self.scale[:, None]))
+            rows = np.arange(self.scale.size)[None, :]
+            return [(rows, basis[None, :], np.eye(basis.shape[1])[None, :])]
+        columns = self.columns / self.scale[:, None] * self.spread(self.deviations)
+        order = np.argsort(self.series, kind="stable")
+        _, first, sizes = np.unique(self.series[order], return_index=True, return_counts=True)
+        blocks = []
+        for n in np.unique(sizes):
+            rows = order[first[sizes == n, None] + np.arange(n)]
+            Q, R = np.linalg.qr(columns[rows])
+            values, vectors = np.linalg.eigh(R @ R.mT)
+            shrunk = 1 - 1 / np.sqrt(1 + np.maximum(values, 0.0))
+            blocks.append((rows, Q, (vectors * shrunk[:, None, :]) @ vectors.mT))
+        return blocks
+
+    def series_effects(self, residuals: FloatArray) -> FloatArray:
+        """Return the effects of each series, shape (G, q), from fitted less measured in mm.
+
+        Offsets and drifts are in mm, gains relative. Random effects are the best linear unbiased
+        predictions, fixed ones their least squares.
+        """
         if self.is_random:
-            columns = self.columns / scale[:, None] * self.spread(deviations)
-            blocks = [_random_block(rows, columns[rows]) for rows in _rows_by_size(self.series)]
-        elif self.fixed.shape[1]:
-            basis = _basis_of(self.fixed / scale[:, None])
-            rows = np.arange(scale.size)[None, :]
-            blocks.append(_Block(rows, basis[None, :], np.eye(basis.shape[1])[None, :]))
-        return Whitening(scale, tuple(blocks))
+            spread = self.spread(self.deviations)
+            U = self.columns / self.scale[:, None] * spread
+            inner = _by_series(self.series, U[:, :, None] * U[:, None, :])
+            right = _by_series(self.series, U * (-residuals / self.scale)[:, None])
+            solved = np.linalg.solve(np.eye(spread.size) + inner, right[..., None])[..., 0]
+            return as_floats(spread * solved)
+        values = np.linalg.lstsq(self.fixed / self.scale[:, None], -residuals / self.scale)[0]
+        shared = self.fixed @ values
+        member = self.series[:, None] == np.unique(self.series)
+        design = (member[:, :, None] * self.columns[:, None, :]).reshape(len(shared), -1)
+        own = np.linalg.lstsq(design, shared)[0]
+        return as_floats(own.reshape(-1, len(self.model.effects)))
 
+    def scatter_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
+        """Return the variance of single new readings in mm², without what their series shares."""
+        # What is given at the loads of the data is interpolated between them.
+        at, place = np.unique(self.load, return_inverse=True)
+        mean = np.bincount(place, self.given) / np.bincount(place)
+        proportional = self.deviations.get("proportional", 0.0) * depth
+        constant = self.deviations.get("constant", 0.0)
+        return as_floats(np.interp(load, at, mean) + proportional**2 + constant**2)
 
-class _Block(NamedTuple):
-    """u → u − Q·S·Qᵀ·u for G series of n rows each, with orthonormal columns Q.
-
-    `rows` has the shape (G, n), Q (G, n, m) and S (G, m, m).
-    """
-
-    rows: Indices
-    Q: FloatArray
-    S: FloatArray
-
-
-def _rows_by_size(series: Indices) -> list[Indices]:
-    """Return the rows of series of n rows for each n, shape (G, n), to treat them at once."""
-    order = np.argsort(series, kind="stable")
-    _, first, sizes = np.unique(series[order], return_index=True, return_counts=True)
-    return [order[first[sizes == n, None] + np.arange(n)] for n in np.unique(sizes)]
-
-
-def _random_block(rows: Indices, columns: FloatArray) -> _Block:
-    """Return the blocks of (I + UUᵀ)^(−1/2), with U of shape (G, n, q)."""
-    Q, R = np.linalg.qr(columns)
-    values, vectors = np.linalg.eigh(R @ R.mT)
-    shrunk = 1 - 1 / np.sqrt(1 + np.maximum(values, 0.0))
-    return _Block(rows, as_floats(Q), as_floats((vectors * shrunk[:, None, :]) @ vectors.mT))
+    def new_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
+        """Return the variance of a new reading of a new series in mm², at depths and loads."""
+        shared = np.square([self.deviations.get(name, 0.0) for name in ("offset", "drift")]).sum()
+        gain = self.deviations.get("gain", 0.0) * depth
+        return as_floats(self.scatter_variance(depth, load) + gain**2 + shared)
 
 
 def _basis_of(columns: FloatArray) -> FloatArray:
@@ -244,92 +279,11 @@ def _basis_of(columns: FloatArray) -> FloatArray:
     return as_floats(left[:, singular > 1e-10 * singular[0]])
 
 
-class Whitening(NamedTuple):
-    """The symmetric root of V⁻¹, by rows and by series.
-
-    `scale` is the deviation of single readings in mm, shape (N,); the blocks are what the series
-    take away. Fixed effects leave no trace in whitened residuals.
-    """
-
-    scale: FloatArray
-    blocks: tuple[_Block, ...] = ()
-
-    def __call__(self, residuals: FloatArray) -> FloatArray:
-        """Return residuals in mm, shape (..., N), as independent ones in standard deviations."""
-        u = residuals / self.scale
-        for block in self.blocks:
-            part = u[..., block.rows]
-            shared = (part[..., None, :] @ block.Q) @ block.S @ block.Q.mT
-            u[..., block.rows] = part - shared[..., 0, :]
-        return as_floats(u)
-
-
-@dataclass(frozen=True, eq=False)
-class FittedNoise:
-    """A covariance at the best parameters with its estimated deviations."""
-
-    covariance: Covariance
-    deviations: Mapping[str, float]
-
-    @cached_property
-    def whitening(self) -> Whitening:
-        """The map from residuals to independent ones of variance 1."""
-        return self.covariance.whitening(self.deviations)
-
-    @property
-    def effects(self) -> tuple[str, ...]:
-        """The effects that the readings of a series share."""
-        return self.covariance.model.effects
-
-    @property
-    def is_given(self) -> bool:
-        """Whether all deviations came with the data."""
-        return not self.covariance.names
-
-    def take(self, rows: Indices, series: Indices | None = None) -> FittedNoise:
-        """Return the noise of a selection of rows, in the series given."""
-        return replace(self, covariance=self.covariance.take(rows, series))
-
-    def series_effects(self, residuals: FloatArray) -> FloatArray:
-        """Return the effects of each series, shape (G, q), from fitted less measured in mm.
-
-        Offsets and drifts are in mm, gains relative. Random effects are the best linear unbiased
-        predictions, fixed ones their least squares.
-        """
-        covariance = self.covariance
-        variance = covariance.variance(self.deviations)
-        if covariance.is_random:
-            spread, effects = covariance.spread(self.deviations), []
-            for number in np.unique(covariance.series):
-                rows = covariance.series == number
-                columns = covariance.columns[rows] * spread
-                weighted = columns.T / variance[rows]
-                core = np.eye(spread.size) + weighted @ columns
-                effects.append(spread * np.linalg.solve(core, weighted @ -residuals[rows]))
-            return np.array(effects)
-        scale = np.sqrt(variance)
-        values = np.linalg.lstsq(covariance.fixed / scale[:, None], -residuals / scale)[0]
-        shared = covariance.fixed @ values
-        member = covariance.series[:, None] == np.unique(covariance.series)
-        design = (member[:, :, None] * covariance.columns[:, None, :]).reshape(len(shared), -1)
-        own = np.linalg.lstsq(design, shared)[0]
-        return as_floats(own.reshape(-1, len(self.effects)))
-
-    def scatter_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
-        """Return the variance of single new readings in mm², without what their series shares."""
-        covariance, deviations = self.covariance, self.deviations
-        # What is given at the loads of the data is interpolated between them.
-        at, place = np.unique(covariance.load, return_inverse=True)
-        mean = np.bincount(place, covariance.given) / np.bincount(place)
-        proportional = deviations.get("proportional", 0.0) * depth
-        constant = deviations.get("constant", 0.0)
-        return as_floats(np.interp(load, at, mean) + proportional**2 + constant**2)
-
-    def new_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
-        """Return the variance of a new reading of a new series in mm², at depths and loads."""
-        shared = np.square([self.deviations.get(name, 0.0) for name in ("offset", "drift")]).sum()
-        gain = self.deviations.get("gain", 0.0) * depth
-        return as_floats(self.scatter_variance(depth, load) + gain**2 + shared)
+def _by_series(series: Indices, values: FloatArray) -> FloatArray:
+    """Return sums over the rows of each series, shape (N, ...) to (G, ...)."""
+    order = np.argsort(series, kind="stable")
+    starts = np.flatnonzero(np.diff(series[order], prepend=-1))
+    return as_floats(np.add.reduceat(values[order], starts, axis=0))
 
 
 # --- the deviations by restricted maximum likelihood ------------------------------------------
@@ -349,21 +303,22 @@ class Likelihood:
 
     def __call__(self, deviations: Mapping[str, float]) -> float:
         """Return −2ℓ; inf if the covariance is singular."""
-        inner, log_det = self._inner(deviations, self._reduced)
-        if not np.isfinite(log_det):
+        if not (self.covariance.variance(deviations) > 0).all():
             return np.inf
-        normal = inner[1:, 1:]
-        sign, log_normal = np.linalg.slogdet(normal)
-        if sign <= 0:
-            return np.inf
-        rest = inner[0, 0] - inner[0, 1:] @ np.linalg.solve(normal, inner[1:, 0])
-        return float(log_det + log_normal + rest)
+        log_det, normal, rest = self._terms(deviations)
+        return float(log_det + np.linalg.slogdet(normal)[1] + rest)
 
     def log_likelihood(self, deviations: Mapping[str, float]) -> float:
         """Return ln L of the readings, not restricted, at the best parameters and fixed effects."""
-        inner, log_det = self._inner(deviations, self._reduced)
-        rest = inner[0, 0] - inner[0, 1:] @ np.linalg.solve(inner[1:, 1:], inner[1:, 0])
+        log_det, _, rest = self._terms(deviations)
         return float(-0.5 * (self.residuals.size * np.log(2 * np.pi) + log_det + rest))
+
+    def _terms(self, deviations: Mapping[str, float]) -> tuple[float, FloatArray, float]:
+        """Return ln|V|, XᵀV⁻¹X in an orthonormal basis of the columns of X, and rᵀPr."""
+        inner, log_det = self._inner(deviations, self._reduced)
+        normal = inner[1:, 1:]
+        rest = inner[0, 0] - inner[0, 1:] @ np.linalg.solve(normal, inner[1:, 0])
+        return log_det, normal, float(rest)
 
     def parameter_covariance(self, deviations: Mapping[str, float]) -> FloatArray:
         """Return the covariance of the free parameters, shape (k, k)."""
@@ -387,8 +342,6 @@ class Likelihood:
         """Return MᵀV⁻¹M of columns M, shape (m, m), and ln|V|."""
         covariance = self.covariance
         variance = covariance.variance(deviations)
-        if not (variance > 0).all():
-            return np.zeros((columns.shape[1],) * 2), np.inf
         weighted = columns / variance[:, None]
         inner, log_det = columns.T @ weighted, float(np.log(variance).sum())
         if not covariance.is_random:
@@ -399,13 +352,6 @@ class Likelihood:
         core = np.eye(Z.shape[1]) + own
         inner = inner - np.einsum("gqa,gqb->ab", shared, np.linalg.solve(core, shared))
         return inner, log_det + float(np.linalg.slogdet(core)[1].sum())
-
-
-def _by_series(series: Indices, values: FloatArray) -> FloatArray:
-    """Return sums over the rows of each series, shape (N, ...) to (G, ...)."""
-    order = np.argsort(series, kind="stable")
-    starts = np.flatnonzero(np.diff(series[order], prepend=-1))
-    return as_floats(np.add.reduceat(values[order], starts, axis=0))
 
 
 def estimate(likelihood: Likelihood) -> dict[str, float]:

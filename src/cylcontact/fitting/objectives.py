@@ -24,7 +24,7 @@ from scipy.optimize import least_squares, linprog
 from cylcontact.arrays import FloatArray, IndexArray, as_floats
 from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid
 from cylcontact.datasets.moments import Moments
-from cylcontact.datasets.sampling import Block, Counts, blocks, reduce_grid
+from cylcontact.datasets.sampling import Counts, blocks, reduce_grid
 from cylcontact.fitting.problem import ParameterSpace, built
 from cylcontact.laws.law import ContactLaw, LawModel
 from cylcontact.materials import material_in_MPa
@@ -76,39 +76,28 @@ class Samples:
         return list(zip(np.split(self.s, edges), np.split(self.j, edges), strict=True))
 
 
-def samples_of(grid: AnyGrid, block: Block) -> Samples:
-    """Return one block of samples as rows."""
-    index = np.zeros(block.load.size, dtype=np.intp)
-    dundurs = block.row_values if isinstance(grid, DimensionlessGrid) else None
-    return Samples(grid.contact, np.array([block.dR]), index, block.s, block.j, dundurs)
-
-
 def collect_samples(grid: AnyGrid) -> tuple[Samples, Counts]:
     """Sample a grid into memory, without clearances that are masked completely."""
-    clearances: list[tuple[float, FloatArray, FloatArray]] = []
-    masked, dundurs = 0, None
-    for dR in grid.dR:
-        sampled = list(blocks(grid, float(dR)))
-        masked += sum(block.masked for block in sampled)
-        s = np.concatenate([block.s for block in sampled])
-        j = np.concatenate([block.j for block in sampled])
-        order = np.argsort(s, kind="stable")
-        if s.size:
-            clearances.append((float(dR), s[order], j[order]))
-        if isinstance(grid, DimensionlessGrid):  # of one clearance
-            alpha, beta = (np.concatenate([b.row_values[k] for b in sampled]) for k in (0, 1))
-            dundurs = alpha[order], beta[order]
-    if not clearances:
+    sampled = [
+        (np.full(block.load.size, k), block.s, block.j, *block.row_values, block.masked)
+        for k, dR in enumerate(grid.dR)
+        for block in blocks(grid, float(dR))
+    ]
+    *columns, masked = zip(*sampled, strict=True)
+    of_clearance, s, j, alpha, beta = map(np.concatenate, columns)
+    if not s.size:
         reduce_grid(grid)  # raises the error that names the reason
+    order = np.lexsort((s, of_clearance))
+    inside, index = np.unique(of_clearance[order], return_inverse=True)
     rows = Samples(
         contact=grid.contact,
-        dR=np.array([dR for dR, _, _ in clearances]),
-        index=np.repeat(np.arange(len(clearances)), [s.size for _, s, _ in clearances]),
-        s=np.concatenate([s for _, s, _ in clearances]),
-        j=np.concatenate([j for _, _, j in clearances]),
-        dundurs=dundurs,
+        dR=grid.dR[inside],
+        index=index,
+        s=s[order],
+        j=j[order],
+        dundurs=(alpha[order], beta[order]) if isinstance(grid, DimensionlessGrid) else None,
     )
-    return rows, Counts(rows.s.size, masked)
+    return rows, Counts(s.size, sum(masked))
 
 
 @dataclass(frozen=True)
@@ -121,15 +110,10 @@ class PowerForm:
     def __len__(self) -> int:
         return len(self.n)
 
-    def log_penetration_ratio(self, candidate: int, rows: Samples) -> FloatArray:
-        """Return r = (s + c)/n − j of each sample."""
+    def log_ratio(self, candidate: int, rows: Samples, of_load: bool = False) -> FloatArray:
+        """Return r = (s + c)/n − j of each sample, or n·j − c − s = −n·r of the loads."""
         c, n = self.c[candidate][rows.index], self.n[candidate][rows.index]
-        return as_floats((rows.s + c) / n - rows.j)
-
-    def log_load_ratio(self, candidate: int, rows: Samples) -> FloatArray:
-        """Return n·j − c − s = −n·r of each sample."""
-        c, n = self.c[candidate][rows.index], self.n[candidate][rows.index]
-        return as_floats(n * rows.j - c - rows.s)
+        return as_floats(n * rows.j - c - rows.s if of_load else (rows.s + c) / n - rows.j)
 
 
 @dataclass(frozen=True)
@@ -141,19 +125,14 @@ class LawForm:
     def __len__(self) -> int:
         return len(self.laws)
 
-    def log_penetration_ratio(self, candidate: int, rows: Samples) -> FloatArray:
-        """Return ln(δ_law/δ_reference) of each sample at equal load."""
+    def log_ratio(self, candidate: int, rows: Samples, of_load: bool = False) -> FloatArray:
+        """Return ln(δ_law/δ_reference) of each sample at equal load, or that of the loads."""
         law = self.laws[candidate]
         if law is None:
             return np.full_like(rows.s, np.nan)
+        if of_load:
+            return as_floats(np.log(law.load(rows.penetration, rows.pair)) - rows.s)
         return as_floats(np.log(law.penetration(rows.load, rows.pair)) - rows.j)
-
-    def log_load_ratio(self, candidate: int, rows: Samples) -> FloatArray:
-        """Return ln(f_law/f_reference) of each sample at equal penetration."""
-        law = self.laws[candidate]
-        if law is None:
-            return np.full_like(rows.s, np.nan)
-        return as_floats(np.log(law.load(rows.penetration, rows.pair)) - rows.s)
 
 
 Form = PowerForm | LawForm
@@ -268,8 +247,7 @@ class OnRows(ABC):
 
     def log_ratios(self, form: Form) -> Iterator[FloatArray]:
         """Yield the log of the ratio of loads or penetrations of each candidate, shape (N,)."""
-        log_ratio = form.log_load_ratio if self.of_load else form.log_penetration_ratio
-        return (log_ratio(candidate, self.rows) for candidate in range(len(form)))
+        return (form.log_ratio(k, self.rows, self.of_load) for k in range(len(form)))
 
     @abstractmethod
     def _value(self, log_ratio: FloatArray) -> float: ...
@@ -340,12 +318,15 @@ class Largest(OnRows):
     def bound(self) -> float:
         """From the widest of the narrowest strips around the samples of each clearance.
 
-        A strip of width w in the log ratio is best placed if exp(w₊) − 1 = 1 − exp(w₋) with
-        w₊ − w₋ = w. The largest magnitude is then tanh(w/2).
+        A strip of half-width w in the log ratio is best placed if exp(w₊) − 1 = 1 − exp(w₋) with
+        w₊ − w₋ = 2w. The largest magnitude is then tanh w.
         """
-        points = self.rows.clearances()
-        widths = [_strip_width(j, s) if self.of_load else _strip_width(s, j) for s, j in points]
-        return float(100 * np.tanh(max(widths) / 2))
+        widths = []
+        for s, j in self.rows.clearances():
+            x, y = (j, s) if self.of_load else (s, j)
+            lines = np.column_stack([x - x.mean(), np.ones_like(x)])
+            widths.append(least_largest(y.mean() - y, lines, [(None, None)] * 2)[1])
+        return float(100 * np.tanh(max(widths)))
 
     def _value(self, log_ratio: FloatArray) -> float:
         return float(100 * np.abs(np.expm1(log_ratio)).max())
@@ -367,24 +348,20 @@ def _or_inf(values: FloatArray) -> FloatArray:
     return np.where(np.isfinite(values), values, np.inf)
 
 
-def _strip_width(s: FloatArray, j: FloatArray) -> float:
-    """Return the extent in j of the narrowest strip around the points (s, j).
-
-    The strip is j = p·s + q ± w/2; the linear programme finds p, q and w.
-    """
-    x, y = s - s.mean(), j - j.mean()
-    ones = np.ones_like(x)
-    above = np.column_stack([-x, -ones, -ones / 2])
-    below = np.column_stack([x, ones, -ones / 2])
+def least_largest(
+    residuals: FloatArray, slopes: FloatArray, bounds: Sequence[tuple[float | None, float | None]]
+) -> tuple[FloatArray, float]:
+    """Minimise max|residuals + slopes·step| within bounds; return the step and that largest."""
+    minus_t = -np.ones((residuals.size, 1))
     solution = linprog(
-        [0, 0, 1],
-        A_ub=np.vstack([above, below]),
-        b_ub=np.concatenate([-y, y]),
-        bounds=[(None, None), (None, None), (0, None)],
+        np.append(np.zeros(len(bounds)), 1.0),
+        A_ub=np.block([[slopes, minus_t], [-slopes, minus_t]]),
+        b_ub=np.concatenate([-residuals, residuals]),
+        bounds=[*bounds, (0.0, None)],
     )
-    if solution.x is None:
-        raise ArithmeticError(f"the narrowest strip was not found: {solution.message}")
-    return float(solution.x[2])
+    if solution.x is None:  # numerically infeasible
+        return np.zeros(len(bounds)), float(np.abs(residuals).max())
+    return as_floats(solution.x[:-1]), float(solution.x[-1])
 
 
 Objective = RmsLogPenetration | OnRows
@@ -429,19 +406,25 @@ def max_abs_difference_percent(
 
 
 def _at_clearance(grid: AnyGrid, model: LawModel, points: FloatArray, dR: float) -> FloatArray:
-    """Return the largest |Eq 9| at one ΔR, as a fraction, shape (P,).
-
-    Eq 9 increases with the log ratio, so only the extremes are exponentiated.
-    """
+    """Return the largest |Eq 9| at one ΔR, as a fraction, shape (P,)."""
     low, high = np.zeros(len(points)), np.zeros(len(points))
+    for ratios in log_ratios_at(grid, model, points, dR):
+        low = np.fmin(low, np.fmin.reduce(ratios, axis=1, initial=0.0))
+        high = np.fmax(high, np.fmax.reduce(ratios, axis=1, initial=0.0))
+    # Eq 9 increases with the log ratio, so only the extremes are exponentiated.
+    return as_floats(np.maximum(np.expm1(high), -np.expm1(low)))
+
+
+def log_ratios_at(
+    grid: AnyGrid, model: LawModel, points: FloatArray, dR: float
+) -> Iterator[FloatArray]:
+    """Yield ln(δ_law/δ_reference) of P candidates at one ΔR, by blocks of samples."""
     form = form_of(model, points, np.array([dR]))
     for block in blocks(grid, dR):
-        rows = samples_of(grid, block)
-        for k in range(len(points)):
-            ratio = form.log_penetration_ratio(k, rows)
-            low[k] = np.fmin.reduce(ratio, initial=low[k])
-            high[k] = np.fmax.reduce(ratio, initial=high[k])
-    return as_floats(np.maximum(np.expm1(high), -np.expm1(low)))
+        index = np.zeros(block.load.size, dtype=np.intp)
+        dundurs = block.row_values if isinstance(grid, DimensionlessGrid) else None
+        rows = Samples(grid.contact, np.array([dR]), index, block.s, block.j, dundurs)
+        yield np.array([form.log_ratio(k, rows) for k in range(len(points))])
 
 
 # Numbers in an array of candidates by data; of more candidates some at a time are evaluated.

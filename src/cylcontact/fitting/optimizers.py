@@ -35,7 +35,6 @@ class Optimizer:
 
     search: Callable[[ParameterSpace, int, int, str | None, int], Minimum]
     has_crossover: bool = False
-    spends_budget: bool = True
     library: str = ""
     extra: str = ""
 
@@ -47,11 +46,6 @@ class Optimizer:
             remedy = f"make extras, or pip install 'cylcontact[{self.extra}]'"
             rule = f"needs the extra '{self.extra}'"
             raise InputError(source, "optimizer", name, rule, remedy) from None
-
-
-def budget_of(population: int, generations: int) -> int:
-    """Return the number of evaluations of a genetic run, the budget of every optimiser."""
-    return population + generations * (population - min(ELITE, population - 1))
 
 
 def _genetic(
@@ -90,29 +84,27 @@ class EvaluationBudget:
 
     def values(self, units: FloatArray) -> FloatArray:
         """Return the objective of P candidates, shape (P, k) to (P,); inf if undefined."""
-        points = self._points(units)
-        values = self._problem.values(points)
-        if values.size and values.min() < self.value:
-            best = int(values.argmin())
-            self.point, self.value = points[best], float(values[best])
-        self._require_complete(units)
-        return values
+        return self._spend(units, self._best_kept)
 
     def residuals(self, units: FloatArray) -> FloatArray:
         """Return the residuals of P candidates, shape (P, k) to (P, q); 1e3 if undefined."""
-        residuals = self._problem.finite_residuals(self._points(units))
-        self._require_complete(units)
-        return residuals
+        return self._spend(units, self._problem.finite_residuals)
 
-    def _points(self, units: FloatArray) -> FloatArray:
+    def _best_kept(self, points: FloatArray) -> FloatArray:
+        values = self._problem.values(points)
+        best = int(values.argmin())
+        if values[best] < self.value:
+            self.point, self.value = points[best], float(values[best])
+        return values
+
+    def _spend(self, units: FloatArray, evaluate: Callable[[FloatArray], FloatArray]) -> FloatArray:
+        low, high = self._problem.low, self._problem.high
         allowed = units[: self._budget - self.spent]
         self.spent += len(allowed)
-        span = self._problem.high - self._problem.low
-        return as_floats(self._problem.low + np.clip(allowed, 0, 1) * span)
-
-    def _require_complete(self, units: FloatArray) -> None:
-        if self.spent >= self._budget and len(units):
+        answers = evaluate(as_floats(low + np.clip(allowed, 0, 1) * (high - low)))
+        if self.spent >= self._budget:
             raise BudgetSpentError
+        return answers
 
 
 def _within_budget(
@@ -123,7 +115,8 @@ def _within_budget(
     def search(
         problem: ParameterSpace, population: int, generations: int, _: str | None, seed: int
     ) -> Minimum:
-        budget = EvaluationBudget(problem, budget_of(population, generations))
+        new = population - min(ELITE, population - 1)  # of a generation of a genetic run
+        budget = EvaluationBudget(problem, population + generations * new)
         with suppress(BudgetSpentError):
             restart(budget, population, np.random.default_rng(seed))
         return Minimum(budget.point, budget.value, budget.spent)
@@ -212,6 +205,6 @@ OPTIMIZERS: Mapping[str, Optimizer] = {
     "genetic": Optimizer(_genetic, has_crossover=True),
     "differential-evolution": Optimizer(_differential_evolution),
     "least-squares": Optimizer(_least_squares),
-    "descents": Optimizer(_random, spends_budget=False),
+    "descents": Optimizer(_random),
     "cma": Optimizer(_cma_es, library="cma", extra="peers"),
 }

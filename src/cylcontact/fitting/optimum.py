@@ -157,7 +157,7 @@ class Optimum:
     def series(self) -> FloatArray | None:
         """The effects of each series, shape (G, q); None without series."""
         noise = self.fit.noise
-        if noise is None or not noise.effects:
+        if noise is None or not noise.model.effects:
             return None
         return noise.series_effects(self.differences)
 
@@ -167,7 +167,7 @@ class Optimum:
         noise, effects = self.fit.noise, self.series
         if noise is None or effects is None:
             return None
-        return as_floats((noise.covariance.columns * effects[noise.covariance.series]).sum(axis=1))
+        return as_floats((noise.columns * effects[noise.series]).sum(axis=1))
 
     # --- the covariance of the parameters -----------------------------------------------------
 
@@ -315,8 +315,8 @@ class Optimum:
     def estimated(self) -> int:
         """The number of free parameters, deviations of the noise and fixed effects."""
         if self.fit.noise is not None:
-            covariance = self.fit.noise.covariance
-            return self.point.size + len(covariance.names) + int(covariance.fixed.shape[1])
+            noise = self.fit.noise
+            return self.point.size + len(noise.names) + int(noise.fixed.shape[1])
         return self.point.size + (0 if self.known else 1)
 
     # --- profiles -----------------------------------------------------------------------------
@@ -390,11 +390,8 @@ class Optimum:
         )
 
     def _around(self, name: str, ends: Interval, points: int) -> FloatArray:
-        """Return values within the bounds, up to so many half-widths of an interval away."""
-        parameter, best = next(p for p in self.fit.free if p.name == name), self.best[name]
-        low = max(parameter.low, best - _REACH * (best - ends.low))
-        high = min(parameter.high, best + _REACH * (ends.high - best))
-        return np.linspace(low, high, points)
+        parameter = self.fit.free[self.fit.names.index(name)]
+        return ends.around(parameter, self.best[name], _REACH, points)
 
     def profile(
         self, name: str, ends: Interval, level: float

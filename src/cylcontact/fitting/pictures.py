@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measurements import Indices, Measurements
@@ -19,7 +18,6 @@ from cylcontact.plain_text import as_label, brief
 from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.measured import Curve, draw_curves, draw_readings, draw_residuals
-from cylcontact.plots.style import ACCENT, QUIET
 
 # Points of a curve, and the most pairs and laws with curves of their own.
 _POINTS, _PAIRS, _LAWS = 121, 5, 4
@@ -33,7 +31,7 @@ def plot(optimum: Optimum, law: str, level: float, ax: Axes | None = None) -> Ax
     """Draw the data, the fitted law and the band of a new reading."""
     data, noise = optimum.fit.data, optimum.fit.noise
     # The curve and its band lack the fixed effects of series.
-    fixed = None if noise is None or noise.covariance.is_random else optimum.series_in_mm
+    fixed = None if noise is None or noise.is_random else optimum.series_in_mm
     with axes_for(ax, "plot", "column", 68.0) as axes:
         draw_curves(axes, _curves(optimum, law, level))
         reading = data.penetration if fixed is None else data.penetration - fixed
@@ -53,25 +51,6 @@ def plot_residuals(
     words = {k: f"line {line}" for k, line in enumerate(table["line"]) if line in lines}
     with axes_for(ax, "plot_residuals", "column", 45.0) as axes:
         draw_residuals(axes, load, standardised, "residual (std. dev.)", _series(data), words)
-    return axes
-
-
-def plot_profile(
-    curve: tuple[ArrayLike, ArrayLike],
-    limit: float,
-    best: float,
-    labels: tuple[str, str],
-    ends: Sequence[float] = (),
-    ax: Axes | None = None,
-) -> Axes:
-    """Draw how much worse a fit gets over a coefficient, the limit, and its ends if known."""
-    with axes_for(ax, "plot_profile", "column", 60.0) as axes:
-        axes.plot(*curve, marker="", linestyle="-")
-        axes.axhline(limit, color=QUIET, linestyle=":", marker="")
-        for end in ends:
-            axes.axvline(end, color=QUIET, linestyle="--", marker="", linewidth=0.8)
-        axes.axvline(best, color=ACCENT, linestyle="--", marker="")
-        axes.set(xlabel=labels[0], ylabel=labels[1])
     return axes
 
 

@@ -14,10 +14,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import linprog
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
-from cylcontact.fitting.objectives import Largest, PowerForm, RmsLogPenetration, RootMeanSquare
+from cylcontact.fitting.objectives import (
+    Largest,
+    PowerForm,
+    RmsLogPenetration,
+    RootMeanSquare,
+    least_largest,
+)
 from cylcontact.fitting.problem import ParameterSpace
 
 # A restart that gains less than this, relatively, ends the polish.
@@ -314,7 +319,8 @@ def minimise_largest(
     for _ in range(_MAX_PROGRAMMES):
         slopes = central_differences(residuals, low, high, point[None, :])[0].T * span
         unit = (point - low) / span
-        step, predicted = _linear_programme(reached, slopes, unit, radius)
+        ends = np.maximum(-radius, -unit), np.minimum(radius, 1 - unit)
+        step, predicted = least_largest(reached, slopes, list(zip(*ends, strict=True)))
         largest = np.abs(reached).max()
         if not predicted < largest * (1 - precision) or radius < _LAST_RADIUS:
             break
@@ -325,23 +331,3 @@ def minimise_largest(
             point, reached = candidate, trial
         radius *= 2.0 if share > 0.75 else 0.25 if share < 0.25 else 1.0
     return point
-
-
-def _linear_programme(
-    residuals: FloatArray, slopes: FloatArray, unit: FloatArray, radius: float
-) -> tuple[FloatArray, float]:
-    """Minimise max|residuals + slopes·step| over |step| ≤ radius, 0 ≤ unit + step ≤ 1.
-
-    Return the step and the largest magnitude predicted for it.
-    """
-    minus_t = -np.ones((residuals.size, 1))
-    bounds = np.column_stack([np.maximum(-radius, -unit), np.minimum(radius, 1 - unit)])
-    solution = linprog(
-        np.append(np.zeros(unit.size), 1.0),
-        A_ub=np.block([[slopes, minus_t], [-slopes, minus_t]]),
-        b_ub=np.concatenate([-residuals, residuals]),
-        bounds=[*bounds, (0.0, None)],
-    )
-    if solution.x is None:  # numerically infeasible
-        return np.zeros(unit.size), float(np.abs(residuals).max())
-    return as_floats(solution.x[:-1]), float(solution.x[-1])

@@ -17,7 +17,7 @@ from scipy.optimize import elementwise
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
 from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.polish import affordable_starts, climb_down, descend
-from cylcontact.fitting.records import TOLERANCE, DiscrepancyPair, Ends, Profile
+from cylcontact.fitting.records import TOLERANCE, DiscrepancyPair, Profile
 from cylcontact.laws.law import Coefficients
 
 # Values of a coefficient in a profile.
@@ -124,7 +124,7 @@ def profiles(
     """
     curves: list[_Curve] = []
     for name in names:
-        (parameter,) = (p for p in problem.free if p.name == name)
+        parameter = problem.free[problem.names.index(name)]
         extra = [each[name] for each in (best, published) if each]
         even = np.linspace(parameter.low, parameter.high, _CURVE_POINTS)
         values, first = np.union1d(even, extra), sum(each.values.size for each in curves)
@@ -183,7 +183,7 @@ def _profile(
     ends: FloatArray,
     published: Coefficients | None,
 ) -> Profile:
-    (parameter,) = (p for p in problem.free if p.name == curve.name)
+    parameter = problem.free[problem.names.index(curve.name)]
     low, high = np.where(np.isnan(ends), [parameter.low, parameter.high], ends)
     objective = minima.values[curve.places]
     defined = np.isfinite(objective)
@@ -199,20 +199,15 @@ def _profile(
     )
 
 
-def _around(problem: Problem, best: Coefficients, name: str, ends: Ends) -> list[float]:
-    """Return values within the bounds, up to `_REACH` half-widths of an interval away."""
-    parameter = next(p for p in problem.free if p.name == name)
-    low = max(parameter.low, best[name] - _REACH * (best[name] - ends.low))
-    high = min(parameter.high, best[name] + _REACH * (ends.high - best[name]))
-    return [float(value) for value in np.linspace(low, high, _PAIR_POINTS)]
-
-
 def discrepancy_pair(
     problem: Problem, names: tuple[str, str], best: Coefficients, profiles: Mapping[str, Profile]
 ) -> DiscrepancyPair:
     """Map the objective over two coefficients, as far as their profiles reach."""
-    x, y = (_around(problem, best, name, profiles[name]) for name in names)
     columns = [problem.names.index(name) for name in names]
+    x, y = (
+        profiles[name].around(problem.free[k], best[name], _REACH, _PAIR_POINTS).tolist()
+        for name, k in zip(names, columns, strict=True)
+    )
     places = np.arange(len(y) * len(x)).reshape(len(y), len(x))
     points = np.tile(problem.point(best), (places.size, 1))
     points[:, columns] = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field
 
+from cylcontact.arrays import FloatArray
+from cylcontact.laws.law import Parameter
 from cylcontact.spec import Spec
 
 # Half-widths of an interval, relative to the value, up to which a parameter is well or fairly
@@ -73,6 +75,12 @@ class Ends(Spec):
         return (self.low_is_bound and value - self.low <= margin) or (
             self.high_is_bound and self.high - value <= margin
         )
+
+    def around(self, parameter: Parameter, best: float, reach: float, points: int) -> FloatArray:
+        """Return values within the bounds, up to so many half-widths of the interval away."""
+        low = max(parameter.low, best - reach * (best - self.low))
+        high = min(parameter.high, best + reach * (self.high - best))
+        return np.linspace(low, high, points)
 
     @property
     def cut(self) -> str:

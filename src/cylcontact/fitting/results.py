@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from html import escape
@@ -29,7 +29,8 @@ from cylcontact.fitting.records import (
     SAME_BASIN,
     TOLERANCE,
     WELL,
-    Estimate,
+    Ends,
+    Interval,
     MaxDifference,
     ObjectiveValue,
     Profile,
@@ -44,13 +45,11 @@ from cylcontact.fitting.words import (
     OBJECTIVE_UNITS,
     WIDTH,
     Rows,
-    axis_label,
     item,
     label_of,
     noise_verdicts,
     noise_warnings,
     or_dash,
-    without_profile,
 )
 from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.law import ContactLaw
@@ -143,26 +142,15 @@ class FitResult(Spec):
             raise InputError(source, "", None, "is not text in UTF-8", "rename it") from error
 
     def require_consistent(self, source: str) -> None:
-        """Raise `InputError` if the parts of a result contradict each other."""
-        campaign = campaign_of(self.name, self.settings, source)
-        model, names = campaign.model, campaign.model.names
-        expected = {"law": model.law, "contact": model.contact, "reference": campaign.reference}
-        for key, value in expected.items():
-            if getattr(self, key) != value:
-                rule = f"must be that of its campaign, {value}"
-                raise InputError(source, key, getattr(self, key), rule, "redo the fit")
+        """Raise `InputError` unless the coefficients are those of the campaign."""
+        names = campaign_of(self.name, self.settings, source).model.names
         sets = {"coefficients": self.coefficients}
         if self.published is not None:
             sets["published.coefficients"] = self.published.coefficients
-        sets |= {f"runs.{run.index}.coefficients": run.coefficients for run in self.runs}
         for key, coefficients in sets.items():
             if set(coefficients) != set(names):
                 rule = f"must be the coefficients of its campaign: {', '.join(names)}"
                 raise InputError(source, key, sorted(coefficients), rule, "redo the fit")
-        if not {*self._searched} <= {*names}:
-            rule = f"must be those of coefficients of its campaign: {', '.join(names)}"
-            key = "uncertainty.estimates" if isinstance(self, DataFit) else "profiles"
-            raise InputError(source, key, None, rule, "redo the fit")
         if not self.runs:
             raise InputError(source, "runs", [], "must hold at least one run", "redo the fit")
 
@@ -217,10 +205,6 @@ class FitResult(Spec):
                 counts.append((record.objective, 1))
         return counts
 
-    @property
-    @abstractmethod
-    def _searched(self) -> Mapping[str, object]: ...
-
     def identification(self, name: str) -> str:
         """Return "well", "fairly", "poorly", "not", "at a bound", "fixed", a tie, or "-"."""
         return f"= {self.ties[name]}" if name in self.ties else self._verdict(name)
@@ -239,6 +223,10 @@ class FitResult(Spec):
         """Sentences on the quality of the fit, computed from its numbers, most important first."""
 
     @property
+    def _unwarned(self) -> list[str]:
+        return [sentence for sentence in self.verdicts if sentence not in self.warnings]
+
+    @property
     @abstractmethod
     def headline(self) -> str:
         """What was fitted to what."""
@@ -253,8 +241,41 @@ class FitResult(Spec):
         """Return the headings and the rows of the report's table."""
 
     @abstractmethod
-    def _numbers(self, name: str) -> dict[str, float | None]:
-        """Return the standard error and the ends of the interval of a coefficient."""
+    def _ends(self, name: str) -> Ends | None:
+        """Return the interval of a coefficient; None without one."""
+
+    def _error(self, _: str) -> float | None:
+        """Return the standard error of a coefficient; None without one."""
+        return None
+
+    @abstractmethod
+    def _draw_profile(self, name: str, axes: Axes) -> None:
+        """Draw the profile of a coefficient."""
+
+    def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
+        """Draw how much worse the fit gets when a coefficient moves and all others follow.
+
+        Parameters
+        ----------
+        name : str
+            A coefficient that was searched.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; by default a figure of its own.
+        """
+        from cylcontact.plots.arguments import axes_for
+        from cylcontact.plots.style import ACCENT
+
+        if self._ends(name) is None:
+            known = [each for each in self.coefficients if self._ends(each) is not None]
+            rule = "has no profile: it was not searched, or the data do not determine it"
+            remedy = f"choose {', '.join(known)}" if known else "free it"
+            raise InputError(f"fit result {self.name!r}", "name", name, rule, remedy)
+        unit = self.units.get(name)
+        with axes_for(ax, "plot_profile", "column", 60.0) as axes:
+            self._draw_profile(name, axes)
+            axes.axvline(self.coefficients[name], color=ACCENT, linestyle="--", marker="")
+            axes.set_xlabel(f"{as_label(name)} ({unit})" if unit else as_label(name))
+        return axes
 
     def to_frame(self) -> pd.DataFrame:
         """Return the coefficients as a table.
@@ -265,15 +286,17 @@ class FitResult(Spec):
             A row for each coefficient: value, unit, standard_error, low, high (the ends of the
             interval; NaN for one that was not searched), and verdict.
         """
-        rows = {
-            name: {
+        rows = {}
+        for name, value in self.coefficients.items():
+            error, ends = self._error(name), self._ends(name)
+            rows[name] = {
                 "value": value,
                 "unit": self.units.get(name, ""),
-                **{k: np.nan if v is None else v for k, v in self._numbers(name).items()},
+                "standard_error": np.nan if error is None else error,
+                "low": np.nan if ends is None else ends.low,
+                "high": np.nan if ends is None else ends.high,
                 "verdict": self.identification(name),
             }
-            for name, value in self.coefficients.items()
-        }
         return pd.DataFrame.from_dict(rows, orient="index")
 
     def summary(self) -> str:
@@ -281,7 +304,6 @@ class FitResult(Spec):
         return str(self)
 
     def __str__(self) -> str:
-        unwarned = [sentence for sentence in self.verdicts if sentence not in self.warnings]
         return "\n".join(
             [
                 fill(self.headline, WIDTH),
@@ -289,7 +311,7 @@ class FitResult(Spec):
                 *(item(sentence, "! ") for sentence in self.warnings),
                 "",
                 str(Table(*self._table())),
-                *map(item, unwarned),
+                *map(item, self._unwarned),
             ]
         )
 
@@ -300,8 +322,7 @@ class FitResult(Spec):
         )
 
     def _repr_html_(self) -> str:
-        unwarned = [sentence for sentence in self.verdicts if sentence not in self.warnings]
-        items = "".join(f"<li>{escape(sentence)}</li>" for sentence in unwarned)
+        items = "".join(f"<li>{escape(sentence)}</li>" for sentence in self._unwarned)
         status = f"<p>{escape(self.status)}</p>" if self.status else ""
         style = "border-left: 4px solid #D55E00; padding-left: 0.5em"
         warned = "".join(f'<p style="{style}">{escape(sentence)}</p>' for sentence in self.warnings)
@@ -340,42 +361,22 @@ class LawFit(FitResult):
 
     round_off: ClassVar[float] = 1e-6  # moments have half of the digits
 
-    @property
-    def _searched(self) -> Mapping[str, Profile]:
-        return self.profiles
+    def _draw_profile(self, name: str, axes: Axes) -> None:
+        from cylcontact.plots.style import QUIET
 
-    def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
-        """Draw how much worse the fit gets when a coefficient moves and all others follow.
-
-        Parameters
-        ----------
-        name : str
-            A coefficient that was searched.
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; by default a figure of its own.
-        """
-        from cylcontact.fitting import pictures
-
-        if name not in self.profiles:
-            raise without_profile(self.name, name, self.profiles)
-        curve, quantity = self.profiles[name], f"best {as_label(self.objective.name)}"
-        return pictures.plot_profile(
-            (curve.values, curve.objective),
-            (1 + TOLERANCE) * self.objective.value,
-            self.coefficients[name],
-            (axis_label(name, self.units), quantity),
-            ax=ax,
-        )
+        profile = self.profiles[name]
+        axes.plot(profile.values, profile.objective, marker="", linestyle="-")
+        limit = (1 + TOLERANCE) * self.objective.value
+        axes.axhline(limit, color=QUIET, linestyle=":", marker="")
+        axes.set_ylabel(f"best {as_label(self.objective.name)}")
 
     def _verdict(self, name: str) -> str:
         if name not in self.profiles:
             return "fixed" if self.profiles or name in self.fixed else "-"
         return self.profiles[name].verdict(self.coefficients[name])
 
-    def _numbers(self, name: str) -> dict[str, float | None]:
-        ends = self.profiles.get(name)
-        low, high = (None, None) if ends is None else (ends.low, ends.high)
-        return {"standard_error": None, "low": low, "high": high}
+    def _ends(self, name: str) -> Profile | None:
+        return self.profiles.get(name)
 
     @property
     def headline(self) -> str:
@@ -496,10 +497,6 @@ class DataFit(FitResult):
     uncertainty: Uncertainty
 
     round_off: ClassVar[float] = 1e-12
-
-    @property
-    def _searched(self) -> Mapping[str, Estimate]:
-        return self.uncertainty.estimates
 
     # --- the fit itself -----------------------------------------------------------------------
 
@@ -808,26 +805,17 @@ class DataFit(FitResult):
         data, outliers = self.optimum.fit.data, self.uncertainty.outliers
         return pictures.plot_residuals(data, self.residuals, outliers, ax)
 
-    def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
-        """Draw how much worse the fit gets when a coefficient moves and all others follow.
+    def _draw_profile(self, name: str, axes: Axes) -> None:
+        from cylcontact.plots.style import QUIET
 
-        Parameters
-        ----------
-        name : str
-            A coefficient that was searched.
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; by default a figure of its own.
-        """
-        from cylcontact.fitting import pictures
-
-        estimate = self._searched.get(name)
-        if estimate is None or estimate.profile is None:
-            raise without_profile(self.name, name, self._searched)
-        ends = estimate.profile
+        ends = self.uncertainty.estimates[name].profile
+        assert ends is not None
         values, root, limit = self.optimum.profile(name, ends, self.level)
-        labels = axis_label(name, self.units), "rise of the objective (std. dev.)"
-        best = self.coefficients[name]
-        return pictures.plot_profile((values, root), limit, best, labels, (ends.low, ends.high), ax)
+        axes.plot(values, root, marker="", linestyle="-")
+        axes.axhline(limit, color=QUIET, linestyle=":", marker="")
+        for end in (ends.low, ends.high):
+            axes.axvline(end, color=QUIET, linestyle="--", marker="", linewidth=0.8)
+        axes.set_ylabel("rise of the objective (std. dev.)")
 
     def drawing(self) -> Drawing:
         """Return a figure of the data with the law and its band, the residuals beneath.
@@ -867,12 +855,13 @@ class DataFit(FitResult):
         estimate = self.uncertainty.estimates.get(name)
         return "fixed" if estimate is None else estimate.verdict
 
-    def _numbers(self, name: str) -> dict[str, float | None]:
+    def _error(self, name: str) -> float | None:
         estimate = self.uncertainty.estimates.get(name)
-        error = None if estimate is None else estimate.standard_error
-        ends = None if estimate is None else estimate.profile
-        low, high = (None, None) if ends is None else (ends.low, ends.high)
-        return {"standard_error": error, "low": low, "high": high}
+        return None if estimate is None else estimate.standard_error
+
+    def _ends(self, name: str) -> Interval | None:
+        estimate = self.uncertainty.estimates.get(name)
+        return None if estimate is None else estimate.profile
 
     @property
     def headline(self) -> str:
@@ -956,14 +945,8 @@ class DataFit(FitResult):
         rows: Rows = []
         # The free ones first: the others are the law's own constants.
         for name in sorted(self.coefficients, key=lambda name: name not in self.free):
-            estimate = self.uncertainty.estimates.get(name)
-            error = interval = ""
-            if estimate is not None and estimate.standard_error is not None:
-                error = f"{estimate.standard_error:.2g}"
-            if estimate is not None and estimate.profile is not None:
-                ends = estimate.profile
-                cut = ", bound" if ends.low_is_bound or ends.high_is_bound else ""
-                interval = f"{ends.low:.5g} … {ends.high:.5g}{cut}"
+            error, ends = or_dash(self._error(name), ".2g", ""), self._ends(name)
+            interval = "" if ends is None else f"{ends.low:.5g} … {ends.high:.5g}{ends.cut}"
             paper = f"{published.coefficients[name]:.5g}" if published else ""
             value, unit = f"{self.coefficients[name]:.5g}", self.units.get(name, "")
             rows.append((name, value, unit, error, interval, paper, self.identification(name)))

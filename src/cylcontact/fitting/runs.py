@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -25,39 +24,98 @@ from cylcontact.progress import Progress
 from cylcontact.spec import parse_spec
 
 
-@dataclass(frozen=True)
-class RunPlan:
-    """The index, settings and seed of a run."""
-
-    index: int
-    population: int | None
-    generations: int
-    crossover: str | None
-    seed: int
-    optimizer: str = "genetic"
-
-
 def searches(
     problem: ParameterSpace, optimizer: str, genetic: GeneticSpec, seed: int, source: str
 ) -> list[Call]:
-    """Return the runs of an optimiser as calls, each of which returns its RunRecord."""
-    plans = plan_runs(
-        genetic.runs, genetic.populations, genetic.crossovers, genetic.generations, seed, optimizer
+    """Return the runs of an optimiser as calls of `search`, each of which returns its RunRecord."""
+    children = np.random.SeedSequence(seed).spawn(genetic.runs)
+    seeds = [int(child.generate_state(1)[0]) for child in children]
+    return [
+        call(search, problem, optimizer, genetic, index, own, source)
+        for index, own in enumerate(seeds)
+    ]
+
+
+def search(
+    problem: ParameterSpace,
+    optimizer: str,
+    genetic: GeneticSpec,
+    index: int,
+    seed: int,
+    source: str = "campaign",
+) -> RunRecord:
+    """Search and polish on one thread, so that the result depends on the arguments alone.
+
+    All combinations of populations and crossovers take turns.
+    """
+    started = time.perf_counter()
+    turn, place = divmod(index, len(genetic.populations))
+    population, crossover = genetic.populations[place], None
+    if OPTIMIZERS[optimizer].has_crossover:
+        crossover = genetic.crossovers[turn % len(genetic.crossovers)]
+    with threadpool_limits(limits=1):
+        best = OPTIMIZERS[optimizer].search(
+            problem, population, genetic.generations, crossover, seed
+        )
+        point, value = minimise(problem, best.point, seed)
+    if not np.isfinite(value):
+        rule = f"run {index} found no coefficients for which the law is defined"
+        remedy = "narrow the parameters' bounds, or raise populations and generations"
+        raise InputError(source, "genetic.populations", population, rule, remedy)
+    end = Minimum(point, value, best.evaluations)
+    return _record(problem, best, end, started, index, seed, population, crossover)
+
+
+def descend_from(fit: Fit, start: FloatArray, index: int, seed: int) -> RunRecord:
+    """Descend from one start on one thread and return the record of the run."""
+    started, before = time.perf_counter(), Minimum(start, fit.value(start), 1)
+    with threadpool_limits(limits=1):  # matrices this small are slower on several threads
+        end = fit.minimise(start)
+    return _record(fit, before, end, started, index, seed)
+
+
+def _record(
+    problem: ParameterSpace,
+    before: Minimum,
+    end: Minimum,
+    started: float,
+    index: int,
+    seed: int,
+    population: int | None = None,
+    crossover: str | None = None,
+) -> RunRecord:
+    return RunRecord(
+        index=index,
+        seed=seed,
+        population=population,
+        crossover=crossover,
+        objective_before_polish=before.value,
+        coefficients_before_polish=problem.coefficients(before.point),
+        objective=end.value,
+        coefficients=problem.coefficients(end.point),
+        evaluations=end.evaluations,
+        seconds=round(time.perf_counter() - started, 3),
     )
-    return [call(execute, problem, plan, source) for plan in plans]
 
 
 def run_all(
-    calls: Sequence[Call], jobs: Workers, progress: Progress, journal: Journal | None, resume: bool
+    calls: Sequence[Call],
+    jobs: Workers,
+    progress: Progress,
+    journal: Journal | None = None,
+    resume: bool = False,
 ) -> list[RunRecord]:
     """Execute the runs that the journal lacks, record each, and return all in order."""
-    numbered: dict[tuple[int, ...], Call] = {
-        (index,): call_for(index, each) for index, each in enumerate(calls)
-    }
+    source = str(journal.path) if journal else ""
+
+    def recorded(entry: Any) -> tuple[int, RunRecord]:
+        record = parse_spec(RunRecord, entry, source)
+        return record.index, record
+
     records = run_recorded(
-        numbered,
+        {(index,): call_for(index, each) for index, each in enumerate(calls)},
         journal,
-        partial(_recorded, source=str(journal.path if journal else "")),
+        recorded,
         lambda _, record: record.model_dump(),
         resume,
         jobs,
@@ -78,77 +136,3 @@ def published_on(problem: ParameterSpace) -> Published | None:
         return None
     value = problem.value_of(published)
     return Published(coefficients=dict(published), objective=value) if np.isfinite(value) else None
-
-
-def _recorded(entry: Any, source: str) -> tuple[int, RunRecord]:
-    record = parse_spec(RunRecord, entry, source)
-    return record.index, record
-
-
-def plan_runs(
-    runs: int,
-    populations: tuple[int, ...],
-    crossovers: tuple[str, ...],
-    generations: int,
-    seed: int,
-    optimizer: str = "genetic",
-) -> list[RunPlan]:
-    """Return the runs of a campaign, with populations, crossovers and seeds.
-
-    All combinations of populations and crossovers take turns. Seeds are spawned from `seed`.
-    """
-    seeds = [int(child.generate_state(1)[0]) for child in np.random.SeedSequence(seed).spawn(runs)]
-    return [
-        RunPlan(
-            index=index,
-            population=populations[index % len(populations)],
-            generations=generations,
-            crossover=crossovers[index // len(populations) % len(crossovers)]
-            if OPTIMIZERS[optimizer].has_crossover
-            else None,
-            seed=run_seed,
-            optimizer=optimizer,
-        )
-        for index, run_seed in enumerate(seeds)
-    ]
-
-
-def execute(problem: ParameterSpace, plan: RunPlan, source: str = "campaign") -> RunRecord:
-    """Search and polish on one thread, so that the result depends on the plan alone."""
-    started = time.perf_counter()
-    with threadpool_limits(limits=1):
-        best = OPTIMIZERS[plan.optimizer].search(
-            problem, plan.population or 0, plan.generations, plan.crossover, plan.seed
-        )
-        point, value = minimise(problem, best.point, plan.seed)
-    if not np.isfinite(value):
-        rule = f"run {plan.index} found no coefficients for which the law is defined"
-        remedy = "narrow the parameters' bounds, or raise populations and generations"
-        raise InputError(source, "genetic.populations", plan.population, rule, remedy)
-    return record_of(problem, plan, best, Minimum(point, value, best.evaluations), started)
-
-
-def descend_from(problem: Fit, start: FloatArray, index: int, seed: int) -> RunRecord:
-    """Descend from one start on one thread and return the record of the run."""
-    started, before = time.perf_counter(), Minimum(start, problem.value(start), 1)
-    with threadpool_limits(limits=1):  # matrices this small are slower on several threads
-        end = problem.minimise(start)
-    return record_of(problem, RunPlan(index, None, 0, None, seed), before, end, started)
-
-
-def record_of(
-    problem: ParameterSpace, plan: RunPlan, before: Minimum, end: Minimum, started: float
-) -> RunRecord:
-    """Return what is kept of a run: where it was before its last descent, and where it ended."""
-    return RunRecord(
-        index=plan.index,
-        seed=plan.seed,
-        population=plan.population,
-        crossover=plan.crossover,
-        objective_before_polish=before.value,
-        coefficients_before_polish=problem.coefficients(before.point),
-        objective=end.value,
-        coefficients=problem.coefficients(end.point),
-        evaluations=end.evaluations,
-        seconds=round(time.perf_counter() - started, 3),
-    )

@@ -46,7 +46,9 @@ class ParameterSpec(Spec):
         if self.fixed:
             if self.value is None:
                 raise broken("value", None, "is required when fixed = true", _PARAMETER_REMEDY)
-            if not self.allows(self.value):
+            low = self.value if self.low is None else self.low
+            high = self.value if self.high is None else self.high
+            if not low <= self.value <= high:
                 rule = f"lies outside its own bounds, {self.low} to {self.high}"
                 raise broken("value", self.value, rule, "move it, or leave low and high out")
             return self
@@ -56,18 +58,6 @@ class ParameterSpec(Spec):
             missing = "low" if self.low is None else "high"
             raise broken(missing, None, "is required", _PARAMETER_REMEDY)
         return self
-
-    def allows(self, value: float) -> bool:
-        """Return whether a value is within the bounds, as far as there are any."""
-        low = -math.inf if self.low is None else self.low
-        high = math.inf if self.high is None else self.high
-        return low <= value <= high
-
-    def applied_to(self, parameter: Parameter) -> Parameter:
-        """Return a parameter with the table's bounds, or its value."""
-        low = math.nan if self.low is None else self.low
-        high = math.nan if self.high is None else self.high
-        return replace(parameter, low=low, high=high, value=self.value)
 
     @classmethod
     def of(cls, parameter: Parameter) -> ParameterSpec:
@@ -236,7 +226,9 @@ def parameters_of(
         if p.name in ties:
             parameters.append(Parameter(p.name, tie=ties[p.name], shift=p.shift))
         elif p.name in tables:
-            parameters.append(tables[p.name].applied_to(p))
+            ends = {end: getattr(tables[p.name], end) for end in ("low", "high")}
+            bounds = {end: math.nan if at is None else at for end, at in ends.items()}
+            parameters.append(replace(p, value=tables[p.name].value, **bounds))
         elif p.fixed or math.isfinite(p.high - p.low):
             parameters.append(p)
         else:

@@ -181,7 +181,7 @@ def bootstrap(
     """
     names, _ = _groups(optimum, over)
     noise, source = optimum.fit.noise, optimum.fit.data.data.source
-    if noise is not None and noise.covariance.model.over not in (None, over):
+    if noise is not None and noise.model.over not in (None, over):
         rule = "would tear apart the series of the noise model"
         raise InputError(source, "over", over, rule, "resample whole series with --over group")
     seeds = np.random.SeedSequence(seed).spawn(replicates)

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from textwrap import fill
 
-from cylcontact.errors import InputError
 from cylcontact.fitting.diagnose import OUTLYING, STRONG_CORRELATION, SURPRISING
 from cylcontact.fitting.optimum import ROUNDING
 from cylcontact.fitting.records import FAIRLY, WELL, FittedDeviations, LeftOut, Uncertainty
-from cylcontact.plain_text import as_label
 from cylcontact.text_tables import Table
 
 # A law that describes less than this share of the variance of readings is not theirs; nor is one
@@ -301,11 +299,6 @@ def label_of(name: str, units: Mapping[str, str]) -> str:
     return ", ".join(filter(None, (name, units.get(name))))
 
 
-def axis_label(name: str, units: Mapping[str, str]) -> str:
-    """Return the label of an axis over a coefficient."""
-    return f"{as_label(name)} ({units[name]})" if units.get(name) else as_label(name)
-
-
 def item(sentence: str, mark: str = "- ") -> str:
     """Return a sentence as an item of a list, wrapped."""
     return fill(sentence, WIDTH, initial_indent=mark, subsequent_indent="  ")
@@ -328,13 +321,6 @@ def left_out_table(fits: Sequence[LeftOut], names: Sequence[str]) -> list[str]:
     return [f"Fits without one group, and how well they predict it:\n{table}"]
 
 
-def or_dash(value: float | None, style: str = ".5g") -> str:
+def or_dash(value: float | None, style: str = ".5g", none: str = "-") -> str:
     """Return a number, or a dash for None."""
-    return "-" if value is None else format(value, style)
-
-
-def without_profile(result: str, name: str, known: Mapping[str, object]) -> InputError:
-    """Return the error of a coefficient without a profile."""
-    rule = "has no profile: it was not searched, or the data do not determine it"
-    remedy = f"choose {', '.join(known)}" if known else "free it"
-    return InputError(f"fit result {result!r}", "name", name, rule, remedy)
+    return none if value is None else format(value, style)

@@ -103,7 +103,7 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
     times = _relative_times(bench)
     rows = []
     for candidate in _candidates(result, [bench.result(name) for name in powers], samples):
-        ratio = candidate.form.log_penetration_ratio(0, samples)
+        ratio = candidate.form.log_ratio(0, samples)
         errors: dict[str, float] = {}
         for reference, shift in references.items():
             errors[f"rms_{reference}"] = float(np.sqrt(np.mean((ratio + shift) ** 2)))
