@@ -226,9 +226,9 @@ def parameters_of(
         if p.name in ties:
             parameters.append(Parameter(p.name, tie=ties[p.name], shift=p.shift))
         elif p.name in tables:
-            ends = {end: getattr(tables[p.name], end) for end in ("low", "high")}
-            bounds = {end: math.nan if at is None else at for end, at in ends.items()}
-            parameters.append(replace(p, value=tables[p.name].value, **bounds))
+            given = tables[p.name]
+            low, high = (math.nan if end is None else end for end in (given.low, given.high))
+            parameters.append(replace(p, low=low, high=high, value=given.value))
         elif p.fixed or math.isfinite(p.high - p.low):
             parameters.append(p)
         else:
