@@ -187,10 +187,10 @@ def test_an_event_within_a_rounding_error_of_the_touch_begins_it(load, joint, ga
     element, motion = load(), np.zeros(12)
     motion[[6, 9]] = float(joint.pair.dR) * 1e-3 + gap, rate
     element.at_event(motion)
-    assert element.get("impact_rate") == [rate if begins else 0.0]
+    assert element.get("impact_rate") == pytest.approx([rate if begins else 0.0], rel=1e-12)
     # What has begun is not ended by a step that is still before the touch.
     element.completed(motion)
-    assert element.get("impact_rate") == [rate if begins else 0.0]
+    assert element.get("impact_rate") == pytest.approx([rate if begins else 0.0], rel=1e-12)
 
 
 def test_misuse_is_refused(load):

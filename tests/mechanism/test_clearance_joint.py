@@ -15,7 +15,7 @@ from cylcontact.mechanism import (
     read_joint,
     simulate,
 )
-from cylcontact.mechanism.joint import BEYOND_LAW, YIELDS
+from cylcontact.mechanism.contact import BEYOND_LAW, YIELDS
 from cylcontact.spec import read_toml
 from tests.support.joint_runners import RUNNERS, run_c, run_library
 from tests.support.mechanism_cases import slider_crank

@@ -78,7 +78,7 @@ def element_of(one):
     """Return a joint's element, the count of numbers given, and that of each result's."""
     element = (spatial if isinstance(one, SpatialJoint) else joint).element_of(one)
     given = element.contacts + 2 * len(element.motion)
-    return element, given, {each.name: len(each.values) for each in element.results}
+    return element, given, {each.name: max(each.size, 1) for each in element.results}
 
 
 def write(one, target, folder, stem="element"):

@@ -15,8 +15,7 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
-from cylcontact.export.dialects import DIALECTS
-from cylcontact.export.render import WIDTH, filled_template
+from cylcontact.export.language import LANGUAGES, WIDTH, expression, filled_template
 from cylcontact.laws import LAWS, Johnson
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import (
@@ -25,6 +24,7 @@ from cylcontact.laws.formula import (
     Formula,
     Step,
     assigned_in,
+    depending,
     flat,
     names_in,
     needed,
@@ -108,11 +108,6 @@ class ExportedLaw:
         return {name: value for name, value in numbers.items() if self.uses(name)}
 
     @property
-    def domain(self) -> ast.expr:
-        """All `conditions` as one."""
-        return expression(" and ".join(self.conditions))
-
-    @property
     def ends(self) -> str:
         """The condition on what the steps of the pair give; empty for a law without an end."""
         if self.formula.end is None:
@@ -132,13 +127,13 @@ class ExportedLaw:
     @cached_property
     def at_pair(self) -> tuple[Step, ...]:
         """The steps before the penetration."""
-        return tuple(s for s in self._chosen if not {*assigned_in([s])} & self._dependent)
+        return tuple(renamed(s, self._names) for s in self._chosen if s not in self._moving)
 
     @cached_property
     def at_depth(self) -> tuple[Step, ...]:
         """The steps from the penetration to f and k."""
         names = self._names
-        steps = tuple(s for s in self._chosen if {*assigned_in([s])} & self._dependent)
+        steps = tuple(renamed(s, names) for s in self._moving)
         factor, by = names["load_factor"], ""
         if self.penetration_factor != 1:
             by = f" / {names['penetration_factor']}"
@@ -151,14 +146,14 @@ class ExportedLaw:
 
     @cached_property
     def _chosen(self) -> tuple[Step, ...]:
-        """The steps that f, k and the end need, in the names of the export."""
+        """The steps that f, k and the end need."""
         results = ("f", "k", *(("last",) if self.formula.end else ()))
-        return tuple(renamed(s, self._names) for s in needed(self.formula.steps, *results))
+        return needed(self.formula.written_out, *results)
 
     @cached_property
-    def _dependent(self) -> set[str]:
-        """The names of the export whose values depend on the penetration."""
-        return {self._names.get(name, name) for name in assigned_in(self.formula.at_depth)}
+    def _moving(self) -> tuple[Step, ...]:
+        """Those of them that depend on the penetration."""
+        return depending(self._chosen)
 
     @cached_property
     def _names(self) -> dict[str, str]:
@@ -166,7 +161,7 @@ class ExportedLaw:
         own = [*self.coefficients, "load_factor", "penetration_factor"]
         scaled = (self.load_factor, self.penetration_factor) != (1, 1)
         return safe_names(
-            self.formula.steps, own,
+            self._chosen, own,
             ({"penetration": "depth"} if self.penetration_factor != 1 else {})
             | ({"f": "alone", "k": "slope"} if scaled else {}),
         )  # fmt: skip
@@ -223,12 +218,12 @@ def _names_in_c(name: str, in_cpp: bool) -> dict[str, str]:
 
 def source(law: ExportedLaw, target: str) -> str:
     """Return a law as the text of a file in a language."""
-    dialect, names = DIALECTS[target], law.arguments
-    domain = dialect.render(law.domain)
-    constants = {name: x for name, x in law.constants.items() if name not in dialect.names}
+    language, names = LANGUAGES[target](), law.arguments
+    domain = language.formula(" and ".join(law.conditions))
+    constants = {name: x for name, x in law.constants.items() if name not in language.names}
     check = {"fortran": f"if (.not. ({domain})) return", "python": f"if not ({domain}):"}
     parts = {
-        "comment": law.comment(dialect.comment),
+        "comment": law.comment(language.comment),
         "name": law.name,
         **_names_in_c(law.name, target == "cpp"),
         "arguments": ", ".join(names),
@@ -238,17 +233,16 @@ def source(law: ExportedLaw, target: str) -> str:
         "expanded": "\n".join(f"{name} = {name} + numbers;" for name in names),
         "hidden": "\n".join(f"{name}(outside) = NaN;" for name in names),
         "domain": domain,
-        "check": dialect.wrapped(check.get(target, "")),
-        "ends": dialect.render(expression(law.ends)) if law.ends else "",
+        "check": language.wrapped(check.get(target, "")),
+        "ends": language.formula(law.ends) if law.ends else "",
         "least": "jnp.minimum(dR, last)" if law.ends else "dR",
-        "constants": dialect.constants(constants),
-        "variables": declared(law.steps),
-        "at_pair": dialect.statements(law.at_pair, law.at_depth),
-        "at_depth": dialect.statements(law.at_depth),
+        "constants": language.constants(constants),
+        "variables": language.declared(law.steps),
+        "at_pair": language.statements(law.at_pair),
+        "at_depth": language.statements(law.at_depth),
     }
-    parts["helpers"] = dialect.helpers_of(parts["at_pair"] + parts["at_depth"])
-    text = filled_template(f"law.{'c' if target == 'cpp' else target}", parts)
-    return text.replace("\nstatic ", "\ninline ") if target == "cpp" else text
+    parts["helpers"] = language.helpers_of(parts["at_pair"] + parts["at_depth"])
+    return filled_template(f"law.{'c' if target == 'cpp' else target}", parts)
 
 
 def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> ExportedLaw:
@@ -340,24 +334,6 @@ def renamed(step: Step, names: Mapping[str, str]) -> Step:
     value: ast.expr = Renamer().visit(expression(ast.unparse(step.value)))
     body = tuple(renamed(each, names) for each in step.body)
     return Step(names.get(step.name, step.name), value, body)
-
-
-def declared(steps: Iterable[Step]) -> str:
-    """Return Fortran's declaration of the variables that steps assign, and of what loops count."""
-    steps = tuple(steps)
-    kinds = {
-        "real(wp)": list(assigned_in(steps)),
-        "integer": list(dict.fromkeys(step.name for step in flat(steps) if step.body)),
-    }
-    return "\n".join(
-        f"{kind} :: " + " &\n    ".join(wrap(", ".join(names), WIDTH - 24))
-        for kind, names in kinds.items() if names
-    )  # fmt: skip
-
-
-def expression(text: str) -> ast.expr:
-    """Return one expression in Python's syntax as its node."""
-    return ast.parse(text, mode="eval").body
 
 
 def _plain(text: str) -> str:

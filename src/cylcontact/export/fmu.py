@@ -10,7 +10,6 @@ import sys
 import uuid
 import zipfile
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,12 +17,11 @@ from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from cylcontact.errors import InputError
-from cylcontact.export.dialects import DIALECTS
 from cylcontact.export.element import BODIES, UNITS, Element
 from cylcontact.export.element import source as element_text
-from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw, expression
+from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw
 from cylcontact.export.exported_law import source as law_text
-from cylcontact.export.render import filled_template
+from cylcontact.export.language import Language, filled_template
 from cylcontact.impact import IMPACT_RATE_FLOOR
 from cylcontact.plain_text import comment
 
@@ -229,15 +227,13 @@ def joint_source(element: Element, stem: str) -> dict[str, bytes]:
     inputs = [
         (body, each.name, each.ahead or each.name) for body in BODIES for each in element.motion
     ]
-    dialect = DIALECTS["c"]
     bodies = []
     for k, (body, _, ahead) in enumerate(inputs):
         names = {name: f"input[{n}]" for n, (of, name, _) in enumerate(inputs) if of == body}
-        text = replace(dialect, names={**dialect.names, **names}).render(expression(ahead))
-        bodies.append(f"bodies[{k}] = {text};")
+        bodies.append(f"bodies[{k}] = {Language(names).formula(ahead)};")
     reals = [
-        f"wrench.{each.name}" + (f"[{k}]" if each.is_vector else "")
-        for each in element.results if each.quantity for k in range(len(each.values))
+        f"wrench.{each.name}" + (f"[{k}]" if each.size else "")
+        for each in element.results if each.quantity for k in range(max(each.size, 1))
     ]  # fmt: skip
     reals += [
         "memory->contact.impact_rate" + ("" if one else f"[{k}]") for k in range(element.contacts)

@@ -1,14 +1,15 @@
-"""The clearance joint in the plane as an element: the steps of `cylcontact.mechanism.joint`."""
+"""The clearance joint in the plane as an element, from the functions of `mechanism.contact`."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from cylcontact.export.element import Constant, Element, Motion, Result, law_steps
+from cylcontact.export.element import Constant, Element, Motion, Result, law_function
+from cylcontact.export.program import Program
 from cylcontact.impact import RATIO_BEND
-from cylcontact.laws.formula import steps_of
 from cylcontact.laws.kernels import TABLE
 from cylcontact.materials import Material
+from cylcontact.mechanism import contact
 from cylcontact.mechanism.joint import TANGENT_FROM, ClearanceJoint, JointState, JointWrench
 from cylcontact.plain_text import comment
 
@@ -21,138 +22,77 @@ _MOTION = (
     Motion("spin", "spin", "rate of the angle"),
 )
 _RESULTS = (
-    Result("force_bearing", ("force_x", "force_y"), "force", "force on the body with the hole"),
-    Result("moment_bearing", ("moment_b",), "moment", "about the reference point of this body"),
-    Result("force_pin", ("-force_x", "-force_y"), "force", "force on the body with the pin"),
-    Result("moment_pin", ("moment_p",), "moment", "about the reference point of this body"),
-    Result("penetration", ("delta",), "length", "negative where the bodies do not touch"),
-    Result("penetration_rate", ("rate",), "speed", "rate of the penetration"),
-    Result("normal_force", ("normal",), "force",
+    Result("force_bearing", 2, "force", "force on the body with the hole"),
+    Result("moment_bearing", 0, "moment", "about the reference point of this body"),
+    Result("force_pin", 2, "force", "force on the body with the pin"),
+    Result("moment_pin", 0, "moment", "about the reference point of this body"),
+    Result("penetration", 0, "length", "negative where the bodies do not touch"),
+    Result("penetration_rate", 0, "speed", "rate of the penetration"),
+    Result("normal_force", 0, "force",
            "not negative, on the hole along -n, n from the pin's centre to the hole's"),
-    Result("friction_force", ("tangential",), "force", "on the hole along t = (n_y, -n_x)"),
-    Result("tangential_velocity", ("v_t",), "speed", "of the hole against the pin, along t"),
-    Result("dissipated_power", ("power",), "power", "by damping and friction, not negative"),
-    Result("flag", ("flag",), "", "1 above first yield, plus 2 beyond the law's domain"),
+    Result("friction_force", 0, "force", "on the hole along t = (n_y, -n_x)"),
+    Result("tangential_velocity", 0, "speed", "of the hole against the pin, along t"),
+    Result("dissipated_power", 0, "power", "by damping and friction, not negative"),
+    Result("flag", 0, "", "1 above first yield, plus 2 beyond the law's domain"),
 )  # fmt: skip
-
-_MOTION_STEPS = """
-cos_b = cos(bearing_angle)
-sin_b = sin(bearing_angle)
-cos_p = cos(pin_angle)
-sin_p = sin(pin_angle)
-arm_bx = cos_b*point_bearing_x - sin_b*point_bearing_y
-arm_by = sin_b*point_bearing_x + cos_b*point_bearing_y
-arm_px = cos_p*point_pin_x - sin_p*point_pin_y
-arm_py = sin_p*point_pin_x + cos_p*point_pin_y
-e_x = bearing_x + arm_bx - (pin_x + arm_px)
-e_y = bearing_y + arm_by - (pin_y + arm_py)
-u_x = bearing_v_x - bearing_spin*arm_by - (pin_v_x - pin_spin*arm_py)
-u_y = bearing_v_y + bearing_spin*arm_bx - (pin_v_y + pin_spin*arm_px)
-distance = sqrt(e_x*e_x + e_y*e_y)
-n_x = e_x/distance if distance > 0 else 1
-n_y = e_y/distance if distance > 0 else 0
-delta = distance - clearance
-rate = u_x*n_x + u_y*n_y
-first_rate = impact_rate if impact_rate > 0 else max(rate, rate_floor)
-next_rate = 0 if delta <= 0 else first_rate
-radius = r_pin - delta
-v_t = u_x*n_y - u_y*n_x + bearing_spin*r_bearing - pin_spin*radius
-depth = in_mm*delta
-"""
-_LOAD_STEPS = "load = law(depth)\n"
-_TANGENT_STEPS = """
-tangent = last_load + last_slope*(depth - last_depth)
-load = tangent if depth > last_depth else law(depth)
-"""
-_FORCE_STEPS = """
-elastic = load*length
-ratio = rate/first_rate
-size = ratio if ratio > 0 else -ratio
-beyond = max(size/bend - 1, 0)
-bent = bend*(1 + beyond/hypot(1, beyond))
-bound = bent if ratio > 0 else -bent
-bounded = ratio if size <= bend else bound
-normal = max(elastic*(1 + chi*bounded), 0)
-speed = v_t if v_t > 0 else -v_t
-ramp = (speed - v_0)/(v_1 - v_0)
-part = ramp if ramp < 1 else 1
-c_d = max(part, 0)
-along = 1 if v_t > 0 else -1
-tangential = -(friction*c_d*normal*along)
-force_x = tangential*n_y - normal*n_x
-force_y = -(normal*n_y) - tangential*n_x
-moment_b = r_bearing*tangential + arm_bx*force_y - arm_by*force_x
-moment_p = -(radius*tangential) - arm_px*force_y + arm_py*force_x
-power = (normal - elastic)*rate - tangential*v_t
-"""
+# Units and meanings of the numbers of a joint's record.
+_CONSTANTS = {
+    "clearance": ("m", "radial clearance"),
+    "R_bearing": ("m", "radius of the hole"),
+    "R_pin": ("m", "radius of the pin"),
+    "x_i": ("m", "centre of the hole, in the"),
+    "y_i": ("m", "  axes of its body"),
+    "x_j": ("m", "centre of the pin, in the"),
+    "y_j": ("m", "  axes of its body"),
+    "length": ("mm", "axial length; the law is per mm"),
+    "metres": ("m", "the unit of length"),
+    "rate_floor": ("m/s", "slowest impact rate that counts"),
+    "chi": ("-", "hysteresis factor"),
+    "friction": ("-", "friction coefficient"),
+    "v0": ("m/s", "no friction up to this speed"),
+    "v1": ("m/s", "all of the friction from this speed"),
+    "last_penetration": ("mm", "end of the law;"),
+    "last_load": ("N/mm", "  beyond it the tangent:"),
+    "last_slope": ("N/mm^2", "  its load and slope"),
+    "first_yield": ("N", "elastic force at first yield"),
+}
+_FUNCTIONS = (
+    contact.elastic_at, contact.bounded_ratio, contact.friction_force, contact.relative_motion,
+    contact.forces, contact.move, contact.evaluate, contact.accept,
+)  # fmt: skip
 
 
 def element_of(joint: ClearanceJoint) -> Element:
-    """Return a joint as steps, constants and words."""
+    """Return a joint as functions, constants and words."""
     pair = joint.pair
-    ends = bool(np.isfinite(joint.block["last_penetration"]))
-    beyond, above = "2 if depth > last_depth else 0", "1 if elastic > first_yield else 0"
-    flag = f"flag = {beyond if ends else above if joint.can_yield else 0}\n"
-    if ends and joint.can_yield:
-        flag = f"past = {beyond}\nyields = {above}\nflag = past + yields\n"
-    load = _TANGENT_STEPS if ends else _LOAD_STEPS
     form = "its formula at this pair"
     if joint.kernel.kind == TABLE:
         form = "a table, cubic in ln f over ln d"
     origin = f"; {comment(joint.origin)}" if joint.origin else ""
     bodies = {"hole": (pair.material_i, pair.R_i), "pin": (pair.material_j, pair.R_j)}
+    law, numbers = law_function(joint.law, pair, joint.kernel)
     return Element(
         name=joint.identifier,
         title=joint.name,
         units=joint.units,
-        law=law_steps(joint.law, pair, joint.kernel),
         law_text=f"'{comment(joint.law.name)}', {form}{origin}",
         motion=_MOTION,
         results=_RESULTS,
-        steps=steps_of(_MOTION_STEPS + load + _FORCE_STEPS + flag),
-        constants=_constants(joint, ends),
+        constants={
+            f"joint_{name}": Constant(float(joint.block[name]), *about)
+            for name, about in _CONSTANTS.items()
+        },
         about=[_body_text(name, *body) for name, body in bodies.items()],
-        assumptions=_assumptions(joint, ends),
+        assumptions=_assumptions(joint, bool(np.isfinite(joint.block["last_penetration"]))),
         checks=_checks(joint),
+        program=Program(_FUNCTIONS, joint.block, contact.WORK, law, numbers),
     )
-
-
-def _constants(joint: ClearanceJoint, ends: bool) -> dict[str, Constant]:
-    """Return the constants of the steps."""
-    p, mm, u = joint.block, joint.in_mm, "m" if joint.units == "SI" else "mm"
-    R_i, R_j = (float(R) / mm for R in joint.pair.radii("the joint"))
-    rows = {
-        "clearance": (joint.radial / mm, u, "radial clearance"),
-        "r_bearing": (R_i, u, "radius of the hole"),
-        "r_pin": (R_j, u, "radius of the pin"),
-        "point_bearing_x": (joint.point_bearing[0] / mm, u, "centre of the hole, in the"),
-        "point_bearing_y": (joint.point_bearing[1] / mm, u, "  axes of its body"),
-        "point_pin_x": (joint.point_pin[0] / mm, u, "centre of the pin, in the"),
-        "point_pin_y": (joint.point_pin[1] / mm, u, "  axes of its body"),
-        "length": (float(p["length"]), "mm", "axial length; the law is per mm"),
-        "in_mm": (mm, f"mm/{u}", "the law takes the penetration in mm"),
-        "rate_floor": (joint.rate_floor, f"{u}/s", "slowest impact rate that counts"),
-        "chi": (joint.chi, "-", "hysteresis factor"),
-        "bend": (RATIO_BEND, "-", "ratio of rates from which the damping bends"),
-        "friction": (joint.friction, "-", "friction coefficient"),
-        "v_0": (joint.v0 / mm, f"{u}/s", "no friction up to this speed"),
-        "v_1": (joint.v1 / mm, f"{u}/s", "all of the friction from this speed"),
-    }
-    if ends:
-        rows |= {
-            "last_depth": (float(p["last_penetration"]), "mm", "end of the law;"),
-            "last_load": (float(p["last_load"]), "N/mm", "  beyond it the tangent:"),
-            "last_slope": (float(p["last_slope"]), "N/mm^2", "  its load and slope"),
-        }
-    if joint.can_yield:
-        rows["first_yield"] = (joint.first_yield, "N", "elastic force at first yield")
-    return {name: Constant(*row) for name, row in rows.items()}
 
 
 def _assumptions(joint: ClearanceJoint, ends: bool) -> list[str]:
     """Return what the element assumes, in words."""
     tangent = (
-        f"beyond last_depth, {TANGENT_FROM:.0%} of the largest penetration of the law or its "
+        f"beyond last_penetration, {TANGENT_FROM:.0%} of the largest penetration of the law or its "
         "table, the load goes on along the tangent, and flag has the bit 2"
     )
     return [
@@ -160,11 +100,10 @@ def _assumptions(joint: ClearanceJoint, ends: bool) -> list[str]:
         "on the surface of the hole",
         "load = law(penetration)*length*(1 + chi*s), never negative, with s the ratio of the "
         "penetration rate to the impact rate",
-        "s itself up to bend, bounded by 2*bend beyond (bend*(1 + v/sqrt(1 + v^2)) with v = "
-        "abs(s)/bend - 1), so that damping is at most 2*bend*chi times the elastic load in "
-        "sustained contact",
+        f"s itself up to {RATIO_BEND:g}, bounded smoothly by twice that beyond, so that damping is "
+        f"at most {2 * RATIO_BEND:g}*chi times the elastic load in sustained contact",
         "an impact slower than rate_floor counts as one at rate_floor",
-        "friction = friction*normal force, linearly from none at v_0 to all at v_1",
+        "friction = friction*normal force, linearly from none at v0 to all at v1",
         *([tangent] if ends else []),
         "the material is elastic; above first_yield, von Mises, flag has the bit 1"
         if joint.can_yield

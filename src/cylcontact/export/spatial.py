@@ -10,7 +10,6 @@ import numpy as np
 
 from cylcontact.export.element import Element, Motion, Result
 from cylcontact.export.joint import element_of as planar_element
-from cylcontact.export.program import Program
 from cylcontact.mechanism import contact, spatial_forces
 from cylcontact.mechanism.spatial import SpatialJoint, SpatialState
 
@@ -65,23 +64,20 @@ _ASSUMPTIONS = (
 def element_of(joint: SpatialJoint) -> Element:
     """Return a spatial joint as functions, lists of names and words."""
     plane = planar_element(joint.planar)
-    results = []
-    for name, meaning in _MEANINGS.items():
-        shape = spatial_forces.WORK[name].shape
-        numbers = tuple(f"{name}_{k}" for k in range(shape[0])) if shape else (name,)
-        results.append(Result(name, numbers, *meaning))
     c, b = joint.spec.edge.constants
+    sizes = {name: (*spatial_forces.WORK[name].shape, 0)[0] for name in _MEANINGS}
     return replace(
         plane,
         motion=_MOTION,
-        results=tuple(results),
-        steps=(),
+        results=tuple(Result(name, sizes[name], *about) for name, about in _MEANINGS.items()),
         constants={},
         about=[*plane.about, f"length {joint.spec.length!r} mm, rims with c = {c!r}, b = {b!r}"],
         assumptions=_ASSUMPTIONS,
         checks=list(_checks(joint)),
         contacts=4,
-        program=Program(_FUNCTIONS, joint.record, spatial_forces.WORK),
+        program=replace(
+            plane.program, functions=_FUNCTIONS, joint=joint.record, work=spatial_forces.WORK
+        ),
     )
 
 

@@ -30,7 +30,11 @@ from typing import Any
 import numpy as np
 
 from cylcontact.errors import InputError
-from cylcontact.laws.lambert import branch_distance, branch_distance_steps
+from cylcontact.laws.lambert import (
+    branch_distance,
+    branch_distance_steps,
+    branch_distance_steps_from_0,
+)
 from cylcontact.plain_text import RESERVED
 
 # What a formula may call, by the names that these have in exported code.
@@ -182,8 +186,7 @@ class Formula:
     @cached_property
     def at_depth(self) -> tuple[Step, ...]:
         """The steps that depend on the penetration."""
-        depends = _dependent(self.steps)
-        return tuple(s for s in self.steps if depends & {*assigned_in([s])})
+        return depending(self.steps)
 
     @cached_property
     def at_pair(self) -> tuple[Step, ...]:
@@ -191,9 +194,14 @@ class Formula:
         return tuple(s for s in self.steps if s not in self.at_depth)
 
     @cached_property
+    def written_out(self) -> tuple[Step, ...]:
+        """The steps with Lambert's function written out, also for its argument 0."""
+        return self._reader.expanded(self.steps, branch_distance_steps_from_0)
+
+    @cached_property
     def scalar_steps(self) -> tuple[Step, ...]:
         """The steps `at_depth` with Lambert's function written out."""
-        return self._reader.expanded(self.at_depth)
+        return self._reader.expanded(self.at_depth, branch_distance_steps)
 
     def numbers_of(self, *results: str) -> tuple[str, ...]:
         """Return the names of a pair's numbers that some results need besides the penetration."""
@@ -238,6 +246,12 @@ def flat(steps: Iterable[Step]) -> Iterator[Step]:
     for step in steps:
         yield step
         yield from flat(step.body)
+
+
+def depending(steps: Sequence[Step]) -> tuple[Step, ...]:
+    """Return the steps that depend on the penetration."""
+    depends = _dependent(steps)
+    return tuple(step for step in steps if depends & {*assigned_in([step])})
 
 
 def _dependent(steps: Sequence[Step]) -> set[str]:
@@ -379,13 +393,13 @@ class _Reader:
         self.taken.add(trial.lower())
         return trial
 
-    def expanded(self, steps: Iterable[Step]) -> tuple[Step, ...]:
+    def expanded(self, steps: Iterable[Step], lambert: Callable[..., Any]) -> tuple[Step, ...]:
         """Return steps with those of Lambert's function in place of its calls."""
         every: list[Step] = []
         for step in steps:
             match step.value:
                 case ast.Call(func=ast.Name(id="branch_distance"), args=[p]):
-                    frame = _Frame(self, branch_distance_steps, {"p": p}, every)
+                    frame = _Frame(self, lambert, {"p": p}, every)
                     every.append(Step(step.name, frame.run()[0]))
                 case _:
                     every.append(step)

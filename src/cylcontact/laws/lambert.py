@@ -40,6 +40,12 @@ def branch_distance_steps(p):
     return np.where(p >= 1, 0, w)
 
 
+def branch_distance_steps_from_0(p):
+    """Return w for numbers, and infinity for p = 0."""
+    w = branch_distance_steps(p)
+    return np.where(p > 0, w, np.inf)
+
+
 def branch_distance(p: FloatArray) -> FloatArray:
     """Return w = −1 − W₋₁(−p/e) ≥ 0 for p from 0 to 1; NaN outside."""
     p, shape = np.ascontiguousarray(p, dtype=np.float64), np.shape(p)

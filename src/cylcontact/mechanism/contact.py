@@ -14,7 +14,8 @@ and the normal velocity is the penetration rate, (v_i − v_j)·n = ė·n = δ̇
 either centre moves C along t only.
 
 **Units.** The mechanics is in SI, the laws in mm and N/mm. Only `elastic_force` and `stored_energy`
-convert between them.
+convert between them. `evaluate` and `accept`, of a joint by itself, take and give the joint's own
+unit of length; `cylcontact.export` translates them, and what they call.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from cylcontact.numba_cache import compiled, inlined
 Motion = tuple[float, float, float, float, float, float]
 # A joint with clearance, as compiled functions take it; in Python a record is of this type.
 Joint = Any
+Record = Any
 
 # The force is smooth in pieces. An integrator holds a piece through a step, beyond its ends if need
 # be, and changes it at events. Branches of friction: slip (±2), ramp (±1), none (0). Regimes of the
@@ -55,8 +57,24 @@ JOINT = np.dtype(
         # The bodies of bearing and pin, and the centres in the axes of each.
         *((name, np.int64) for name in ("i", "j")),
         *((name, np.float64) for name in ("x_i", "y_i", "x_j", "y_j")),
+        # The unit of length of a joint by itself in m, and its elastic force at first yield in N.
+        *((name, np.float64) for name in ("metres", "first_yield")),
     ]
 )
+# What `evaluate` writes: a wrench, and the arms from the reference points to the centres in m.
+WORK = np.dtype(
+    [
+        *(("force_bearing", np.float64, 2), ("moment_bearing", np.float64)),
+        *(("force_pin", np.float64, 2), ("moment_pin", np.float64)),
+        *((name, np.float64) for name in ("penetration", "penetration_rate")),
+        *((name, np.float64) for name in ("normal_force", "friction_force", "tangential_velocity")),
+        *((name, np.float64) for name in ("dissipated_power", "flag")),
+        *((name, np.float64, 2) for name in ("arm_bearing", "arm_pin")),
+    ]
+)
+
+# The bits of a wrench's flag.
+YIELDS, BEYOND_LAW = 1, 2
 
 
 @compiled
@@ -65,11 +83,12 @@ def elastic_force(penetration: float, joint: Joint, law: FloatArray) -> float:
 
     Beyond `last_penetration` the load continues along a straight line.
     """
-    return _elastic(penetration, joint, law)
+    return elastic_at(penetration, joint, law)
 
 
 @inlined
-def _elastic(penetration: float, joint: Joint, law: FloatArray) -> float:
+def elastic_at(penetration: float, joint: Joint, law: FloatArray) -> float:
+    """Return what `elastic_force` does."""
     delta = penetration * 1e3
     if delta <= 0.0:
         return 0.0
@@ -104,14 +123,13 @@ def bounded_ratio(ratio: float) -> float:
 @inlined
 def friction_force(normal: float, v_t: float, joint: Joint) -> float:
     """Return f_t = −c_f·c_d·f_n·sgn(v_t) in N (Eqs 14–15), v_t in m/s."""
-    branch = joint.branch
-    if branch == ANY:
+    if joint.branch == ANY:
         correction = min(max((abs(v_t) - joint.v0) / (joint.v1 - joint.v0), 0.0), 1.0)
         correction = math.copysign(correction, v_t)
-    elif abs(branch) == 1:
-        correction = (v_t - branch * joint.v0) / (joint.v1 - joint.v0)
+    elif abs(joint.branch) == 1:
+        correction = (v_t - joint.branch * joint.v0) / (joint.v1 - joint.v0)
     else:
-        correction = 0.5 * branch
+        correction = 0.5 * joint.branch
     return float(-joint.friction * correction * normal)
 
 
@@ -135,15 +153,15 @@ def relative_motion(motion: Motion, joint: Joint) -> tuple[float, float, float, 
 
 # What `forces` returns: f_i of Eq 13a in N, on the bearing at C, and the moments of it about the
 # bearing's centre and of the opposite force about the pin's, in N m, positive anticlockwise; f_n in
-# N, the powers in W that damping and friction dissipate, and δ in m.
-Forces = tuple[float, float, float, float, float, float, float, float]
+# N, the powers in W that damping and friction dissipate, δ in m, and the elastic part of f_n in N.
+Forces = tuple[float, float, float, float, float, float, float, float, float]
 
 
 @inlined
 def forces(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray) -> Forces:
     """Return the contact of a pair that touches: δ̇⁽⁻⁾ in m/s, a joint, the numbers of its law."""
     n_x, n_y, delta, rate, v_t = relative_motion(motion, joint)
-    elastic = _elastic(delta, joint, law)
+    elastic = elastic_at(delta, joint, law)
     damping = joint.chi * bounded_ratio(rate / impact_rate)
     normal = max(elastic * (1.0 + damping), 0.0)
     tangential = friction_force(normal, v_t, joint)
@@ -152,10 +170,79 @@ def forces(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray) ->
     # (−a·n) × (f_t·t) = a·f_t, as n × t = −1.
     moment_i, moment_j = joint.R_bearing * tangential, -(joint.R_pin - delta) * tangential
     normal_power, friction_power = (normal - elastic) * rate, -tangential * v_t
-    return force_x, force_y, moment_i, moment_j, normal, normal_power, friction_power, delta
+    return (
+        force_x, force_y, moment_i, moment_j, normal, normal_power, friction_power, delta, elastic
+    )  # fmt: skip
 
 
 @compiled
 def forces_at(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray) -> Forces:
     """Return what `forces` returns, without a copy of the laws in the caller."""
     return forces(motion, impact_rate, joint, law)
+
+
+@compiled
+def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Joint) -> Motion:
+    """Write the arms, and return the motion of a joint from x, y, angle and rates of its bodies."""
+    c, s = math.cos(bearing[2]), math.sin(bearing[2])
+    w.arm_bearing[0] = c * joint.x_i - s * joint.y_i
+    w.arm_bearing[1] = s * joint.x_i + c * joint.y_i
+    c, s = math.cos(pin[2]), math.sin(pin[2])
+    w.arm_pin[0] = c * joint.x_j - s * joint.y_j
+    w.arm_pin[1] = s * joint.x_j + c * joint.y_j
+    e_x = joint.metres * (bearing[0] - pin[0]) + w.arm_bearing[0] - w.arm_pin[0]
+    e_y = joint.metres * (bearing[1] - pin[1]) + w.arm_bearing[1] - w.arm_pin[1]
+    u_x = joint.metres * (bearing[3] - pin[3])
+    u_y = joint.metres * (bearing[4] - pin[4])
+    u_x = u_x - bearing[5] * w.arm_bearing[1] + pin[5] * w.arm_pin[1]
+    u_y = u_y + bearing[5] * w.arm_bearing[0] - pin[5] * w.arm_pin[0]
+    return e_x, e_y, u_x, u_y, bearing[5], pin[5]
+
+
+@compiled
+def evaluate(
+    state: FloatArray, bearing: FloatArray, pin: FloatArray, w: Record, joint: Joint,
+    law: FloatArray,
+) -> None:  # fmt: skip
+    """Write the wrench of bodies that move so, with this impact rate, in the joint's units."""
+    motion = move(bearing, pin, w, joint)
+    _, _, delta, rate, v_t = relative_motion(motion, joint)
+    w.penetration = delta / joint.metres
+    w.penetration_rate = rate / joint.metres
+    w.tangential_velocity = v_t / joint.metres
+    f_x, f_y, moment_i, moment_j = 0.0, 0.0, 0.0, 0.0
+    normal, lost, rubbed, elastic = 0.0, 0.0, 0.0, 0.0
+    if delta > 0.0:
+        onset = state[0] * joint.metres if state[0] > 0.0 else max(rate, joint.rate_floor)
+        f_x, f_y, moment_i, moment_j, normal, lost, rubbed, _, elastic = forces(
+            motion, onset, joint, law
+        )
+        moment_i += w.arm_bearing[0] * f_y - w.arm_bearing[1] * f_x
+        moment_j -= w.arm_pin[0] * f_y - w.arm_pin[1] * f_x
+    w.force_bearing[0] = f_x
+    w.force_bearing[1] = f_y
+    w.moment_bearing = moment_i / joint.metres
+    w.force_pin[0] = -f_x
+    w.force_pin[1] = -f_y
+    w.moment_pin = moment_j / joint.metres
+    w.normal_force = normal
+    w.friction_force = friction_force(normal, v_t, joint)
+    w.dissipated_power = (lost + rubbed) / joint.metres
+    w.flag = 0.0
+    if elastic > joint.first_yield:
+        w.flag += YIELDS
+    if delta * 1e3 > joint.last_penetration:
+        w.flag += BEYOND_LAW
+
+
+@compiled
+def accept(
+    state: FloatArray, bearing: FloatArray, pin: FloatArray, w: Record, joint: Joint
+) -> None:
+    """Update the impact rate after an accepted step."""
+    motion = move(bearing, pin, w, joint)
+    _, _, delta, rate, _ = relative_motion(motion, joint)
+    if delta <= 0.0:
+        state[0] = 0.0
+    elif state[0] <= 0.0:
+        state[0] = max(rate, joint.rate_floor) / joint.metres

@@ -9,6 +9,7 @@ The element has one state, the impact rate δ̇⁽⁻⁾ of the contact under wa
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -130,14 +131,7 @@ class ClearanceJointSpec(Spec):
 # penetration. At the limit itself Johnson's law is infinitely stiff.
 TANGENT_FROM = 0.9
 
-# The bits of a wrench's flag.
-YIELDS, BEYOND_LAW = 1, 2
-
-# Of the wrenches as the compiled function writes them.
-_COLUMNS = 11
-
-# Metres and millimetres in the element's unit of length.
-_METRES = {"SI": 1.0, "mm": 1e-3}
+# Millimetres in the element's unit of length.
 _MILLIMETRES = {"SI": 1e3, "mm": 1.0}
 
 
@@ -305,6 +299,10 @@ class ClearanceJoint:
         record["clearance"] = self.radial * 1e-3
         record["R_bearing"], record["R_pin"] = R_i * 1e-3, R_j * 1e-3
         record["length"] = self.pair.contact_length("the joint")
+        (record["x_i"], record["y_i"]), (record["x_j"], record["y_j"]) = (
+            (x / 1e3, y / 1e3) for x, y in (self.point_bearing, self.point_pin)
+        )
+        record["metres"], record["first_yield"] = self.in_mm / 1e3, self.first_yield
         record["last_penetration"] = record["stop_penetration"] = np.inf
         law = self.kernel
         record["kernel"], record["size"] = law.kind, law.parameters.size
@@ -339,16 +337,10 @@ class ClearanceJoint:
             If the state says "no contact" where the surfaces overlap, as in a trial step across the
             onset, the impact rate is the penetration rate of these very arguments.
         """
-        rate, bodies = _rows(state, bearing, pin)
-        numbers = np.array([*self._points, _METRES[self.units], self.rate_floor, self.first_yield])
-        out = np.empty((rate.size, _COLUMNS))
-        first, second = (body.reshape(-1, 6) for body in bodies)
-        _wrenches(rate.ravel(), first, second, numbers, self.block, self.kernel.parameters, out)
-        columns: list[Any] = [as_floats(column.reshape(rate.shape)) for column in out.T]
-        x, y, on_bearing, on_pin, *others, flag = columns
-        force = np.stack((x, y), axis=-1)
-        parts = force, on_bearing, -force, on_pin, *others, flag.astype(np.int64)
-        return JointWrench._make(parts)
+        rows, shape = rows_of(as_floats(state.impact_rate)[..., None], bearing, pin, 6)
+        work = np.zeros(len(rows[0]), contact.WORK)
+        _evaluate(*rows, work, self.block, self.kernel.parameters)
+        return JointWrench(**parts_of(work, JointWrench._fields, shape))
 
     def accept(self, state: JointState, bearing: ArrayLike, pin: ArrayLike) -> JointState:
         """Return the state after an accepted step, or at the onset of a contact.
@@ -364,78 +356,59 @@ class ClearanceJoint:
             Without contact, 0. At the first touch the penetration rate, at least 1 mm/s. Unchanged
             while the contact lasts.
         """
-        wrench = self.evaluate(state, bearing, pin)
-        first = np.maximum(wrench.penetration_rate, self.rate_floor)
-        kept = np.where(as_floats(state.impact_rate) > 0, state.impact_rate, first)
-        rate = as_floats(np.where(wrench.penetration > 0, kept, 0.0))
-        return JointState(rate if rate.ndim else float(rate))
-
-    @property
-    def _points(self) -> tuple[float, ...]:
-        """The centres of hole and pin, in the joint's units."""
-        return tuple(x / self.in_mm for x in (*self.point_bearing, *self.point_pin))
+        rows, shape = rows_of(as_floats(state.impact_rate)[..., None], bearing, pin, 6)
+        _accept(*rows, np.zeros(1, contact.WORK)[0], self.block)
+        return JointState(rows[0].reshape(shape) if shape else float(rows[0][0, 0]))
 
 
-def _rows(
-    state: JointState, bearing: ArrayLike, pin: ArrayLike
-) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
-    """Return impact rates, shape (...), and both bodies, shape (..., 6), of one common shape."""
-    bodies = []
+# What a body is, by how many numbers.
+_BODIES = {
+    6: ("six numbers", "x, y, angle, v_x, v_y, spin"),
+    13: ("thirteen numbers", "position, quaternion w x y z, velocity and angular velocity"),
+}
+
+
+Rows = tuple[FloatArray, FloatArray, FloatArray]
+
+
+def rows_of(
+    rates: FloatArray, bearing: ArrayLike, pin: ArrayLike, size: int
+) -> tuple[Rows, tuple[int, ...]]:
+    """Return copies of impact rates and both bodies, one to a row, and the shape of the rows."""
+    numbers = [rates]
     for key, body in (("bearing", bearing), ("pin", pin)):
-        numbers = np.asarray(body, dtype=np.float64)
-        rule, remedy = "must be six numbers", "give x, y, angle, v_x, v_y, spin"
-        require(numbers.shape[-1:] == (6,), "joint", key, body, rule, remedy)
-        bodies.append(numbers)
-    rate = np.asarray(state.impact_rate, dtype=np.float64)
-    shape = np.broadcast_shapes(rate.shape, *(b.shape[:-1] for b in bodies))
-    first, second = (np.ascontiguousarray(np.broadcast_to(b, (*shape, 6))) for b in bodies)
-    return np.ascontiguousarray(np.broadcast_to(rate, shape)).reshape(shape), (first, second)
+        numbers.append(np.asarray(body, dtype=np.float64))
+        what, remedy = _BODIES[size]
+        good = numbers[-1].shape[-1:] == (size,)
+        require(good, "joint", key, body, f"must be {what}", f"give {remedy}")
+    shape = np.broadcast_shapes(*(part.shape[:-1] for part in numbers))
+    first, second, third = (
+        np.broadcast_to(part, (*shape, part.shape[-1])).reshape(-1, part.shape[-1]).copy()
+        for part in numbers
+    )
+    return (first, second, third), shape
+
+
+def parts_of(work: Any, fields: Sequence[str], shape: tuple[int, ...]) -> dict[str, Any]:
+    """Return the parts of wrenches, each of the shape of the rows."""
+    parts = {name: work[name].reshape(shape + work[name].shape[1:]).copy() for name in fields}
+    return {**parts, "flag": parts["flag"].astype(np.int64)}
 
 
 @compiled
-def _wrenches(
-    impact_rate: NDArray[np.float64],
-    bearing: NDArray[np.float64],
-    pin: NDArray[np.float64],
-    numbers: NDArray[np.float64],
-    joint: contact.Joint,
-    law: NDArray[np.float64],
-    out: NDArray[np.float64],
+def _evaluate(
+    rates: FloatArray, bearing: FloatArray, pin: FloatArray, work: Any, joint: Any, law: FloatArray
 ) -> None:
-    """Write wrenches by row: force on the bearing, moments, δ, δ̇, f_n, f_t, v_t, power, flag.
+    """Write the wrench of each row."""
+    for k in range(len(work)):
+        contact.evaluate(rates[k], bearing[k], pin[k], work[k], joint, law)
 
-    `numbers` has the centres of hole and pin in the joint's units, the unit of length in m, the
-    floor of the impact rate in the joint's units and the force at first yield.
-    """
-    metres, floor, first_yield = numbers[4], numbers[5], numbers[6]
-    for k in range(impact_rate.size):
-        b, j = bearing[k], pin[k]
-        cos_b, sin_b, cos_j, sin_j = np.cos(b[2]), np.sin(b[2]), np.cos(j[2]), np.sin(j[2])
-        hole_x, hole_y, pin_x, pin_y = numbers[0], numbers[1], numbers[2], numbers[3]
-        arm_bx, arm_by = cos_b * hole_x - sin_b * hole_y, sin_b * hole_x + cos_b * hole_y
-        arm_jx, arm_jy = cos_j * pin_x - sin_j * pin_y, sin_j * pin_x + cos_j * pin_y
-        e_x, e_y = b[0] + arm_bx - (j[0] + arm_jx), b[1] + arm_by - (j[1] + arm_jy)
-        u_x = b[3] - b[5] * arm_by - (j[3] - j[5] * arm_jy)
-        u_y = b[4] + b[5] * arm_bx - (j[4] + j[5] * arm_jx)
-        motion = e_x * metres, e_y * metres, u_x * metres, u_y * metres, b[5], j[5]
-        _, _, delta, rate, v_t = contact.relative_motion(motion, joint)
-        out[k] = 0.0
-        out[k, 4], out[k, 5], out[k, 8] = delta / metres, rate / metres, v_t / metres
-        if delta <= 0.0:
-            continue
-        onset = impact_rate[k] if impact_rate[k] > 0.0 else max(rate / metres, floor)
-        f_x, f_y, m_b, m_j, normal, lost, rubbed, _ = contact.forces_at(
-            motion, onset * metres, joint, law
-        )
-        out[k, 0], out[k, 1] = f_x, f_y
-        out[k, 2] = m_b / metres + arm_bx * f_y - arm_by * f_x
-        out[k, 3] = m_j / metres - arm_jx * f_y + arm_jy * f_x
-        out[k, 6], out[k, 7] = normal, contact.friction_force(normal, v_t, joint)
-        out[k, 9] = (lost + rubbed) / metres
-        if contact.elastic_force(delta, joint, law) > first_yield:
-            out[k, 10] += YIELDS
-        if delta * 1e3 > joint.last_penetration:
-            out[k, 10] += BEYOND_LAW
+
+@compiled
+def _accept(rates: FloatArray, bearing: FloatArray, pin: FloatArray, work: Any, joint: Any) -> None:
+    """Update the impact rate of each row."""
+    for k in range(len(rates)):
+        contact.accept(rates[k], bearing[k], pin[k], work, joint)
 
 
 def read_joint(path: Path | str, materials: Path | str | None = None) -> ClearanceJoint:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
 from cylcontact.mechanism import contact
-from cylcontact.mechanism.joint import BEYOND_LAW, YIELDS, ClearanceJoint
+from cylcontact.mechanism.contact import BEYOND_LAW, YIELDS
+from cylcontact.mechanism.joint import ClearanceJoint
 from cylcontact.mechanism.model import Joint, Mechanism
 from cylcontact.mechanism.run import JOINT_LEDGERS, Settings, StepHistory
 from cylcontact.mechanism.slider_crank import SliderCrank, recognise
@@ -405,7 +406,7 @@ def _joint_forces(
         out[k, 4] = contact.relative_motion(motion, joint)[4]
         if in_contact[k]:
             rate = max(impact_rate[k], joint.rate_floor)
-            f_x, f_y, _, _, normal, _, _, _ = contact.forces_at(motion, rate, joint, law)
+            f_x, f_y, _, _, normal, _, _, _, _ = contact.forces_at(motion, rate, joint, law)
             out[k, 0], out[k, 1], out[k, 2] = f_x, f_y, normal
             out[k, 3] = contact.friction_force(normal, out[k, 4], joint)
     return out

@@ -297,7 +297,7 @@ def _touch(
         ai_x, ai_y, i_x, i_y, vi_x, vi_y, spin_i = point(q, v, turns, joint.i, joint.x_i, joint.y_i)
         aj_x, aj_y, j_x, j_y, vj_x, vj_y, spin_j = point(q, v, turns, joint.j, joint.x_j, joint.y_j)
         motion = i_x - j_x, i_y - j_y, vi_x - vj_x, vi_y - vj_y, spin_i, spin_j
-        f_x, f_y, moment_i, moment_j, normal, lost, rubbed, delta = contact.forces(
+        f_x, f_y, moment_i, moment_j, normal, lost, rubbed, delta, _ = contact.forces(
             motion, joint.impact_rate, joint, law
         )
         _apply(force, joint.i, f_x, f_y, ai_x * f_y - ai_y * f_x + moment_i)

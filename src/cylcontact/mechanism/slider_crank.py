@@ -164,12 +164,12 @@ def derivatives(
         rates[row, n] = 0.0
     if joint.touching:
         side, motion = m.side, _of_joint(m.side, y, 0, 2, spin, 0.0)
-        f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power, delta = contact.forces(
+        f_x, f_y, moment_i, moment_j, normal, lost, rubbed, delta, _ = contact.forces(
             motion, joint.impact_rate, joint, law
         )
         f_x, f_y = side * f_x, side * f_y
         moment = moment_j if side > 0 else moment_i
-        rates[row, 6], rates[row, 7] = normal_power, friction_power
+        rates[row, 6], rates[row, 7] = lost, rubbed
         rates[row, 8], rates[row, 9] = delta, normal
 
     # The rod about A, in the accelerating frame; gravity on the rod reduces Ä.
@@ -218,7 +218,7 @@ def derivatives_of_two(
         if joint.touching:
             law = laws[joint.first : joint.first + joint.size]
             motion = _of_two(spin, y, joint, m, pin)
-            x, z, moment_i, moment_j, normal, lost, rubbed, delta = contact.forces(
+            x, z, moment_i, moment_j, normal, lost, rubbed, delta, _ = contact.forces(
                 motion, joint.impact_rate, joint, law
             )
             if k == pin.wrist:

@@ -15,11 +15,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, Strict, model_validator
 
-from cylcontact.arrays import FloatArray, require
+from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.materials import own_table
 from cylcontact.mechanism import spatial_forces
-from cylcontact.mechanism.joint import BodySpec, ClearanceJoint, ClearanceJointSpec, joint_from
+from cylcontact.mechanism.joint import (
+    BodySpec,
+    ClearanceJoint,
+    ClearanceJointSpec,
+    Rows,
+    joint_from,
+    parts_of,
+    rows_of,
+)
 from cylcontact.numba_cache import compiled
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
@@ -314,16 +322,14 @@ class SpatialJoint:
         InputError
             For arguments that are no motion, or if the axes are near a right angle.
         """
-        rows, shape = _rows(state, bearing, pin)
+        rows, shape = self._rows(state, bearing, pin)
         work = np.zeros(len(rows[0]), spatial_forces.WORK)
         _evaluate(*rows, work, self.record, self.planar.kernel.parameters)
         require(
             ~np.isnan(work["normal_force"]), self.planar.name, "pin", None,
             "has its axis near a right angle to that of the hole", "give both axes in the file",
         )  # fmt: skip
-        parts = {name: work[name].copy() for name in SpatialWrench._fields}
-        parts = {name: part.reshape(shape + part.shape[1:]) for name, part in parts.items()}
-        return SpatialWrench(**{**parts, "flag": parts["flag"].astype(np.int64)})
+        return SpatialWrench(**parts_of(work, SpatialWrench._fields, shape))
 
     def accept(self, state: SpatialState, bearing: ArrayLike, pin: ArrayLike) -> SpatialState:
         """Return the state after an accepted step, or at the onset of a contact.
@@ -339,9 +345,18 @@ class SpatialJoint:
             Of each rim and face: 0 without contact; at the first touch the penetration rate, at
             least 1 mm/s; unchanged while the contact lasts.
         """
-        rows, shape = _rows(state, bearing, pin)
+        rows, shape = self._rows(state, bearing, pin)
         _accept(*rows, np.zeros(1, spatial_forces.WORK)[0], self.record)
         return SpatialState(rows[0].reshape(*shape, 4))
+
+    def _rows(
+        self, state: SpatialState, bearing: ArrayLike, pin: ArrayLike
+    ) -> tuple[Rows, tuple[int, ...]]:
+        rows, shape = rows_of(as_floats(state.impact_rate), bearing, pin, 13)
+        for key, body in zip(("bearing", "pin"), rows[1:], strict=True):
+            rule, remedy = "has a quaternion of zeros", "give one of any length but 0"
+            require((body[:, 3:7] != 0).any(axis=1), "joint", key, None, rule, remedy)
+        return rows, shape
 
 
 def _frame(axis: tuple[float, float, float]) -> FloatArray:
@@ -351,29 +366,6 @@ def _frame(axis: tuple[float, float, float]) -> FloatArray:
     x = x - (x @ z) * z
     x /= np.linalg.norm(x)
     return np.array([x, np.cross(z, x), z])
-
-
-def _rows(
-    state: SpatialState, bearing: ArrayLike, pin: ArrayLike
-) -> tuple[tuple[FloatArray, FloatArray, FloatArray], tuple[int, ...]]:
-    """Return copies of impact rates and both bodies, one to a row, and the shape of the rows."""
-    numbers = [np.asarray(state.impact_rate, dtype=np.float64)]
-    for key, body in (("bearing", bearing), ("pin", pin)):
-        numbers.append(np.asarray(body, dtype=np.float64))
-        require(
-            numbers[-1].shape[-1:] == (13,), "joint", key, body, "must be thirteen numbers",
-            "give position, quaternion w x y z, velocity and angular velocity",
-        )  # fmt: skip
-        require(
-            (numbers[-1][..., 3:7] != 0).any(axis=-1), "joint", key, body,
-            "has a quaternion of zeros", "give w, x, y, z as its fourth to seventh number",
-        )  # fmt: skip
-    shape = np.broadcast_shapes(*(part.shape[:-1] for part in numbers))
-    rates, first, second = (
-        np.broadcast_to(part, (*shape, part.shape[-1])).reshape(-1, part.shape[-1]).copy()
-        for part in numbers
-    )
-    return (rates, first, second), shape
 
 
 @compiled

@@ -80,7 +80,7 @@ WORK = np.dtype(
     ]
 )
 
-# The bits of a flag; `joint.YIELDS` and `joint.BEYOND_LAW` are 1 and 2.
+# The bits of a flag; `contact.YIELDS` and `contact.BEYOND_LAW` are 1 and 2.
 RIM_MISSING, OUTSIDE, UNLIKE = 4, 8, 16
 # Assumed: the least share of the length for which slices without the rim's stiffness are near
 # three-dimensional elasticity, the largest tan of the tilt, and the axes' least cosine.

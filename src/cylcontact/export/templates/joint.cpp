@@ -13,7 +13,7 @@ $comment
 
 namespace cylcontact_$name {
 
-$types
+$records
 
 $functions
 

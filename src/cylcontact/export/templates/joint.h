@@ -15,7 +15,7 @@ $comment
 extern "C" {
 #endif
 
-$types
+$records
 
 void ${name}_start(${name}_state *state);
 void ${name}_evaluate(const ${name}_state *state, const double bearing[$size],

@@ -13,61 +13,19 @@ joint.accept = @accept;
 end
 
 function impact_rate = start()
-$start
+impact_rate = zeros(1, $contacts);
 end
 
 function wrench = evaluate(impact_rate, bearing, pin)
-$evaluate_constants
-$evaluate
+w = wrench_of(impact_rate, bearing, pin, work());
 $results
 end
 
 function impact_rate = accept(impact_rate, bearing, pin)
-$accept_constants
-$accept
-$next
+impact_rate = next_rates(impact_rate, bearing, pin, work());
 end
 
-$if program
+$types
+
 $program
-
-$end
-function f = law_load(penetration)
-% The law: N/mm at a penetration in mm.
-$if table
-persistent x y s
-if isempty(x)
-    x = [ ...
-        $x];
-    y = [ ...
-        $y];
-    s = [ ...
-        $s];
-end
-$end
-if penetration <= 0
-    f = 0;
-    return
-end
-$if table
-at = log(penetration);
-low = 1;
-high = $last;
-while high - low > 1
-    middle = floor((low + high) / 2);
-    if x(middle) <= at
-        low = middle;
-    else
-        high = middle;
-    end
-end
-x_0 = x(low);
-y_0 = y(low);
-s_0 = s(low);
-x_1 = x(high);
-y_1 = y(high);
-s_1 = s(high);
-$end
-$law_constants
-$law
-end
+$helpers

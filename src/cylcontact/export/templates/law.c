@@ -28,12 +28,14 @@ ${inline}void $both(
     $parameters,
     double *load, double *stiffness)
 {
+    $constants
+    $variables
+
     *load = penetration < 0.0 ? 0.0 : (double)NAN;
     *stiffness = *load;
     if (!($domain)) {
         return;
     }
-    $constants
     $at_pair
     $if ends
     if (!($ends)) {
