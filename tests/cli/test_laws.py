@@ -65,32 +65,38 @@ def test_laws_finds_a_clearance(run):
     dR = cc.sizing.find("dR", pair, 500.0, stiffness=2e5)
     assert (code, err) == (0, "")
     assert out == f"dR = {dR:.6g} mm gives 200000 N/mm² under 500 N/mm\n"
+    code, out, err = run("laws", "--find", "length", "--penetration", "3", "--load", "1e4")
+    assert (code, err) == (0, "")
+    assert out.endswith(" mm gives 3 µm under 10000 N\n")
 
 
 REFUSED = [
+    "--clamp far:60 | laws: --R-o: is required",
+    "--R-o 20 --clamp side:60 | '--clamp': 'side:60' is no clamp; write rim, near:60",
+    "--R-o 20 --layer bronze | '--layer': 'bronze' is no material with an inner radius",
     "--fit 20H7/k6 | laws: --fit = '20H7/k6': is a transition fit: ΔR is -7.5 to 9.5",
     "--fit 20H7/g6 --dR .1 | laws: --dR = 0.1: is given by the fit 20H7/g6",
     "--fit 8H7/g6 --contact external | --contact = 'external': has no fit",
     "--stiffness 1 | laws: --stiffness = 1.0: is for --find",
     "--find R | laws: --find = 'R': cannot be found; dR, E or length",
     "--find dR | laws: --stiffness: is missing; give stiffness or penetration",
-    "--temperature hot | laws: --temperature = 'hot': must be one number or two",
+    "--temperature hot | '--temperature': 'hot' must be one number or two",
     "--pin ceramics | laws: --hole: is missing beside --pin; name the hole's material",
-    "--pin PTFE --hole 2e5, | laws: --hole = '2e5,': is no material; write its",
-    "--pin PTFE --hole 210,.3 | --hole = '210': a bare number is in MPa; did you",
+    "--pin PTFE --hole 2e5, | '--hole': '2e5,' is no material; write its",
+    "--pin PTFE --hole 210,.3 | '--hole': '210,.3': a bare number is in MPa; did you",
     "--pin ceramics --hole soap | laws: --hole = 'soap': is not in the tables of materials; choose",
-    "--material '110 GPa, .34' --nu .3 | laws: --nu = 0.3: is given by --material already; leave",
+    "--material '110 GPa, .34' --nu .3 | laws: --nu: says the same as --material; keep",
     "--contact external --material-i PTFE | --material-j: is missing beside --material-i; name the",
-    "--hole-diameter 20 --Ri 10 | --hole-diameter = 20.0: says the same as --Ri",
+    "--hole-diameter 20 --Ri 10 | --hole-diameter: says the same as --Ri",
     "--dR .1 --Ri 10 --Rj 9 | laws: --dR = 0.1: follows from the radii",
     "--pin PTFE --hole PTFE --contact external | has no pin and no hole; leave out --pin",
-    "--pin PTFE --hole bronze --nu 0.46 | --nu = 0.46: is of both bodies, and --hole is of one",
+    "--pin PTFE --hole bronze --nu 0.46 | --nu: is of both bodies, and --hole is of one",
     "--nu 30 | laws: --nu = 30.0: Poisson's ratio must lie in [0, 0.5]",
     "--dR -1 | dR = -1.0: must be positive",
     "--contact sideways | must be 'internal' or 'external'",
-    "--load many | --load = 'many': is not a load",
-    "--E 207e9 | laws: --E = '207e9': is beyond any material",
-    "--E 210 | laws: --E = '210': a bare number is in MPa; did you mean \"210 GPa\"? For a",
+    "--load many | --load = 'many N/mm': is not a load",
+    "--E 207e9 | '--E': '207e9': is beyond any material",
+    "--E 210 | '--E': '210': a bare number is in MPa; did you mean \"210 GPa\"? For a",
 ]
 
 

@@ -14,7 +14,6 @@ import sys
 import warnings
 from collections.abc import Sequence
 from contextlib import suppress
-from pathlib import Path
 
 import typer
 
@@ -31,8 +30,6 @@ __all__ = ["main"]
 _OBJECTS_BETWEEN_COLLECTIONS = 50_000
 # How numpy's warnings of numbers beyond all others begin. The commands tell what is not finite.
 _NOT_FINITE = "(overflow|underflow|invalid value|divide by zero) encountered"
-# Characters of an error, which may quote names and paths of any length.
-_LONGEST = 1200
 atexit.register(gc.freeze)
 
 
@@ -40,7 +37,6 @@ def main() -> None:
     """Run the command line; expected failures become one line and an exit code."""
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
     warnings.filterwarnings("ignore", _NOT_FINITE, RuntimeWarning)
-    _prepare_streams()
     try:
         with stopped_by_signals():
             status = _run(sys.argv[1:])
@@ -77,18 +73,11 @@ def _unwritten(error: OSError) -> int:
     return _fail(f"standard output: cannot be written ({error.strerror}); make room")
 
 
-def _prepare_streams() -> None:
-    """Let standard output and error accept any text, and replace closed ones."""
-    for name in ("stdout", "stderr"):
-        stream = getattr(sys, name)
-        if stream is None:
-            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
-        elif isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")
-
-
 def _run(arguments: Sequence[str]) -> int:
     """Run one command and return its exit code; errors propagate."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     if "" in arguments:  # typer takes an empty path for the current folder
         rule, remedy = "an argument is empty", "fill it in; a variable of the shell may be unset"
         raise InputError("command line", "", None, rule, remedy)
@@ -102,9 +91,7 @@ def _run(arguments: Sequence[str]) -> int:
 
 
 def _fail(message: str, status: int = 2) -> int:
-    """Print one line on standard error, long ones without their middle; return the exit code."""
-    if len(message) > _LONGEST:
-        message = f"{message[: _LONGEST // 2]}…{message[-_LONGEST // 2 :]}"
+    """Print one line on standard error; return the exit code."""
     with suppress(OSError):  # nobody reads it, and the exit code remains
         say(f"cylcontact: {message}", err=True)
     return status

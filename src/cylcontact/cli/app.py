@@ -5,7 +5,7 @@ from collections.abc import Callable
 import typer
 
 import cylcontact
-from cylcontact.cli import finite_element, fit, init, laws, mechanism, reporting
+from cylcontact.cli import fit, init, laws, mechanism, reporting
 from cylcontact.cli.options import keep_inputs, option
 
 
@@ -57,7 +57,7 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         "-o build/tolerances.csv",
         mechanism.bifurcation: "bifurcation datasets/slider_crank.toml --points 4 "
         "--revolutions 40 --last 8 -o build/bifurcation.csv",
-        finite_element.finite_element: "finite-element datasets/finite_element/recommended.toml",
+        fit.finite_element: "finite-element datasets/finite_element/recommended.toml",
     },
     "Figures and papers": {
         reporting.figure: "figure fig12 --style single-column --format pdf,svg",

@@ -1,8 +1,9 @@
-"""The commands `sample`, `fit`, `choose`, `predict`, `design` and others of fits."""
+"""The commands `sample`, `finite-element`, `fit`, `choose`, `predict`, `design` and others."""
 
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,17 +20,16 @@ from cylcontact.cli.options import (
     RESUME,
     SCHEDULER,
     Options,
+    Read,
     argument,
     count,
+    interval,
     number,
-    numbers,
     option,
     output,
-    plain_numbers,
+    reader,
     require_output,
-    resumable,
     several,
-    split,
     takes,
 )
 from cylcontact.cli.pair import (
@@ -41,10 +41,10 @@ from cylcontact.cli.pair import (
     housing_of,
     option_of,
 )
-from cylcontact.cli.terminal import noting, progress_bars, say, workers
+from cylcontact.cli.terminal import progress_bars, resumable, say
 from cylcontact.errors import InputError, require
-from cylcontact.files import replacing, require_suffix, require_writable
-from cylcontact.reading import marked, require_file
+from cylcontact.files import replacing, require_suffix, require_writable, write_table
+from cylcontact.reading import marked, plain_number, require_file
 
 if TYPE_CHECKING:
     from cylcontact.fitting import Campaign, FitResult, TableCampaign
@@ -59,35 +59,63 @@ RUNS = count(1, "Runs, instead of the campaign's.")
 SEED = count(0, "Seed of the random numbers.")
 LEVEL = number("Level of the intervals.", default=0.95)
 OWN_LAW = option("The law, if it is your own function.", metavar="MODULE:FUNCTION")
-_PANEL = {"rich_help_panel": "For a table"}
-_ANY = "[,...]"
+_PANEL: dict[str, Any] = {"rich_help_panel": "For a table"}
 
 
-def _text(help: str, metavar: str = "NAME") -> tuple[Any, Any]:
-    return str | None, option(help, metavar=metavar, **_PANEL)
+def _text(help: str, metavar: str = "NAME", read: Read = str) -> tuple[Any, Any]:
+    return str | None, option(help, metavar=metavar, parser=read, **_PANEL)
 
 
-def _texts(help: str, metavar: str) -> tuple[Any, Any]:
-    """Return an option that may be repeated; with commas between if the metavar shows them."""
-    callback = split if metavar.endswith(_ANY) else None
-    return list[str] | None, option(help, metavar=metavar, callback=callback, **_PANEL)
+def _texts(help: str, metavar: str, read: Read = str) -> tuple[Any, Any]:
+    return list[str] | None, several(help, of=read, metavar=metavar, **_PANEL)
 
 
+def _named(read: Read, example: str) -> Read:
+    """Return what reads NAME=…, and gives the name and what `read` makes of the rest."""
+
+    def parse(text: str) -> tuple[str, Any]:
+        name, _, rest = (part.strip() for part in text.partition("="))
+        if not (name and rest):
+            raise ValueError
+        return name, read(rest)
+
+    return reader(parse, f"is not valid; write e.g. {example}")
+
+
+def _bound(text: str) -> dict[str, Any]:
+    low, high = map(plain_number, text.split(":"))
+    return {"low": low, "high": high}
+
+
+def _fixed(text: str) -> dict[str, Any]:
+    return {"value": plain_number(text), "fixed": True}
+
+
+def _share(text: str) -> float:
+    number = plain_number(text.strip().removesuffix("%"))
+    return number / 100 if text.strip().endswith("%") else number
+
+
+_COLUMN = _named(str, "load_N=Kraft")
 # By their names as settings of a fit.
 SETTINGS: Options = {
     "objective": _text("What to minimise: rms-log-penetration, rms-load, ..."),
     "loss": _text(f"Weight of residuals: {listed(LOSSES)}."),
-    "ignore": _texts("A column to leave out; may be repeated.", "COLUMN"),
-    "columns": _texts("What a column is, e.g. load_N=Kraft; may be repeated.", "NAME=COLUMN"),
+    "ignore": (list[str] | None,
+               option("A column to leave out; may be repeated.", metavar="COLUMN", **_PANEL)),
+    "columns": (list[str] | None,
+                option("What a column is, e.g. load_N=Kraft; may be repeated.",
+                       metavar="NAME=COLUMN", parser=_COLUMN, **_PANEL)),
     "group": _text("The column of the groups, e.g. specimens.", "COLUMN"),
     "branch": _text(f"Use only the rows of {listed(BRANCHES)}."),
     "noise": _text(f"How readings scatter: {listed(NOISES)}."),
     "drift": (bool | None, option("Allow for a drift along each series.", "--drift", **_PANEL)),
-    "load_error": _text("Standard deviation of the loads, e.g. 1%.", "SHARE"),
-    "free": _texts("Fit what is fixed by default.", f"NAME{_ANY}"),
-    "bound": _texts("Fit between two values.", f"NAME=LOW:HIGH{_ANY}"),
-    "fix": _texts("Fix a parameter.", f"NAME=VALUE{_ANY}"),
-}
+    "load_error": _text("Standard deviation of the loads, e.g. 1%.", "SHARE",
+                        reader(_share, "is not a share; write 1% or 0.01")),
+    "free": _texts("Fit what is fixed by default.", "NAME"),
+    "bound": _texts("Fit between two values.", "NAME=LOW:HIGH", _named(_bound, "n=1:1.5")),
+    "fix": _texts("Fix a parameter.", "NAME=VALUE", _named(_fixed, "n=1.1")),
+}  # fmt: skip
 
 
 def sample(
@@ -107,6 +135,34 @@ def sample(
     )
 
 
+def finite_element(
+    spec: Path = argument("A set-up, e.g. datasets/finite_element/recommended.toml."),
+    out: Path | None = output("The table; SPEC-embedded.csv beside the set-up."),
+    jobs: int = JOBS,
+    resume: bool = RESUME,
+    force: bool = FORCE,
+) -> None:
+    """Solve a pin in a hole by finite elements."""
+    from cylcontact.datasets.finite_element import read_study, run_study, write_table
+    from cylcontact.datasets.finite_element.study import require_same_inputs, solver_name
+
+    study = read_study(spec)
+    target = out or spec.with_name(f"{spec.stem}-embedded.csv")
+    require_output(target, ".csv")
+    if out is None and not force:
+        require_same_inputs(target, study)
+    with resumable(target, "case", resume) as (journal, progress):
+        rows, failures = run_study(study, jobs, progress, journal, resume)
+        if failures:
+            say("\n".join(f"cylcontact: {failure}" for failure in failures), err=True)
+            cases = len(study.setups) * len(study.dR) * len(study.load)
+            rule = f"{cases - len(rows)} of {cases} cases have no solution, for the reasons above"
+            remedy = f"{journal} keeps the others, and --resume solves only what is missing"
+            raise InputError(str(spec), "", None, rule, remedy)
+        write_table(target, study, solver_name(), rows)
+    say(f"{target}: {len(rows)} cases by {solver_name()}")
+
+
 @takes("settings", SETTINGS)
 @takes("pair", PAIR, listed=False)
 def fit(
@@ -118,8 +174,8 @@ def fit(
     runs: int | None = RUNS,
     seed: int | None = SEED,
     optimizer: str | None = option(f"{listed(OPTIMIZERS)}.", metavar="NAME"),
-    jobs: int | None = JOBS,
-    scheduler: str | None = SCHEDULER,
+    jobs: int = JOBS,
+    scheduler: Any = SCHEDULER,
     resume: bool = RESUME,
     force: bool = FORCE,
     law: str | None = option(
@@ -130,41 +186,36 @@ def fit(
 ) -> None:
     """Calibrate a law to another law over a grid, or to a table of measurements.
 
-    What a table does not say of its pair takes the options of cylcontact laws: --contact; --pin,
-    --hole, --material, --E, --nu; --dR, --Ri, --Rj, --length; --R-o, --clamp and others.
+    What a table does not say of its pair takes the options of cylcontact laws, --pin and others.
     """
     from cylcontact.fitting import Campaign, DataFit, calibrate, fit_table, read_campaign
     from cylcontact.fitting.results import require_same_inputs
 
-    where, given = workers(jobs, scheduler), pair | settings | ({} if law is None else {"law": law})
-    planned: Campaign | TableCampaign
+    where, given = scheduler or jobs, pair | settings | ({} if law is None else {"law": law})
     if source.suffix.lower() == ".json":
         remedy = f"study its uncertainty with: cylcontact uncertainty {source}"
         raise InputError(str(source), "", None, "is a fit result", remedy)
+    planned: Campaign | TableCampaign
     if is_table(source):
-        measured = _measured(source, given, seed, runs, optimizer)
-        planned = measured.campaign(measured.spec.law)
-    elif given:
-        rule = "is an option for tables of measurements, and this is a campaign"
-        remedy = "set it in the campaign file"
-        raise InputError(str(source), option_of(next(iter(given))), None, rule, remedy)
+        planned = _measured(source, given, seed, runs, optimizer).campaign(given["law"])
+        folder, target = _place(source, given["law"], out)
     else:
+        for name in given:
+            rule = "is an option for tables of measurements, and this is a campaign"
+            remedy = "set it in the campaign file"
+            raise InputError(str(source), option_of(name), None, rule, remedy)
         planned = read_campaign(source, runs, seed, optimizer)
-    target, folder = _place(source, planned, out)
+        folder, target = None, out or source.parent / "results" / f"{source.stem}.json"
     require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
     require_suffix(target, ".json")
     if out is None and not force:
         require_same_inputs(target, planned)
-    with resumable(target, "run") as journal:
-        anew = resume and not journal.exists()
-        note = f"no runs are kept in {journal}; all are run" if anew else ""
-        with progress_bars() as bars:
-            progress = noting(bars, "searching", note)
-            result: FitResult
-            if isinstance(planned, Campaign):
-                result = calibrate(planned, where, progress, journal, resume)
-            else:
-                result = fit_table(planned, where, progress, journal, resume)
+    result: FitResult
+    with resumable(target, "run", resume) as (journal, progress):
+        if isinstance(planned, Campaign):
+            result = calibrate(planned, where, progress, journal, resume)
+        else:
+            result = fit_table(planned, where, progress, journal, resume)
         if folder is not None and isinstance(result, DataFit):
             from cylcontact.reports.fit_folder import write_fit
 
@@ -175,35 +226,21 @@ def fit(
     say(f"{result}\n\nwritten to {folder or target}{names}")
 
 
-def _place(
-    source: Path, planned: Campaign | TableCampaign, out: Path | None
-) -> tuple[Path, Path | None]:
-    """Return the file of the result, and for a table the folder of all its files.
+def _place(source: Path, law: str, out: Path | None) -> tuple[Path | None, Path]:
+    """Return the folder of a fit to a table, none for a .json alone, and its result in it.
 
-    A campaign's result is a file alone, and so is one that is to be written to a .json. A second
-    law has a folder of its own beside that of the first, with its name.
+    A second law has a folder of its own beside that of the first, with its name.
     """
-    results = source.parent / "results"
-    if not is_table(source):
-        return out or results / f"{source.stem}.json", None
-    if out is None:
-        out = results / source.stem
-        law = planned.model.law
-        if _law_in(out / FIT_FILES[0]) not in ("", law):
-            out = results / f"{source.stem}-{law.replace(':', '-')}"
-    elif out.suffix.lower() == ".json":
-        return out, None
-    return out / FIT_FILES[0], out
-
-
-def _law_in(result: Path) -> str:
-    """Return the law of a fit result; empty without a result that can be read."""
     from cylcontact.fitting import FitResult
 
-    try:
-        return FitResult.read(result).law if result.exists() else ""
-    except InputError:
-        return ""
+    if out is not None and out.suffix.lower() == ".json":
+        return None, out
+    folder = out or source.parent / "results" / source.stem
+    if out is None:
+        with suppress(InputError):  # there is no result yet
+            if FitResult.read(folder / FIT_FILES[0]).law != law:
+                folder = folder.with_name(f"{source.stem}-{law.replace(':', '-')}")
+    return folder, folder / FIT_FILES[0]
 
 
 def optimizers(
@@ -214,22 +251,21 @@ def optimizers(
     out: Path | None = output("A .csv of the runs."),
     runs: int | None = RUNS,
     seed: int | None = SEED,
-    jobs: int | None = JOBS,
-    scheduler: str | None = SCHEDULER,
+    jobs: int = JOBS,
+    scheduler: Any = SCHEDULER,
 ) -> None:
     """Compare optimisers on a campaign, with the same seeds, budget and polish."""
     from cylcontact.fitting import read_campaign
     from cylcontact.fitting.comparison import compare_optimizers, runs_as_text
 
-    where, chosen = workers(jobs, scheduler), names or [*OPTIMIZERS]
+    chosen = names or [*OPTIMIZERS]
     for name in chosen:
         planned = read_campaign(campaign, runs, seed, name)
     require_output(out, ".csv")
     with progress_bars() as progress:
-        compared = compare_optimizers(planned, chosen, where, progress)
+        compared = compare_optimizers(planned, chosen, scheduler or jobs, progress)
     if out is not None:
-        with replacing(out) as temporary:
-            compared.to_csv(temporary, index=False, lineterminator="\n")
+        write_table(compared, out)
     say(runs_as_text(compared))
 
 
@@ -248,8 +284,8 @@ def uncertainty(
     level: float = LEVEL,
     law: str | None = OWN_LAW,
     seed: int | None = SEED,
-    jobs: int | None = JOBS,
-    scheduler: str | None = SCHEDULER,
+    jobs: int = JOBS,
+    scheduler: Any = SCHEDULER,
 ) -> None:
     """Study how certain a fit is.
 
@@ -260,7 +296,7 @@ def uncertainty(
     from cylcontact.fitting.discrepancy import study_discrepancy
     from cylcontact.fitting.study import study_noise
 
-    source, where = str(result), workers(jobs, scheduler)
+    source, where = str(result), scheduler or jobs
     rule, remedy = "must be from 0.5 to below 1", "0.95 is common"
     require(0.5 <= level < 1, source, "--level", level, rule, remedy)
     rule, remedy = "is for the bootstrap", "add --bootstrap 500"
@@ -294,15 +330,14 @@ def uncertainty(
 def choose(
     data: Path = DATA,
     *,
-    law: list[str] | None = several("The laws to compare; all by default.", metavar=f"NAME{_ANY}"),
+    law: list[str] | None = several("The laws to compare; all by default.", of=str, metavar="NAME"),
     out: Path | None = output("The folder; results/NAME beside the table."),
     settings: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
     """Fit all laws to a table and rank them; say whether the data can tell.
 
-    What the table does not say of its pair takes the options of cylcontact laws: --contact; --pin,
-    --hole, --material, --E, --nu; --dR, --Ri, --Rj, --length; --R-o, --clamp and others.
+    What the table does not say of its pair takes the options of cylcontact laws, --pin and others.
     """
     from cylcontact.fitting.choice import choose_law
     from cylcontact.reports.fit_folder import write_choice
@@ -322,11 +357,11 @@ def design(
     data: Path = DATA,
     *,
     law: str = option("The law, e.g. johnson.", metavar="NAME", default=...),
-    loads: str = option("Loads that can be taken, in N/mm.", metavar="LOW:HIGH", default=...),
+    loads: Any = interval("Loads that can be taken, in N/mm.", default=...),
     add: int = count(1, "Readings to add.", default=5),
     parameter: str | None = option("The one that counts; all by default.", metavar="NAME"),
-    clearances: list[str] | None = several(
-        "Clearances that can be taken, in mm.", "--dR-choices", metavar=f"DR{_ANY}"
+    clearances: list[float] | None = several(
+        "Clearances that can be taken, in mm.", "--dR-choices", metavar="DR"
     ),
     out: Path | None = output("A folder for the picture and its table."),
     settings: dict[str, Any],
@@ -334,31 +369,24 @@ def design(
 ) -> None:
     """Say which further readings of a table would narrow its intervals most.
 
-    What the table does not say of its pair takes the options of cylcontact laws: --contact; --pin,
-    --hole, --material, --E, --nu; --dR, --Ri, --Rj, --length; --R-o, --clamp and others.
+    What the table does not say of its pair takes the options of cylcontact laws, --pin and others.
     """
     import numpy as np
 
     from cylcontact.fitting import fit_table
     from cylcontact.reports.fit_folder import write_design
 
-    ends = plain_numbers(loads.split(":"))
-    if ends is None or len(ends) != 2 or not 0 < ends[0] < ends[1]:
-        rule, remedy = "must be two positive loads in N/mm", "e.g. --loads 5:400"
-        raise InputError(str(data), "--loads", loads, rule, remedy)
     if out is not None:
         require_writable(*(out / name for name in DESIGN_FILES))
     measured = _measured(data, {**pair, **settings, "law": law})
     with progress_bars() as progress:
         fitted = fit_table(measured.campaign(law), 1, progress)
-    possible = numbers("--dR-choices", clearances) or None
-    taken = np.geomspace(ends[0], ends[1], _DESIGN_LOADS)
-    chosen = fitted.design(taken, add, dR=possible, parameter=parameter)
-    if out is None:
-        say(str(chosen))
-        return
-    write_design(chosen, out)
-    say(f"{chosen}\n\nwritten to {out}: {', '.join(DESIGN_FILES)}")
+    taken = np.geomspace(loads[0], loads[1], _DESIGN_LOADS)
+    chosen = fitted.design(taken, add, dR=clearances or None, parameter=parameter)
+    say(chosen)
+    if out is not None:
+        write_design(chosen, out)
+        say(f"\nwritten to {out}: {', '.join(DESIGN_FILES)}")
 
 
 def predict(
@@ -401,8 +429,8 @@ def verify(
     results: list[Path] | None = argument(
         "Result files; all committed ones by default.", metavar="[RESULT]...", default=None
     ),
-    jobs: int | None = JOBS,
-    scheduler: str | None = SCHEDULER,
+    jobs: int = JOBS,
+    scheduler: Any = SCHEDULER,
 ) -> None:
     """Redo fits with their own settings; exit code 1 if one differs."""
     from cylcontact.fitting.comparison import verify as verify_one
@@ -413,7 +441,7 @@ def verify(
     failed = 0
     for path in paths:
         with progress_bars() as progress:
-            checks = verify_one(path, workers(jobs, scheduler), progress)
+            checks = verify_one(path, scheduler or jobs, progress)
         say("\n".join(f"{path.stem}: {check}" for check in checks))
         failed += sum(not check.holds for check in checks)
     say(f"{len(paths)} results verified, {failed} checks do not hold")
@@ -434,21 +462,20 @@ def _measured(
     source = str(path)
     require(is_table(path), source, "", None, "is not a table", "name a table of measurements")
     require_file(path)
-    if "contact" not in given and OF_PIN_AND_HOLE & {*given}:
+    if "contact" not in given and {*OF_PIN_AND_HOLE} & {*given}:
         given["contact"] = "internal"
     for name, example in (("law", "explicit"), ("contact", "internal")):
         remedy = f"add --{name} {example}"
         require(name in given, source, f"--{name}", None, "is required for a table", remedy)
-    housing = housing_of(given, source, given["contact"])
-    constants, blamed = constants_of(given, source, given["contact"])
-    settings = {name: value for name, value in given.items() if name not in IN_CONSTANTS}
-    law, contact = settings.pop("law"), settings.pop("contact")
-    if "load_error" in settings:
-        settings["load_error"] = _share(source, settings["load_error"])
+    law, contact = given["law"], given["contact"]
+    housing = housing_of(given, source, contact)
+    constants, blamed = constants_of(given, source, contact)
+    others = {*IN_CONSTANTS, "law", "contact", "bound", "fix"}
+    settings = {name: value for name, value in given.items() if name not in others}
+    parameters = [*given.get("bound", []), *given.get("fix", [])]
     settings |= {
-        "columns": _columns(source, settings.pop("columns", [])) or None,
-        "parameters": _parameters(source, settings.pop("bound", []), settings.pop("fix", []))
-        or None,
+        "columns": _each_once(source, "--columns", settings.get("columns", [])),
+        "parameters": _each_once(source, "--bound, --fix", parameters),
         "housing": None if housing is None else housing.model_dump(exclude_none=True),
         "seed": seed,
         "optimizer": optimizer,
@@ -459,41 +486,10 @@ def _measured(
         return read_table(path, law, contact, constants, **settings)
 
 
-def _columns(source: str, texts: list[str]) -> dict[str, str]:
-    """Return the table [columns] from --columns."""
-    columns: dict[str, str] = {}
-    for text in texts:
-        name, _, column = (part.strip() for part in text.partition("="))
-        example = "write --columns load_N=Kraft"
-        require(bool(name and column), source, "--columns", text, "is not valid", example)
+def _each_once(source: str, option: str, named: list[tuple[str, Any]]) -> dict[str, Any] | None:
+    """Return what options give by name; None without any."""
+    names = [name for name, _ in named]
+    for name in names:
         rule = f"{name} is given twice"
-        require(name not in columns, source, "--columns", text, rule, "keep one of them")
-        columns[name] = column
-    return columns
-
-
-def _parameters(source: str, bounds: list[str], fixed: list[str]) -> dict[str, dict[str, Any]]:
-    """Return the tables [parameters.NAME] from --bound and --fix."""
-    tables: dict[str, dict[str, Any]] = {}
-    of_both = [("--bound", text, "n=1:1.5") for text in bounds]
-    for key, text, example in [*of_both, *(("--fix", text, "n=1.1") for text in fixed)]:
-        name, _, given = text.partition("=")
-        values = plain_numbers(given.split(":"))
-        if not name or values is None or len(values) != example.count(":") + 1:
-            raise InputError(source, key, text, "is not valid", f"write {key} {example}")
-        if name in tables:
-            raise InputError(source, key, text, f"{name} is given twice", "keep one of them")
-        names = ("low", "high") if key == "--bound" else ("value",)
-        tables[name] = dict(zip(names, values, strict=True))
-        if key == "--fix":
-            tables[name]["fixed"] = True
-    return tables
-
-
-def _share(source: str, text: str) -> float:
-    """Return a share such as 1% or 0.01 as a number."""
-    values = plain_numbers([text.strip().removesuffix("%")])
-    if values is None:
-        remedy = "write --load-error 1% or --load-error 0.01"
-        raise InputError(source, "--load-error", text, "is not a share", remedy)
-    return values[0] / 100 if text.strip().endswith("%") else values[0]
+        require(names.count(name) == 1, source, option, None, rule, "keep one of them")
+    return dict(named) or None

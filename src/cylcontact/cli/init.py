@@ -6,6 +6,7 @@ import filecmp
 import os
 import shutil
 from collections.abc import Iterable
+from fnmatch import fnmatch
 from pathlib import Path
 
 from cylcontact.choices import first_of
@@ -30,30 +31,27 @@ def init(
     """Lay out datasets, campaigns, figures' recipes and notebooks in a folder."""
     source = shipped_bench()
     names = shipped_files(source)
-    copy_files(source, folder, _missing(source, folder, names))
+    missing = _missing(source, folder, names)
+    with replacing_all(folder / name for name in missing) as temporaries:
+        for temporary, name in zip(temporaries, missing, strict=True):
+            shutil.copyfile(source / name, temporary)
     say(f"{len(names)} files in {folder.resolve()}: {', '.join(FOLDERS)}")
     say("in that folder, try: cylcontact figure fig12")
 
 
 def shipped_files(source: Path) -> list[Path]:
     """Return the files of the shipped bench, relative to its folder."""
-    ignore = shutil.ignore_patterns(*_NOT_SHIPPED)
-    names = []
-    for top in FOLDERS:
-        for folder, folders, files in os.walk(source / top):
-            for left_out in ignore(folder, folders):
-                folders.remove(left_out)
-            wanted = set(files) - ignore(folder, files)
-            names += [(Path(folder) / name).relative_to(source) for name in wanted]
-    return sorted(names)
-
-
-def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
-    """Copy files with their folders; none appears before all are copied, or if one cannot."""
-    names = list(names)
-    with replacing_all(folder / name for name in names) as temporaries:
-        for temporary, name in zip(temporaries, names, strict=True):
-            shutil.copyfile(source / name, temporary)
+    names = [
+        path.relative_to(source)
+        for top in FOLDERS
+        for path in (source / top).rglob("*")
+        if path.is_file()
+    ]
+    return sorted(
+        name
+        for name in names
+        if not any(fnmatch(part, pattern) for part in name.parts for pattern in _NOT_SHIPPED)
+    )
 
 
 def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:

@@ -11,21 +11,34 @@ import typer
 from cylcontact.choices import CODES, JOINT_TARGETS, TARGETS, listed
 from cylcontact.cli.options import (
     argument,
+    interval,
     number,
     option,
     output,
-    plain_numbers,
+    reader,
     require_output,
     takes,
 )
-from cylcontact.cli.pair import PAIR, blaming_options, constants_of, housing_of, option_of, pair_of
+from cylcontact.cli.pair import PAIR, blaming_options, option_of, pair_of, read_housing
 from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError, require
 from cylcontact.files import replacing_all, require_suffix, shipped_bench
+from cylcontact.reading import plain_number
 
 if TYPE_CHECKING:
-    from cylcontact.laws import Housing
     from cylcontact.pair import CylinderPair
+
+
+def _temperatures(text: str) -> tuple[float, float]:
+    pin, _, hole = text.partition(",")
+    return plain_number(pin), plain_number(hole or pin)
+
+
+_WARM = option(
+    "Of pin and hole, °C, or PIN,HOLE; radii hold at 20.",
+    metavar="T",
+    parser=reader(_temperatures, "must be one number or two, PIN,HOLE"),
+)
 
 
 @takes("pair", PAIR)
@@ -34,9 +47,7 @@ def laws(
     load: str = option("N/mm; '6 kN' with --length.", metavar="LOAD", default="100"),
     own: str | None = option("A function of your own to list as well.", metavar="MODULE:FUNCTION"),
     fit: str | None = option("A fit, 20H7/g6, in place of the radii.", metavar="CODE"),
-    temperature: str | None = option(
-        "Of pin and hole, °C, or PIN,HOLE; radii hold at 20.", metavar="T"
-    ),
+    temperature: Any = _WARM,
     find: str | None = option("dR, E or length, for a stiffness or penetration.", metavar="WHAT"),
     stiffness: float | None = number("For --find, N/mm²; of a length N/mm."),
     penetration: float | None = number("For --find, µm."),
@@ -57,19 +68,19 @@ def laws(
     from cylcontact.reports.laws_table import to_text
     from cylcontact.units import load_in_N_per_mm
 
-    around = _housing_of(pair, "laws")
-    cylinders = _pair_of(pair, "laws")
+    around = read_housing(pair, "laws")
+    cylinders = pair_of(pair, "laws")
     if listing:
         say(all_laws(cylinders.contact))
         return
     # Of a length that is sought the load is the total, as on a length of 1 mm.
     length = 1.0 if find == "length" else pair.get("length_mm")
     with blaming_options({"": "--load"}, "laws"):
-        force = load_in_N_per_mm(f"{load} N/mm" if plain_numbers([load]) else load, length)
-    warm = _temperatures(temperature)
+        force = load_in_N_per_mm(load if " " in load else f"{load} N/mm", length)
+    warm = dict(zip(("pin", "hole"), temperature or (), strict=False))
     if fit is not None:
         cylinders = _of_fit(fit, cylinders, pair, force, warm)
-    if temperature is not None:
+    if warm:
         cylinders = cylinders.at_temperature(**warm)
     if find is not None:
         _find(find, cylinders, force, stiffness, penetration)
@@ -79,20 +90,12 @@ def laws(
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
     listed_too = None if own is None else user_law(own, Path.cwd())
     say(f"{advice}\n\n{to_text(cylinders, force, listed_too, around)}")
-    for warning in (yield_warning(force, cylinders, around), *unusual_lengths(cylinders)):
-        if warning is not None:
-            say(f"warning: {warning}", err=True)
+    _warn("", yield_warning(force, cylinders, around), *unusual_lengths(cylinders))
 
 
-def _temperatures(text: str | None) -> dict[str, float]:
-    """Return the temperatures of pin and hole by name; none without the option."""
-    if text is None:
-        return {}
-    values = plain_numbers(text.split(","))
-    rule, remedy = "must be one number or two, PIN,HOLE", "e.g. 80 or 80,60"
-    if values is None or len(values) > 2:
-        raise InputError("laws", "--temperature", text, rule, remedy)
-    return {"pin": values[0], "hole": values[-1]}
+def _warn(source: str, *warnings: str | None) -> None:
+    for warning in filter(None, warnings):
+        say(f"warning: {source}{warning}", err=True)
 
 
 def _of_fit(
@@ -116,7 +119,7 @@ def _of_fit(
         fit, pair, load, pin_temperature=warm.get("pin"), hole_temperature=warm.get("hole")
     )
     say(f"{over}\nby Johnson's datum, which knows no housing\n")
-    R_i, R_j = fit.radii(0.5)
+    R_i, R_j = fit.middle
     return replace(pair, dR=R_i - R_j, R_i=R_i, R_j=R_j)
 
 
@@ -130,33 +133,9 @@ def _find(
     with blaming_options({"stiffness": "--stiffness", "load": "--load", "": "--find"}, "laws"):
         depth = None if penetration is None else 1e-3 * penetration
         value = found(what, pair, load, stiffness=stiffness, penetration=depth)  # type: ignore[arg-type]
-    wanted = f"{stiffness:g} N/mm{'' if what == 'length' else '²'}"
-    if stiffness is None:
-        wanted = f"{penetration:g} µm"
-    unit = "N" if what == "length" else "N/mm"
-    say(f"{what} = {value:.6g} {UNKNOWNS[what][0]} gives {wanted} under {load:g} {unit}")  # type: ignore[index]
-
-
-def _housing_of(pair: dict[str, Any], source: str) -> Housing | None:
-    """Return the housing that options give, and take them away."""
-    housing = housing_of(pair, source, pair.get("contact", "internal"))
-    if housing is None:
-        return None
-    from cylcontact.materials import own_table
-
-    own = own_table(pair.get("materials"), Path(), source, "--materials")
-    return housing.with_numbers(own, source, "--layer").housing
-
-
-def _pair_of(pair: Mapping[str, Any], source: str) -> CylinderPair:
-    """Return the pair that options give, and for the rest that which is compared by default."""
-    from cylcontact.materials import known_materials, own_table
-    from cylcontact.reports.laws_table import case
-
-    contact = pair.get("contact", "internal")
-    constants, options = constants_of(pair, source, contact)
-    rows = known_materials(own_table(pair.get("materials"), Path(), source, "--materials"))
-    return pair_of(constants, options, contact, rows, source, case())
+    per, rate = ("N", "N/mm") if what == "length" else ("N/mm", "N/mm²")
+    wanted = f"{penetration:g} µm" if stiffness is None else f"{stiffness:g} {rate}"
+    say(f"{what} = {value:.6g} {UNKNOWNS[what][0]} gives {wanted} under {load:g} {per}")  # type: ignore[index]
 
 
 @takes("pair", PAIR, listed=False)
@@ -174,9 +153,7 @@ def export(
         metavar="TARGET",
         default=...,
     ),
-    force_range: str | None = option(
-        "Total force in N for a code's own contact.", "--range", metavar="LOW:HIGH"
-    ),
+    force_range: Any = interval("Total force in N for a code's own contact.", "--range"),
     mass: float | None = number("Effective mass of its impacts, kg; 1."),
     speed: float | None = number("Their speed, m/s; by the middle of the range."),
     out: Path | None = output("The file; standard output by default, but for a joint."),
@@ -188,41 +165,47 @@ def export(
     others are of any. With --range, print the parameters of the code's own contact that follow a
     joint's law over a range.
     """
+    own_contact = {"--range": force_range, "--mass": mass, "--speed": speed}
+    require_output(out)
+    if target in CODES:
+        _export_parameters(joint, target, force_range, mass, speed, pair.get("materials"), out)
+        return
+    remedy = f"leave it out, or choose --to {listed(CODES)}"
+    _refuse(own_contact, "is for a code's own contact", remedy)
+    if joint is not None:
+        _refuse({"RESULT|LAW": what}, "is in the file of the joint already", "leave it out")
+        _export_joint(joint, target, out, pair)
+    else:
+        remedy = "name one, e.g. explicit, or a joint with --joint"
+        require(what is not None, "export", "RESULT|LAW", None, "is missing", remedy)
+        _export_law(str(what), target, out, pair)
+
+
+def _refuse(given: Mapping[str, Any], rule: str, remedy: str) -> None:
+    """Refuse options that are given."""
+    for name, value in given.items():
+        require(value is None, "export", name, value, rule, remedy)
+
+
+def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) -> None:
+    """Write a law, in a housing that of one pair, to a file or to standard output."""
     from cylcontact.export import export as exported
     from cylcontact.export import export_named
     from cylcontact.export.in_housing import law_in_housing
     from cylcontact.housing_spec import in_housing
 
-    if target in CODES:
-        _print_parameters(joint, target, force_range, mass, speed, pair.get("materials"), out)
-        return
-    for name, value in (("--range", force_range), ("--mass", mass), ("--speed", speed)):
-        remedy = f"leave it out, or choose --to {listed(CODES)}"
-        require(value is None, "export", name, value, "is for a code's own contact", remedy)
-    if joint is not None:
-        _export_joint(joint, target, out, what, pair)
-        return
-    if what is None:
-        remedy = "name one, e.g. explicit, or a joint with --joint"
-        raise InputError("export", "RESULT|LAW", None, "is missing", remedy)
-    require_output(out)
-    housing = _housing_of(pair, "export")
+    housing = read_housing(pair, "export")
+    source: str | bytes
     if housing is not None:
         law = in_housing(what, housing, "export", "RESULT|LAW")
-        law, words = law_in_housing(law, _pair_of(pair, "export"))
+        law, words = law_in_housing(law, pair_of(pair, "export"))
         say(f"{what} in this housing: {words}", err=True)
         source = exported(law, None, target, words)
     else:
         contact = pair.pop("contact", None)
-        for name, value in pair.items():
-            rule, remedy = "is for a law in a housing or a joint", "leave it out, or add --R-o"
-            raise InputError("export", option_of(name), value, rule, remedy)
+        others = {option_of(name): value for name, value in pair.items()}
+        _refuse(others, "is for a law in a housing or a joint", "leave it out, or add --R-o")
         source = export_named(what, contact, target)
-    _write_law(what, source, out)
-
-
-def _write_law(what: str, source: str | bytes, out: Path | None) -> None:
-    """Write an exported law to the file `out`, or as text to standard output."""
     if out is not None:
         _write(what, {out: source})
         return
@@ -239,10 +222,10 @@ def _write(name: str, texts: Mapping[Path, str | bytes]) -> None:
     say(f"{name} written to {', '.join(map(str, texts))}")
 
 
-def _print_parameters(
+def _export_parameters(
     path: Path | None,
     code: str,
-    force_range: str | None,
+    force_range: tuple[float, float] | None,
     mass: float | None,
     speed: float | None,
     materials: str | None,
@@ -253,41 +236,32 @@ def _print_parameters(
     from cylcontact.mechanism import read_joint
     from cylcontact.pair import unusual_lengths
 
+    rule = f"is missing for {code}"
     if path is None:
         remedy = "name its file, e.g. --joint datasets/joint.toml"
-        raise InputError("export", "--joint", None, f"is missing for {code}", remedy)
-    ends = plain_numbers((force_range or "").split(":"))
-    if ends is None or len(ends) != 2:
-        rule, remedy = "must be the smallest and the largest total force in N", "e.g. 100:5000"
-        raise InputError("export", "--range", force_range, rule, remedy)
+        raise InputError("export", "--joint", None, rule, remedy)
+    if force_range is None:
+        raise InputError("export", "--range", None, rule, "give total forces in N, e.g. 100:5000")
     joint = read_joint(path, materials)
-    low, high = ends
-    parameters = contact_parameters(joint, code, low, high, 1.0 if mass is None else mass, speed)
+    parameters = contact_parameters(joint, code, *force_range, 1.0 if mass is None else mass, speed)
     if out is None:
         typer.echo(parameters)
     else:
         _write(joint.name, {out: f"{parameters}\n"})
-    if high > joint.first_yield:
-        say(f"warning: {path}: first yield is at {joint.first_yield:.4g} N", err=True)
-    for warning in unusual_lengths(joint.pair):
-        say(f"warning: {path}: {warning}", err=True)
+    yields = f"first yield is at {joint.first_yield:.4g} N"
+    above = yields if force_range[1] > joint.first_yield else None
+    _warn(f"{path}: ", above, *unusual_lengths(joint.pair))
 
 
-def _export_joint(
-    path: Path, target: str, out: Path | None, what: str | None, pair: Mapping[str, Any]
-) -> None:
+def _export_joint(path: Path, target: str, out: Path | None, pair: Mapping[str, Any]) -> None:
     """Write a joint as a force element, next to the file `out`."""
     from cylcontact.export import export_joint
     from cylcontact.mechanism import ClearanceJoint, SpatialJoint, read_joint
     from cylcontact.pair import unusual_lengths
     from cylcontact.spec import read_toml
 
-    others = {"RESULT|LAW": what} if what else {}
-    others |= {option_of(name): value for name, value in pair.items() if name != "materials"}
-    for key, value in others.items():
-        rule = "is in the file of the joint already"
-        raise InputError("export", key, value, rule, "leave it out, or --joint")
-    require_output(out)
+    others = {option_of(name): value for name, value in pair.items() if name != "materials"}
+    _refuse(others, "is in the file of the joint already", "leave it out, or --joint")
     joint: SpatialJoint | ClearanceJoint
     if read_toml(path).get("kind") == "spatial":
         joint = SpatialJoint.read(path, pair.get("materials"))
@@ -301,5 +275,4 @@ def _export_joint(
         raise InputError("export", "--out", None, "is missing for a joint", remedy)
     require_suffix(out, suffix)
     _write(planar.name, {out.with_name(name): text for name, text in texts.items()})
-    for warning in unusual_lengths(planar.pair):
-        say(f"warning: {path}: {warning}", err=True)
+    _warn(f"{path}: ", *unusual_lengths(planar.pair))

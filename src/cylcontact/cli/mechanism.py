@@ -19,15 +19,13 @@ from cylcontact.cli.options import (
     argument,
     count,
     number,
-    numbers,
     option,
     output,
     require_output,
-    resumable,
     several,
     takes,
 )
-from cylcontact.cli.terminal import noting, progress_bars, say, workers
+from cylcontact.cli.terminal import progress_bars, resumable, say
 from cylcontact.errors import InputError, require
 from cylcontact.files import write_table
 
@@ -38,7 +36,6 @@ if TYPE_CHECKING:
 
 # The tolerances of `tolerances`, if none is given.
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
-
 
 SPEC = argument("A mechanism's spec, e.g. datasets/slider_crank.toml.")
 TABLE = output("The table, .csv or .parquet.", default=...)
@@ -61,36 +58,29 @@ END = option(
 )
 # What replaces values of a mechanism's spec, each by one or several.
 CHANGES: Options = {
-    name: (list[str] | None, several(f"{help}.", metavar=f"{value}[,...]"))
-    for name, help, value in (
-        ("law", "Laws, e.g. johnson", "NAME"),
-        ("clearance", "Radial clearances, mm", "FLOAT"),
-        ("restitution", "Restitutions, above 0 up to 1", "FLOAT"),
-        ("friction", "Friction coefficients", "FLOAT"),
-    )
+    "law": (list[str] | None, several("Laws, e.g. johnson.", of=str, metavar="NAME")),
+    "clearance": (list[float] | None, several("Radial clearances, mm.")),
+    "restitution": (list[float] | None, several("Restitutions, above 0 up to 1.")),
+    "friction": (list[float] | None, several("Friction coefficients.")),
 }
 
 
-def _combined(changes: Mapping[str, list[str]]) -> list[Case]:
+def _combined(changes: Mapping[str, Any]) -> list[Case]:
     """Return every combination of the changes; the spec's value of what is not given."""
     from cylcontact.mechanism import cases
 
-    given: dict[str, Any] = {
-        name: numbers(f"--{name}", changes.get(name)) for name in CHANGES if name != "law"
-    }
-    given["law"] = changes.get("law")
-    return cases(*(given[name] or [None] for name in CHANGES))
+    return cases(*(changes.get(name, [None]) for name in CHANGES))
 
 
-def _of_fit(code: str, clearance: list[str] | None) -> list[str]:
+def _of_fit(code: str) -> list[float]:
     """Return the radial clearances of the tightest, the middle and the loosest pair in mm."""
     from cylcontact.fits import Fit
 
-    require(not clearance, "sweep", "--fit", code, "conflicts with --clearance", "keep one of them")
     fit = Fit.read(code, "sweep", "--fit")
     fit.require_clearance("sweep", "--fit")
     R_i, R_j = fit.radii([0.0, 0.5, 1.0])
-    return [repr(dR) for dR in (R_i - R_j).round(9).tolist()]
+    clearances: list[float] = (R_i - R_j).round(9).tolist()
+    return clearances
 
 
 def simulate(
@@ -126,10 +116,8 @@ def simulate(
     filmed = out is not None and out.suffix in FILM_SUFFIXES
     require_output(out, ".parquet", *FILM_SUFFIXES)
     require_output(table, *OUTPUT_SUFFIXES)
-    require(
-        not resume or (out is not None and not filmed), "simulate", "--resume", None,
-        "needs a file to go on from", "name it: -o run.parquet",
-    )  # fmt: skip
+    rule, possible = "needs a file to go on from", out is not None and not filmed
+    require(possible or not resume, "simulate", "--resume", None, rule, "name it: -o run.parquet")
     mechanism = read_mechanism(
         spec, materials, law=law, clearance=clearance, restitution=restitution, friction=friction
     )
@@ -141,18 +129,20 @@ def simulate(
     else:
         total = revolutions or mechanism.integration.revolutions
         first = first_of(total) if first is None else first
-    require(
-        first < total, "simulate", "--first", first, f"leaves none of {total} revolutions",
-        "start earlier, or simulate more",
-    )  # fmt: skip
-    if out is None:
-        statistics = _statistics(mechanism, settings, total, first)
-    elif filmed:
-        statistics = _film(mechanism, settings, total, first, out)
-    else:
-        run = _run(mechanism, settings, total, out, resume)
-        run.save(out)
-        statistics = run.statistics(first)
+    rule = f"leaves none of {total} revolutions"
+    require(first < total, "simulate", "--first", first, rule, "start earlier, or simulate more")
+    # The settings as arguments of a run, which finds the longest step itself.
+    given = {name: value for name, value in vars(settings).items() if name != "max_step"}
+    with progress_bars() as progress:
+        given |= {"revolutions": total, "progress": progress}
+        if out is None:
+            statistics = _statistics(mechanism, first, given)
+        elif filmed:
+            statistics = _film(mechanism, first, given, out)
+        else:
+            run = _run(mechanism, settings, given, out, resume)
+            run.save(out)
+            statistics = run.statistics(first)
     if table is not None:
         write_table(statistics.by_revolution.reset_index(), table)
     say(statistics.to_text())
@@ -164,20 +154,12 @@ def simulate(
         say(f"warning: {warning}", err=True)
 
 
-def _given(settings: Settings) -> dict[str, Any]:
-    """Return settings as the arguments of a run, which finds the longest step itself."""
-    return {name: value for name, value in vars(settings).items() if name != "max_step"}
-
-
-def _statistics(
-    mechanism: Mechanism, settings: Settings, revolutions: int, first: int
-) -> Statistics:
+def _statistics(mechanism: Mechanism, first: int, given: dict[str, Any]) -> Statistics:
     """Simulate without keeping the steps; print what an interrupted run has given."""
     from cylcontact.mechanism import Interrupted, long_run
 
     try:
-        with progress_bars() as progress:
-            return long_run(mechanism, revolutions, first, progress=progress, **_given(settings))
+        return long_run(mechanism, first=first, **given)
     except Interrupted as interruption:
         if interruption.statistics is None:
             raise KeyboardInterrupt from None
@@ -188,55 +170,44 @@ def _statistics(
         ) from None
 
 
-def _film(
-    mechanism: Mechanism, settings: Settings, revolutions: int, first: int, out: Path
-) -> Statistics:
+def _film(mechanism: Mechanism, first: int, given: dict[str, Any], out: Path) -> Statistics:
     """Film a mechanism, the journal magnified beside it."""
     from cylcontact.mechanism import simulate as run
     from cylcontact.mechanism.drawing import film, require_film
 
     require_film(out)
-    with progress_bars() as progress:
-        given = {"revolutions": revolutions, **_given(settings)}
-        trajectory = run(mechanism, progress=progress, **given)
-        film(trajectory, out, first, progress)
+    trajectory = run(mechanism, **given)
+    film(trajectory, out, first, given["progress"])
     return trajectory.statistics(first)
 
 
 def _run(
-    mechanism: Mechanism, settings: Settings, revolutions: int, out: Path, resume: bool
+    mechanism: Mechanism, settings: Settings, given: dict[str, Any], out: Path, resume: bool
 ) -> Trajectory:
     """Simulate; save the complete revolutions of a run that is interrupted, or cannot go on."""
     from cylcontact.mechanism import Interrupted, RunError, Trajectory
     from cylcontact.mechanism import simulate as run
 
-    earlier, note = None, ""
-    if resume and out.exists():
-        earlier = Trajectory.load(out)
+    earlier = Trajectory.load(out) if resume and out.exists() else None
+    if earlier is not None:
         same = (earlier.mechanism.data, earlier.settings) == (mechanism.data, settings)
         remedy = "restore them, or run without --resume to start anew"
         rule = "is of another mechanism or other options"
         require(same, str(out), "", None, rule, remedy)
     elif resume:
-        note = f"there is no {out} yet; the run starts anew"
+        say(f"cylcontact: there is no {out} yet; the run starts anew", err=True)
     try:
-        with progress_bars() as bars:
-            progress = noting(bars, "revolutions", note)
-            given = {"revolutions": revolutions, **_given(settings)}
-            return run(mechanism, progress=progress, resume=earlier, **given)
+        return run(mechanism, resume=earlier, **given)
     except (Interrupted, RunError) as error:
-        complete = error.trajectory
-        if complete is not None:
-            complete.save(out)
-            kept = f"complete revolutions kept in {out}: {complete.revolutions}"
+        kept, again = "nothing is kept", ""
+        if error.trajectory is not None:
+            error.trajectory.save(out)
+            kept = f"complete revolutions kept in {out}: {error.trajectory.revolutions}"
+            again = "; the same command with --resume goes on from there"
         if isinstance(error, RunError):
-            remedy = error.remedy if complete is None else f"{error.remedy}; {kept}"
+            remedy = f"{error.remedy}; {kept}"
             raise InputError(error.source, error.key, error.value, error.rule, remedy) from error
-        if complete is None:
-            raise KeyboardInterrupt from None
-        raise KeyboardInterrupt(
-            f"interrupted; {kept}; the same command with --resume goes on from there"
-        ) from None
+        raise KeyboardInterrupt(f"interrupted; {kept}{again}") from None
 
 
 @takes("changes", CHANGES)
@@ -244,7 +215,7 @@ def sweep(
     spec: Path = SPEC,
     *,
     out: Path = TABLE,
-    changes: dict[str, list[str]],
+    changes: dict[str, Any],
     fit: str | None = option("The clearances of a fit: tightest, middle, loosest.", metavar="CODE"),
     materials: str | None = MATERIALS,
     revolutions: int | None = REVOLUTIONS,
@@ -256,8 +227,8 @@ def sweep(
         "Run at this tolerance too; count only revolutions after the two separate."
     ),
     resume: bool = RESUME,
-    jobs: int | None = JOBS,
-    scheduler: str | None = SCHEDULER,
+    jobs: int = JOBS,
+    scheduler: Any = SCHEDULER,
 ) -> None:
     """Simulate every combination of laws, clearances and other values."""
     from cylcontact.mechanism import Plan, read_mechanism
@@ -266,15 +237,16 @@ def sweep(
 
     require_output(out, *OUTPUT_SUFFIXES)
     if fit is not None:
-        changes = {**changes, "clearance": _of_fit(fit, changes.get("clearance"))}
+        rule = "conflicts with --clearance"
+        require("clearance" not in changes, "sweep", "--fit", fit, rule, "keep one of them")
+        changes["clearance"] = _of_fit(fit)
     mechanism = read_mechanism(spec, materials)
     total = revolutions or mechanism.integration.revolutions
     first = first_of(total) if first is None else first
     plan = Plan(total, first, method, tolerance, beyond, against)
-    where = workers(jobs, scheduler)
-    with resumable(out, "case") as journal:
-        with progress_bars() as progress:
-            table = run(mechanism, _combined(changes), plan, where, progress, journal, resume)
+    with resumable(out, "case", resume) as (journal, progress):
+        where = scheduler or jobs
+        table = run(mechanism, _combined(changes), plan, where, progress, journal, resume)
         write_table(table, out)
     stopped = table[table["status"] != "complete"]
     say(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
@@ -289,14 +261,14 @@ def tolerances(
     spec: Path = SPEC,
     *,
     out: Path = TABLE,
-    changes: dict[str, list[str]],
+    changes: dict[str, Any],
     materials: str | None = MATERIALS,
     revolutions: int | None = REVOLUTIONS,
-    tolerance: list[str] | None = several(
+    tolerance: list[float] | None = several(
         "Tolerances of the integrator; 1e-5 to 1e-11 by default."
     ),
-    jobs: int | None = JOBS,
-    scheduler: str | None = SCHEDULER,
+    jobs: int = JOBS,
+    scheduler: Any = SCHEDULER,
 ) -> None:
     """Tabulate energy balance and drift by the tolerance of the integrator."""
     from cylcontact.mechanism import Plan, read_mechanism
@@ -306,12 +278,12 @@ def tolerances(
     require_output(out, *OUTPUT_SUFFIXES)
     mechanism = read_mechanism(spec, materials)
     total = revolutions or mechanism.integration.revolutions
-    wanted, where = _combined(changes), workers(jobs, scheduler)
+    wanted, where = _combined(changes), scheduler or jobs
     methods = METHODS if recognise(mechanism) is not None else METHODS[1:]
     plans = [
         Plan(total, method=method, tolerance=value, beyond="tangent")
         for method in methods
-        for value in numbers("--tolerance", tolerance) or TOLERANCES
+        for value in tolerance or TOLERANCES
     ]
     with progress_bars() as progress:
         table = tabulate(mechanism, wanted, plans, where, progress)
@@ -328,7 +300,7 @@ def bifurcation(
     spec: Path = SPEC,
     *,
     out: Path = TABLE,
-    clearance: list[str] | None = several(
+    clearance: list[float] | None = several(
         "The smallest and the largest, mm; 0.01,0.5 by default.", metavar="LOW,HIGH"
     ),
     points: int = count(1, "How many clearances.", default=40),
@@ -338,12 +310,12 @@ def bifurcation(
     materials: str | None = MATERIALS,
     revolutions: int = count(1, "Revolutions in all.", default=200),
     last: int = count(1, "Revolutions recorded of each.", default=50),
-    impact_rate: list[str] | None = several(
+    impact_rate: list[float] | None = several(
         "Impact rate δ̇⁽⁻⁾ of the damping, m/s; 0, the default: that at onset."
     ),
     beyond: choices.Beyond = END,
-    jobs: int | None = JOBS,
-    scheduler: str | None = SCHEDULER,
+    jobs: int = JOBS,
+    scheduler: Any = SCHEDULER,
 ) -> None:
     """Tabulate the Poincaré sections over the clearance: periodic or not."""
     import numpy as np
@@ -354,13 +326,11 @@ def bifurcation(
 
     require_output(out, *OUTPUT_SUFFIXES)
     mechanism = read_mechanism(spec, materials, law=law, restitution=restitution, friction=friction)
-    ends = numbers("--clearance", clearance) or [0.01, 0.5]
-    require(
-        len(ends) == 2 and min(ends) > 0, "--clearance", "", ",".join(clearance or ()),
-        "must be two positive numbers, the smallest and the largest", "e.g. 0.01,0.5",
-    )  # fmt: skip
+    ends = clearance or [0.01, 0.5]
+    rule = "must be two positive numbers, the smallest and the largest"
+    require(len(ends) == 2 and min(ends) > 0, "--clearance", "", ends, rule, "e.g. 0.01,0.5")
     values = [float(f"{value:.4g}") for value in np.geomspace(ends[0], ends[1], points)]
-    where, rates = workers(jobs, scheduler), numbers("--impact-rate", impact_rate) or [0.0]
+    where, rates = scheduler or jobs, impact_rate or [0.0]
     with progress_bars() as progress:
         tables = [
             tabulate(mechanism, values, revolutions, last, rate or None, beyond, where, progress)

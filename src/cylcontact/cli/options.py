@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import os
+from collections.abc import Callable, Mapping
 from copy import copy
 from functools import wraps
 from itertools import chain
@@ -13,7 +13,6 @@ from typing import Any
 
 import typer
 
-from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
 from cylcontact.files import require_apart, require_suffix, require_writable
 from cylcontact.reading import plain_number
@@ -26,10 +25,7 @@ NOISES = ("constant", "proportional", "both")
 OPTIMIZERS = ("genetic", "differential-evolution", "least-squares", "descents", "cma")
 STYLES = ("journal", "single-column", "double-column", "slides")
 
-
-def split(values: list[str] | None) -> list[str]:
-    """Return the parts of an option that may be repeated, and hold several between commas."""
-    return [part.strip() for value in values or () for part in value.split(",")]
+Read = Callable[[str], Any]
 
 
 def argument(help: str, default: Any = ..., metavar: str | None = None) -> Any:
@@ -47,68 +43,76 @@ def output(help: str, default: Any = None) -> Any:
     return option(help, "-o", "--out", default=default, metavar="PATH")
 
 
-def several(help: str, *names: str, metavar: str = "FLOAT[,...]", **details: Any) -> Any:
-    """Return an option that may be repeated, or hold several values between commas."""
-    return option(help, *names, callback=split, metavar=metavar, **details)
+def reader(read: Read, rule: str) -> Read:
+    """Return what reads the text of an option, or its default; `rule` tells of any other text."""
+
+    def parse(given: Any) -> Any:
+        try:
+            return read(str(given))
+        except InputError as error:
+            raise typer.BadParameter(f"{given!r}: {error.rule}; {error.remedy}") from None
+        except ValueError:
+            raise typer.BadParameter(f"{given!r} {rule}") from None
+
+    return parse
+
+
+NUMBER = reader(plain_number, "is not a number")  # typer's own reader takes 1_700 and nan
 
 
 def number(help: str, *names: str, **details: Any) -> Any:
-    """Return an option of one number; typer's own reader takes 1_700 and nan."""
-    return option(help, *names, parser=_number, metavar="FLOAT", **details)
-
-
-def _number(given: str | float) -> float:
-    """Return the text of an option as a number, or its default."""
-    try:
-        return plain_number(str(given))
-    except ValueError:
-        raise typer.BadParameter(f"{given!r} is not a number") from None
+    """Return an option of one number."""
+    return option(help, *names, parser=NUMBER, metavar="FLOAT", **details)
 
 
 def length(help: str, *names: str, **details: Any) -> Any:
     """Return an option of a length in mm, or with its unit."""
-    return option(help, *names, parser=_length, metavar="MM", **details)
+    read = reader(length_in_mm, "is not a length; give mm, or e.g. '40 um'")
+    return option(help, *names, parser=read, metavar="MM", **details)
 
 
-def _length(given: str | float) -> float:
-    """Return the text of an option as a length in mm, or its default."""
-    try:
-        return length_in_mm(str(given))
-    except ValueError:
-        rule = f"{given!r} is not a length; give mm, or e.g. '40 um'"
-        raise typer.BadParameter(rule) from None
-
-
-def count(least: int, help: str, *names: str, default: int | None = None) -> Any:
+def count(
+    least: int, help: str, *names: str, default: int | None = None, callback: Any = None
+) -> Any:
     """Return an option of an integer of at least `least`."""
 
-    def parse(text: str) -> int:
-        try:
-            integer = int(text)
-        except ValueError:
-            integer = least - 1
-        if integer < least:
-            raise typer.BadParameter(f"{text!r} must be an integer of at least {least}")
-        return integer
+    def read(text: str) -> int:
+        if int(text) < least:
+            raise ValueError
+        return int(text)
 
-    return option(help, *names, default=default, parser=parse, metavar="N")
+    parse = reader(read, f"must be an integer of at least {least}")
+    return option(help, *names, default=default, parser=parse, metavar="N", callback=callback)
 
 
-def plain_numbers(texts: Sequence[str]) -> list[float] | None:
-    """Return texts as numbers; None if one is not a number."""
-    try:
-        return [plain_number(text) for text in texts]
-    except ValueError:
-        return None
+def interval(help: str, *names: str, default: Any = None) -> Any:
+    """Return an option of two positive numbers."""
+
+    def read(text: str) -> tuple[float, float]:
+        low, high = map(plain_number, text.split(":"))
+        if not 0 < low < high:
+            raise ValueError
+        return low, high
+
+    parse = reader(read, "must be two positive numbers, e.g. 5:400")
+    return option(help, *names, default=default, parser=parse, metavar="LOW:HIGH")
 
 
-def numbers(option: str, texts: Sequence[str] | None) -> list[float]:
-    """Return texts as numbers; none if the option is not given."""
-    values = plain_numbers(texts or ())
-    if values is None:
-        given, rule = ",".join(texts or ()), "must be numbers separated by commas"
-        raise InputError(option, "", given, rule, "e.g. 0.5,0.02")
-    return values
+def several(
+    help: str, *names: str, of: Read = NUMBER, metavar: str = "FLOAT", **details: Any
+) -> Any:
+    """Return an option that may be repeated, or hold several values between commas."""
+
+    def parse(text: str) -> list[Any]:
+        return [of(part.strip()) for part in text.split(",")]
+
+    return option(
+        help, *names, parser=parse, callback=_joined, metavar=f"{metavar}[,...]", **details
+    )
+
+
+def _joined(values: list[Any] | None) -> list[Any]:
+    return [*chain.from_iterable(values or ())]
 
 
 # Options by the names under which a command finds their values, with the type of these.
@@ -179,34 +183,6 @@ def keep_inputs(command: Callable[..., None]) -> Callable[..., None]:
     return checked
 
 
-@contextmanager
-def resumable(out: Path, part: str) -> Iterator[Path]:
-    """Give the path of the journal beside an output, and remove the journal in the end.
-
-    If the block fails, the journal stays. An interruption says how many parts it holds, each
-    called "run" or "case". A journal that cannot be removed is no failure: the output is complete.
-    """
-    journal = out.with_name(out.name + ".partial")
-    try:
-        yield journal
-    except KeyboardInterrupt:
-        # The first line is the header.
-        count = journal.read_bytes().count(b"\n") - 1 if journal.is_file() else 0
-        text = f"interrupted before a {part} was complete; nothing is kept"
-        if count > 0:
-            parts = f"{part} is" if count == 1 else f"{part}s are"
-            text = (
-                f"interrupted; {count} complete {parts} kept in {journal}; "
-                "the same command with --resume goes on from there"
-            )
-        raise KeyboardInterrupt(text) from None
-    try:
-        journal.unlink(missing_ok=True)
-    except OSError as error:
-        text = f"{journal}: cannot be removed ({error.strerror}), and is no longer needed"
-        say(f"cylcontact: {text}", err=True)
-
-
 def _existing_folder(folder: Path) -> Path:
     """Refuse a folder of results that does not exist; only the default one may be missing."""
     if folder != RESULTS and not folder.is_dir():
@@ -215,9 +191,23 @@ def _existing_folder(folder: Path) -> Path:
     return folder
 
 
+def _or_all(jobs: int | None) -> int:
+    """Return a number of processes, by default that of the cores this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return jobs or (len(affinity(0)) if affinity else os.cpu_count() or 1)
+
+
+def _cluster(address: str | None) -> Any:
+    from cylcontact.parallel import Cluster
+
+    return None if address is None else Cluster(address)
+
+
 RESULTS_FOLDER = option("The folder of fit results.", callback=_existing_folder, default=RESULTS)
-JOBS = count(1, "Worker processes; all cores by default.", "--jobs", "-j")
-SCHEDULER = option("A Dask cluster instead, e.g. tcp://host:8786.", metavar="ADDRESS")
+JOBS = count(1, "Worker processes; all cores by default.", "--jobs", "-j", callback=_or_all)
+SCHEDULER = option(
+    "A Dask cluster instead, e.g. tcp://host:8786.", metavar="ADDRESS", callback=_cluster
+)
 MATERIALS = option("Your own materials; datasets/materials.csv by default.", metavar="TABLE")
 FORCE = option("Replace an output that came from other inputs.", "--force", default=False)
 RESUME = option("Go on from what an interrupted command left.", "--resume", default=False)

@@ -7,43 +7,72 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, cast
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from cylcontact.choices import CONTACTS, Contact, listed
-from cylcontact.cli.options import Options, length, number, option, plain_numbers
+from cylcontact.cli.options import Options, Read, length, number, option, reader
 from cylcontact.errors import InputError, require
+from cylcontact.reading import plain_number
 
 if TYPE_CHECKING:
     from cylcontact.housing_spec import HousingSpec
-    from cylcontact.materials import Material, MaterialRow
+    from cylcontact.laws import Housing
     from cylcontact.pair import CylinderPair
 
-_PANEL = {"rich_help_panel": "The pair of cylinders"}
+_PANEL: dict[str, Any] = {"rich_help_panel": "The pair of cylinders"}
 
 
-def _text(help: str, name: str) -> tuple[Any, Any]:
-    return str | None, option(help, name, metavar="TEXT", **_PANEL)
-
-
-def _number(help: str, name: str) -> tuple[Any, Any]:
-    return float | None, number(help, name, **_PANEL)
+def _text(help: str, name: str, metavar: str = "TEXT", read: Read | None = None) -> tuple[Any, Any]:
+    return str | None, option(help, name, metavar=metavar, parser=read, **_PANEL)
 
 
 def _length(help: str, name: str) -> tuple[Any, Any]:
     return float | None, length(help, name, **_PANEL)
 
 
+def _modulus(text: str) -> float:
+    from cylcontact.materials import modulus_in_MPa
+
+    return float(modulus_in_MPa(text, "", ""))
+
+
+def _material(text: str) -> str | tuple[float, float]:
+    """Return the name of a material, or its E in MPa and ν, which "207 GPa, 0.3" has."""
+    modulus, comma, ratio = text.partition(",")
+    return (_modulus(modulus.strip()), plain_number(ratio)) if comma else text
+
+
+def _clamp(text: str) -> dict[str, Any]:
+    """Return the keys of a table [housing] for a clamp in short."""
+    if text == "rim":
+        return {"clamp": "rim"}
+    side, _, angle = text.partition(":")
+    if side not in ("near", "far"):
+        raise ValueError
+    return {"clamp": "sector", "angle": plain_number(angle), "side": side}
+
+
+def _layer(text: str) -> dict[str, Any]:
+    name, _, radius = text.rpartition(":")
+    return {"material": name, "R_i": plain_number(radius)}
+
+
+_NAMED = reader(_material, "is no material; write its name, or E and ν, e.g. '207 GPa, 0.3'")
+_CLAMP = reader(_clamp, "is no clamp; write rim, near:60 or far:60, with your angle")
+_LAYER = reader(_layer, "is no material with an inner radius; write e.g. bronze:12")
 # By their names as constants of a table, where they have one.
 PAIR: Options = {
     "contact": _text(f"{listed(CONTACTS)}.", "--contact"),
-    "pin": _text("The pin's material: its name, or E and ν, '207 GPa, 0.3'.", "--pin"),
-    "hole": _text("The hole's material, in the same way.", "--hole"),
-    "material": _text("Material of both bodies.", "--material"),
-    "material_i": _text("Material of the first of two rollers.", "--material-i"),
-    "material_j": _text("Material of the second of two rollers.", "--material-j"),
+    "pin": _text("The pin's material: its name, or E and ν, '207 GPa, 0.3'.", "--pin", read=_NAMED),
+    "hole": _text("The hole's material, in the same way.", "--hole", read=_NAMED),
+    "material": _text("Material of both bodies.", "--material", read=_NAMED),
+    "material_i": _text("Material of the first of two rollers.", "--material-i", read=_NAMED),
+    "material_j": _text("Material of the second of two rollers.", "--material-j", read=_NAMED),
     "materials": _text("Your own materials; datasets/materials.csv by default.", "--materials"),
-    "E_MPa": _text("Young's modulus of both bodies, MPa or e.g. '207 GPa'.", "--E"),
-    "nu": _number("Poisson's ratio of both bodies.", "--nu"),
+    "E_MPa": _text("Young's modulus of both bodies, MPa or e.g. '207 GPa'.", "--E",
+                   read=reader(_modulus, "is no modulus")),
+    "nu": (float | None, number("Poisson's ratio of both bodies.", "--nu", **_PANEL)),
     "dR_mm": _length("ΔR: the radial clearance, or the sum of two rollers' radii.", "--dR"),
     "R_i_mm": _length("Radius R_i of the hole, or of the first roller.", "--Ri"),
     "R_j_mm": _length("Radius R_j of the pin, or of the second roller.", "--Rj"),
@@ -51,24 +80,18 @@ PAIR: Options = {
     "pin_diameter": _length("Diameter of the pin.", "--pin-diameter"),
     "length_mm": _length("Axial length.", "--length"),
     "R_o": _length("Radius of the housing's rim; laws that know it take it.", "--R-o"),
-    "clamp": _text("What is clamped: rim (all of it, by default), near:60 or far:60.", "--clamp"),
-    "layer": (
-        list[str] | None,
-        option("A bonded ring, its material and inner radius; may be repeated.", "--layer",
-               metavar="NAME:MM", **_PANEL),
-    ),
+    "clamp": _text("What is clamped: rim (all of it, by default), near:60 or far:60.", "--clamp",
+                   read=_CLAMP),
+    "layer": (list[str] | None, option("A bonded ring, its material and inner radius; may be "
+              "repeated.", "--layer", metavar="NAME:MM", parser=_LAYER, **_PANEL)),
 }  # fmt: skip
-# What stands for a constant under another name, and the factor from one to the other.
-_OTHERS = {
+# What stands for a constant under another name, which rollers do not have, and a factor to it.
+OF_PIN_AND_HOLE = {
     "pin": ("material_j", None),
     "hole": ("material_i", None),
     "hole_diameter": ("R_i_mm", 0.5),
     "pin_diameter": ("R_j_mm", 0.5),
 }
-# What a pair of rollers does not have.
-OF_PIN_AND_HOLE = {*_OTHERS}
-# Constants of one body alone.
-_APART = {f"{name}_{of}" for of in "ij" for name in ("material", "nu")} | {"E_i_MPa", "E_j_MPa"}
 # The options that `constants_of` takes.
 IN_CONSTANTS = {*PAIR} - {"contact", "materials", "R_o", "clamp", "layer"}
 
@@ -86,59 +109,60 @@ def option_of(name: str) -> str:
 
 def constants_of(
     given: Mapping[str, Any], source: str, contact: str
-) -> tuple[dict[str, float | str], dict[str, str]]:
+) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the options as constants of a table, and the option that each comes from."""
-    from cylcontact.materials import modulus_in_MPa
-
-    values = {name: given[name] for name in given if name in IN_CONSTANTS and name not in _OTHERS}
-    options = {name: option_of(name) for name in values}
-    for name in filter(OF_PIN_AND_HOLE.__contains__, given):
-        remedy = f"leave out {option_of(name)}; rollers have --material-i and --material-j"
-        _require_internal(source, contact, remedy)
-    for name, (constant, factor) in _OTHERS.items():
-        if name not in given:
+    values: dict[str, Any] = {}
+    options: dict[str, str] = {}
+    # Names of their own come last, and are to blame for what is said twice.
+    for name in sorted(PAIR, key=OF_PIN_AND_HOLE.__contains__):
+        if name not in IN_CONSTANTS & {*given}:
             continue
-        rule, remedy = f"says the same as {options.get(constant)}", "keep one of them"
-        require(constant not in values, source, option_of(name), given[name], rule, remedy)
-        values[constant] = given[name] if factor is None else factor * given[name]
-        options[constant] = option_of(name)
-    for body in ("", "_i", "_j"):  # "E, ν" in the place of a name
-        name, (E, nu) = f"material{body}", (f"E{body}_MPa", f"nu{body}")
-        modulus, comma, ratio = str(values.get(name, "")).partition(",")
-        if not comma:
-            continue
-        option = options[name]
-        for key in {E, nu} & {*values}:
-            rule = f"is given by {option} already"
-            raise InputError(source, options[key], values[key], rule, "leave it out")
-        numbers = plain_numbers([ratio.strip()])
-        if numbers is None:
-            rule, remedy = "is no material", 'write its name, or E and ν, e.g. "207 GPa, 0.3"'
-            raise InputError(source, option, values[name], rule, remedy)
-        del values[name]
-        values |= {E: modulus.strip(), nu: numbers[0]}
-        options |= {E: option, nu: option}
-    for name in {"E_MPa", "E_i_MPa", "E_j_MPa"} & {*values}:
-        values[name] = float(modulus_in_MPa(values[name], source, options[name]))
+        option, value = option_of(name), given[name]
+        constant, factor = OF_PIN_AND_HOLE.get(name, (name, None))
+        if name in OF_PIN_AND_HOLE:
+            remedy = f"leave out {option}; rollers have --material-i and --material-j"
+            _require_internal(source, contact, remedy)
+        new = {constant: value if factor is None else factor * value}
+        if isinstance(value, tuple):  # E and ν in the place of a name
+            body = constant.removeprefix("material")
+            new = dict(zip((f"E{body}_MPa", f"nu{body}"), value, strict=True))
+        for key in new:
+            rule = f"says the same as {options.get(key)}"
+            require(key not in values, source, option, None, rule, "keep one of them")
+        values |= new
+        options |= dict.fromkeys(new, option)
     return values, options
 
 
 def housing_of(given: dict[str, Any], source: str, contact: str) -> HousingSpec | None:
     """Return the housing that the options give, and take them away."""
-    R_o, clamp, layers = (given.pop(name, None) for name in ("R_o", "clamp", "layer"))
-    if R_o is None and clamp is None and not layers:
+    keys = ("R_o", "clamp", "layer")
+    data = {key: given.pop(key) for key in keys if key in given}
+    if not data:
         return None
-    from cylcontact.housing_spec import HousingSpec, clamp_of, layers_of
+    from cylcontact.housing_spec import HousingSpec
     from cylcontact.spec import parse_spec
 
     _require_internal(source, contact, "leave out --R-o and --clamp, or give --contact internal")
-    rule = f"is missing beside {'--layer' if clamp is None else '--clamp'}"
-    require(R_o is not None, source, "--R-o", None, rule, "give the radius")
-    data = {"R_o": R_o, **clamp_of(clamp or "rim", source)}
-    if layers:
-        data["layers"] = layers_of(layers, source)
+    data |= data.pop("clamp", {})
+    if "layer" in data:
+        data["layers"] = data.pop("layer")
     with blaming_options({"R_o": "--R-o", "angle": "--clamp", "layers": "--layer"}):
         return parse_spec(HousingSpec, data, source)
+
+
+def read_housing(given: dict[str, Any], source: str) -> Housing | None:
+    """Return the housing that the options give with its numbers, and take them away."""
+    housing = housing_of(given, source, given.get("contact", "internal"))
+    if housing is None:
+        return None
+    return housing.with_numbers(_own_table(given, source), source, "--layer").housing
+
+
+def _own_table(given: Mapping[str, Any], source: str) -> Path | None:
+    from cylcontact.materials import own_table
+
+    return own_table(given.get("materials"), Path(), source, "--materials")
 
 
 def _require_internal(source: str, contact: str, remedy: str) -> None:
@@ -158,87 +182,63 @@ def blaming_options(options: Mapping[str, str], source: str = "") -> Iterator[No
         keys = [key.removeprefix("constants.") for key in error.key.split(", ")]
         if not {*keys} <= {*by_key}:
             raise
-        names = [by_key[key] for key in keys]
-        value = error.value
-        where, remedy = source or error.source, error.remedy
-        if any(name.endswith("diameter") for name in names):  # the radii are halves of these
-            value = 2 * value if isinstance(value, int | float) else None
-            remedy = "correct it, or exchange hole and pin"
-        raise InputError(where, ", ".join(names), value, error.rule, remedy) from None
+        blamed, value = ", ".join(by_key[key] for key in keys), error.value
+        if "diameter" in blamed:
+            value = None  # a radius, half of what is given
+        raise InputError(source or error.source, blamed, value, error.rule, error.remedy) from None
 
 
-def pair_of(
-    constants: Mapping[str, Any],
-    options: Mapping[str, str],
-    contact: str,
-    rows: Mapping[str, MaterialRow],
-    source: str,
-    default: CylinderPair,
-) -> CylinderPair:
-    """Return the pair of some options; what they leave out is that of another pair."""
+def pair_of(given: Mapping[str, Any], source: str) -> CylinderPair:
+    """Return the pair that options give, and for the rest that which is compared by default."""
+    from cylcontact.materials import Material, find_material, known_materials, material_in_MPa
     from cylcontact.pair import CylinderPair, roles
+    from cylcontact.reports.laws_table import case
 
+    default, contact = case(), given.get("contact", "internal")
     rule, remedy = "must be 'internal' or 'external'", "a pin in a hole, or two rollers"
     require(contact in CONTACTS, source, "--contact", contact, rule, remedy)
-    kind = cast(Contact, contact)
-    first, second = (
-        _body(body, role, constants, options, rows, source, default.material_i)
-        for body, role in zip("ij", roles(kind), strict=True)
-    )
+    kind: Contact = contact
+    constants, options = constants_of(given, source, contact)
+    rows = known_materials(_own_table(given, source))
+
+    names = {
+        of: [name for name in (f"material{of}", f"E{of}_MPa", f"nu{of}") if name in constants]
+        for of in ("", "_i", "_j")
+    }
+
+    def body(of: str, role: str, of_other: str) -> Material:
+        own, both, other = names[of], names[""], names[of_other]
+        if own and both:
+            blamed, rule = both[0], f"is of both bodies, and {options[own[0]]} is of one"
+            raise InputError(source, options[blamed], None, rule, "give each its own")
+        if other and not own:
+            missing = option_of(role if role in PAIR else f"material{of}")
+            rule, remedy = f"is missing beside {options[other[0]]}", f"name the {role}'s material"
+            raise InputError(source, missing, None, rule, remedy)
+        name, *others = own or both or [""]
+        if name.startswith("material"):
+            if others:
+                rule = f"is given by {options[name]} already"
+                raise InputError(source, options[others[0]], None, rule, "leave it out")
+            table = "the tables of materials"
+            return find_material(constants[name], rows, source, options[name], table).material
+        of, known = of if own else "", default.material_i
+        E, nu = constants.get(f"E{of}_MPa", known.E), constants.get(f"nu{of}", known.nu)
+        with blaming_options({"nu": options.get(f"nu{of}", "--nu")}, source):
+            return material_in_MPa(f"the {role}" if own else known.name, E, nu)
+
+    roles_of = roles(kind)
+    bodies = body("_i", roles_of[0], "_j"), body("_j", roles_of[1], "_i")
     dR, R_i, R_j = (constants.get(f"{name}_mm") for name in ("dR", "R_i", "R_j"))
     length = constants.get("length_mm", default.length)
-    for name in ("dR_mm", "R_i_mm", "R_j_mm", "length_mm"):
-        value = constants.get(name, 1.0)
-        rule, remedy = "must be positive", "give it in mm"
-        require(value > 0, source, options.get(name, ""), value, rule, remedy)
     with blaming_options(options, source):
         if R_i is not None and R_j is not None:
             require(dR is None, source, "dR", dR, "follows from the radii", "leave it out")
             build = CylinderPair.internal if kind == "internal" else CylinderPair.external
-            return build(R_i, R_j, first, length, second)
-        known = float(R_i or R_j or default.radii("the default")[0])
+            return build(R_i, R_j, bodies[0], length, bodies[1])
+        known = R_i or R_j or default.radii("the default")[0].item()
         if dR is None:
             dR = default.dR if kind == "internal" else 2 * known
         if R_i is None and R_j is not None:
-            R_i = dR + R_j if kind == "internal" else dR - R_j
-        return CylinderPair.from_dR(kind, dR, first, length, R_i or known, second)
-
-
-def _body(
-    body: str,
-    role: str,
-    constants: Mapping[str, Any],
-    options: Mapping[str, str],
-    rows: Mapping[str, MaterialRow],
-    source: str,
-    default: Material,
-) -> Material:
-    """Return the material of a body, its own or that of both, by its name or by E and ν."""
-    from cylcontact.materials import Material, find_material
-
-    common, own = (
-        [name for name in (f"material{of}", f"E{of}_MPa", f"nu{of}") if name in constants]
-        for of in ("", f"_{body}")
-    )
-    if own and common:
-        rule = f"is of both bodies, and {options[own[0]]} is of one"
-        name = common[0]
-        raise InputError(source, options[name], constants[name], rule, "give each its own")
-    of_other = [name for name in constants if name in _APART and name not in own]
-    if of_other and not own:
-        missing = option_of(role if role in ("pin", "hole") else f"material_{body}")
-        rule, remedy = f"is missing beside {options[of_other[0]]}", f"name the {role}'s material"
-        raise InputError(source, missing, None, rule, remedy)
-    used = own or common
-    if used and used[0].startswith("material"):
-        name, *others = used
-        for other in others:
-            rule = f"is given by {options[name]} already"
-            raise InputError(source, options[other], constants[other], rule, "leave it out")
-        table = "the tables of materials"
-        return find_material(constants[name], rows, source, options[name], table).material
-    of = f"_{body}" if own else ""
-    E, nu = constants.get(f"E{of}_MPa", default.E), constants.get(f"nu{of}", default.nu)
-    blamed = {name.removesuffix("_MPa").removesuffix(of): options[name] for name in used}
-    with blaming_options(blamed, source):
-        return Material(f"the {role}" if own else default.name, f"{float(E)!r} MPa", nu)
+            known = dR + R_j if kind == "internal" else dR - R_j
+        return CylinderPair.from_dR(kind, dR, bodies[0], length, known, bodies[1])

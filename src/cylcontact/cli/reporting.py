@@ -16,7 +16,7 @@ from cylcontact.cli.options import (
     require_output,
     several,
 )
-from cylcontact.cli.terminal import cores, progress_bars, say
+from cylcontact.cli.terminal import progress_bars, say
 from cylcontact.errors import InputError, require
 from cylcontact.files import replacing, require_apart, write_table
 
@@ -29,16 +29,18 @@ def figure(
     ),
     out: Path | None = output("The folder; reports/figures by default."),
     style: str | None = option(f"{listed(STYLES)}.", metavar="STYLE"),
-    formats: list[str] | None = several(f"{listed(FORMATS)}.", "--format", metavar="FORMAT[,...]"),
+    formats: list[str] | None = several(
+        f"{listed(FORMATS)}.", "--format", of=str, metavar="FORMAT"
+    ),
     results: Path = RESULTS_FOLDER,
-    jobs: int | None = JOBS,
+    jobs: int = JOBS,
 ) -> None:
     """Draw figures, each with the CSV of its numbers."""
     from cylcontact.plots.style import JOURNAL, choose
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.build import build
 
-    bench = Bench(Path(), results, jobs or cores())
+    bench = Bench(Path(), results, jobs)
     choice = choose(bench.recipes_folder / "style.mplstyle", style, tuple(formats or ()))
     own = bench.figures_folder
     folder = out or (own if choice.style.name == JOURNAL.name else own / choice.style.name)
@@ -67,13 +69,13 @@ def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str
 def report(
     out: Path | None = option("The folder; build/site by default.", "-o", "--out"),
     results: Path = RESULTS_FOLDER,
-    jobs: int | None = JOBS,
+    jobs: int = JOBS,
 ) -> None:
     """Build the results as pages to read in a browser: laws, figures, fits, statements."""
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.pages import build_site
 
-    bench = Bench(Path(), results, jobs or cores())
+    bench = Bench(Path(), results, jobs)
     with progress_bars() as progress:
         site = build_site(bench, out or Path("build", "site"), progress)
     for reason in site.missing:
@@ -84,7 +86,7 @@ def report(
 def claims(
     out: Path | None = option("Write the ledger as .csv or .json instead.", "-o", "--out"),
     results: Path = RESULTS_FOLDER,
-    jobs: int | None = JOBS,
+    jobs: int = JOBS,
 ) -> None:
     """Compare each statement of the paper with a computed number, and give a verdict.
 
@@ -95,7 +97,7 @@ def claims(
     from cylcontact.reports.claims_text import to_json, to_table, to_text
     from cylcontact.reports.paper import paper_of
 
-    bench = Bench(Path(), results, jobs or cores())
+    bench = Bench(Path(), results, jobs)
     require_output(out, ".csv", ".json")
     if out is not None:
         require_apart([out], bench.inputs)
@@ -128,13 +130,13 @@ def paper(
     ),
     out: Path | None = option("The folder; reports/typeset/NAME.", "-o", "--out"),
     results: Path = RESULTS_FOLDER,
-    jobs: int | None = JOBS,
+    jobs: int = JOBS,
 ) -> None:
     """Typeset a paper whose numbers and figures come from results, as PDF and as LaTeX."""
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.manuscript import typeset
 
-    bench = Bench(Path(), results, jobs or cores())
+    bench = Bench(Path(), results, jobs)
     folder = out or bench.recipes_folder / "typeset" / source.stem
     with progress_bars() as progress:
         made = typeset(bench, source, folder, progress)

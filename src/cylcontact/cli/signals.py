@@ -17,8 +17,7 @@ _REPEAT_AFTER = 1.0
 def stopped_by_signals() -> Iterator[None]:
     """Raise KeyboardInterrupt in the block at each of the signals that nohup does not ignore.
 
-    Compiled libraries rarely lose it, mostly during import. Some ignore it, so it is raised again.
-    Some turn it into another exception, which it then replaces.
+    Some compiled libraries lose it, so it is raised again; some turn it into another exception.
     """
     if sys.platform == "win32":
         yield
@@ -56,10 +55,7 @@ def _insist(_number: int, _frame: FrameType | None) -> None:
 
 
 def _leave_lost_terminal() -> None:
-    """Redirect output to nowhere if the terminal has closed.
-
-    An error from writing would replace the interruption, which saves what is complete.
-    """
+    """Write to nowhere if the terminal has closed, or an error would replace the interruption."""
     for stream in (1, 2):
         try:
             os.write(stream, b"")

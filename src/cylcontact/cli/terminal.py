@@ -1,41 +1,21 @@
-"""Worker processes of the commands, and their progress bars."""
+"""What the commands say: texts, progress bars, and what an interrupted command has left."""
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import typer
 
 from cylcontact.plain_text import brief, visible
 from cylcontact.progress import Progress
 
-if TYPE_CHECKING:
-    from cylcontact.parallel import Workers
 
-
-def cores() -> int:
-    """Return the number of cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def workers(jobs: int | None, scheduler: str | None) -> Workers:
-    """Return the number of processes, all cores by default, or the Dask cluster at `scheduler`."""
-    from cylcontact.parallel import Cluster
-
-    if scheduler is None:
-        return jobs or cores()
-    if jobs is not None:
-        raise typer.BadParameter("--jobs is for this machine; leave it out with --scheduler")
-    return Cluster(scheduler)
-
-
-def say(text: str, err: bool = False) -> None:
+def say(text: object, err: bool = False) -> None:
     """Print a text, on standard error if `err`; characters that are not seen are escaped."""
-    typer.echo(visible(text, "\n"), err=err)
+    typer.echo(visible(str(text), "\n"), err=err)
 
 
 @contextmanager
@@ -63,16 +43,28 @@ def progress_bars() -> Iterator[Progress]:
         yield update
 
 
-def noting(progress: Progress, stage: str, note: str) -> Progress:
-    """Return a callback that says a note, unless it is empty, when a stage begins.
+@contextmanager
+def resumable(out: Path, part: str, resume: bool) -> Iterator[tuple[Path, Progress]]:
+    """Give the path of the journal beside an output, removed in the end, and a callback for bars.
 
-    By then the input is checked, so that an error in it is the only line.
+    If the block fails, the journal stays. An interruption says how many parts it holds, each
+    called "run" or "case".
     """
-    notes = [note] if note else []
-
-    def update(now: str, done: int, total: int) -> None:
-        if now == stage and notes:
-            say(f"cylcontact: {notes.pop()}", err=True)
-        progress(now, done, total)
-
-    return update
+    journal = out.with_name(out.name + ".partial")
+    if resume and not journal.exists():
+        say(f"cylcontact: no {part}s are kept in {journal}; all are computed", err=True)
+    try:
+        with progress_bars() as progress:
+            yield journal, progress
+    except KeyboardInterrupt:
+        # The first line is the header.
+        count = journal.read_bytes().count(b"\n") - 1 if journal.is_file() else 0
+        text = f"interrupted before a {part} was complete; nothing is kept"
+        if count > 0:
+            parts = f"{part} is" if count == 1 else f"{part}s are"
+            text = (
+                f"interrupted; {count} complete {parts} kept in {journal}; "
+                "the same command with --resume goes on from there"
+            )
+        raise KeyboardInterrupt(text) from None
+    journal.unlink(missing_ok=True)
