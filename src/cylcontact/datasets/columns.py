@@ -82,10 +82,7 @@ def require_found(found: Mapped, quantity: str) -> None:
 
 
 def _units_below(table: Table) -> tuple[list[str], Table]:
-    """Return the units in the first row, empty without such a row, and the other rows.
-
-    A row is one of units if it holds a unit and no number but the 1 of a pure number.
-    """
+    """Return the units in the first row, if it holds no number but the 1 of a pure number."""
     cells = ["" if column[0] is None else str(column[0]) for column in table.columns]
     if not any(map(is_unit, cells)) or any(_is_number(cell) for cell in cells if cell != "1"):
         return [""] * len(cells), table
@@ -209,10 +206,7 @@ def kept_rows(
     labels: dict[str, list[str]],
     branch: Branch | None,
 ) -> IndexArray:
-    """Return the rows to keep, and add to the labels the branch of each row if loads fall.
-
-    Rows of zero load are left out; they help to find the branches before.
-    """
+    """Return the rows to keep, without those of zero load, and label those of branches."""
     load = numbers["load"]
     falls = is_unloading(load, _series(numbers, labels, load.size))
     zero = load == 0

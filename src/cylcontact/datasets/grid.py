@@ -278,10 +278,7 @@ class Grid:
 
 @dataclass(frozen=True, eq=False)
 class DimensionlessGrid:
-    """The product of values of α, β and φ = f/(E*·ΔR), without pairs that no materials make.
-
-    Its pairs have E* = 1 MPa and ΔR = 1 mm: their loads are φ, their penetrations d = δ/ΔR.
-    """
+    """Values of α, β and φ = f/(E*·ΔR) of possible pairs, with E* = 1 MPa and ΔR = 1 mm."""
 
     reference: str
     alpha: FloatArray

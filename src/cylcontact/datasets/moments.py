@@ -205,11 +205,7 @@ def _gram(weights: FloatArray) -> FloatArray:
 
 
 def _interpolation(values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return nodes and the weights, shape (n, q), that interpolate ln z from them at n values.
-
-    Few values are nodes themselves. The singularity z = 0 is at least 1 away from the values, which
-    sets the rate ρ.
-    """
+    """Return nodes and weights (n, q) that interpolate ln z, with z = 0 at least 1 away."""
     low, extent = values.min(), np.ptp(values)
     reach = 1 + 2 / max(extent, 1e-6)
     q = int(np.ceil(-np.log(_LEFT) / np.log(reach + np.sqrt(reach**2 - 1))))

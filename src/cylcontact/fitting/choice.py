@@ -69,7 +69,7 @@ _SAME_FOR_ONE = (*_IF_NAMED, "power-dimensionless")
 
 @dataclass(frozen=True, eq=False)
 class RankedLaw:
-    """A law fitted to the data."""
+    """A law fitted to the data: squared errors of prediction by parts, and the parts' sizes."""
 
     law: str
     optimum: Optimum
@@ -80,34 +80,27 @@ class RankedLaw:
     @property
     def compliance(self) -> tuple[float, float]:
         """The compliance in mm/(N/mm) and its standard error, NaN where it has none."""
-        names = self.optimum.fit.names
-        if "compliance" not in names:
-            return self.optimum.best.get("compliance", np.nan), np.nan
-        place = names.index("compliance")
-        return float(self.optimum.point[place]), float(self.optimum.errors[place])
+        errors = dict(zip(self.optimum.fit.names, self.optimum.errors.tolist(), strict=True))
+        value = self.optimum.best.get("compliance", np.nan)
+        return value, errors.get("compliance", np.nan)
 
     @property
-    def cv_error(self) -> float:
-        """The cross-validated error, root mean square, in the unit of the residuals."""
-        return float(np.sqrt(np.average(self.errors, weights=self.sizes)))
-
-    @property
-    def cv_standard_error(self) -> float:
-        """The standard error of `cv_error`, from the spread of the parts."""
-        return _error_of_mean(self.errors, self.sizes) / (2 * self.cv_error)
+    def cv_error(self) -> tuple[float, float]:
+        """The cross-validated error in the unit of the residuals, and its standard error."""
+        mean, error = _mean(self.errors, self.sizes)
+        return float(np.sqrt(mean)), float(error / (2 * np.sqrt(mean)))
 
     def behind(self, best: RankedLaw) -> float:
         """Return how much worse it predicts than another law, in standard errors of that."""
-        difference = self.errors - best.errors
-        error = _error_of_mean(difference, self.sizes)
-        mean = float(np.average(difference, weights=self.sizes))
+        mean, error = _mean(self.errors - best.errors, self.sizes)
         return mean / error if error > 0 else float(np.sign(mean)) * np.inf if mean else 0.0
 
 
-def _error_of_mean(values: FloatArray, weights: FloatArray) -> float:
-    share = weights / weights.sum()
-    spread = (share * (values - np.average(values, weights=weights))) ** 2
-    return float(np.sqrt(spread.sum() * values.size / (values.size - 1)))
+def _mean(values: FloatArray, weights: FloatArray) -> tuple[float, float]:
+    """Return a weighted mean and its standard error."""
+    share, mean = weights / weights.sum(), np.average(values, weights=weights)
+    spread = (share * (values - mean)) ** 2
+    return float(mean), float(np.sqrt(spread.sum() * values.size / (values.size - 1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,8 +141,12 @@ class Choice:
 
         There are none if no law describes the data.
         """
-        table = self.table
-        return [str(name) for name in table.index[table["verdict"].isin(("best", "undecided"))]]
+        return [
+            law.law
+            for law in self.laws
+            if self.describes
+            and not (law.aicc - self.best.aicc > _AICC and law.behind(self.best) > _STANDARD_ERRORS)
+        ]
 
     @property
     def table(self) -> pd.DataFrame:
@@ -169,11 +166,9 @@ class Choice:
                 "aicc": law.aicc,
                 "aicc_behind": behind[k],
                 "weight": weight[k] / weight.sum(),
-                "cv_error": law.cv_error,
-                "cv_standard_error": law.cv_standard_error,
+                **dict(zip(("cv_error", "cv_standard_error"), law.cv_error, strict=True)),
                 "cv_behind": law.behind(self.best),
-                "compliance": law.compliance[0],
-                "compliance_error": law.compliance[1],
+                **dict(zip(("compliance", "compliance_error"), law.compliance, strict=True)),
                 "verdict": self._verdict(law),
             }
             for k, law in enumerate(self.laws)
@@ -183,13 +178,9 @@ class Choice:
     def _verdict(self, law: RankedLaw) -> str:
         if not self.describes:
             return "misses"
-        if self._is_worse(law):
+        if law.law not in self.undecided:
             return "worse"
-        return "best" if all(self._is_worse(each) for each in self.laws[1:]) else "undecided"
-
-    def _is_worse(self, law: RankedLaw) -> bool:
-        behind = law.aicc - self.best.aicc > _AICC
-        return behind and law.behind(self.best) > _STANDARD_ERRORS
+        return "best" if len(self.undecided) == 1 else "undecided"
 
     def fit(self, law: str = "", jobs: int = 1) -> DataFit:
         """Return the fit of a law, by default of the best, with its intervals."""
@@ -251,17 +242,14 @@ class Choice:
                 f"{undecided[0]} describes the data best, by AICc and by the cross-validated error "
                 f"(over {self.parts})"
             )
+        exact = {"internal": "conformal", "external": "johnson"}[self.data.measurements.contact]
+        solution = f" ({exact} is its elastic solution)" if exact in undecided else ""
         return (
             f"the data cannot tell {listed_with_and(undecided)} apart: AICc within {_AICC:g}, or "
             f"the cross-validated error (over {self.parts}) within {_STANDARD_ERRORS:g} standard "
-            f"error of the difference; take the one that is right for this contact{self._exact()}, "
+            f"error of the difference; take the one that is right for this contact{solution}, "
             "or measure at loads where they differ"
         )
-
-    def _exact(self) -> str:
-        """Return which of the laws that cannot be told apart is the solution of the contact."""
-        exact = {"internal": "conformal", "external": "johnson"}[self.data.measurements.contact]
-        return f" ({exact} is its elastic solution)" if exact in self.undecided else ""
 
     def _on_datum(self) -> list[str]:
         """Return what the compliance means, and whether the data tell law from datum by it."""
@@ -306,11 +294,7 @@ def _with_error(factor: float, value: float, error: float) -> str:
 
 
 def laws_for(contact: Contact, pairs: int) -> list[str]:
-    """Return the names of the laws that may be fitted to measurements of a contact.
-
-    Power laws that are the same for a single pair are listed once, and none whose factor and
-    exponent follow the clearance.
-    """
+    """Return the laws that may be fitted to a contact; for a single pair each power law once."""
     names: list[str] = []
     for law in LAW_TYPES:
         models = [model.law for model in law.models() if model.contact == contact]
@@ -327,7 +311,7 @@ def choose_law(
     # Without names the laws that know the housing are one curve: the reference stands for them.
     known = ["conformal"] if spec.housing is not None else []
     chosen = list(names) or known + laws_for(data.contact, len(data.groups("pair")[0]))
-    fitted: dict[str, tuple[float, Optimum]] = {}
+    fitted: dict[str, Optimum] = {}
     left_out: dict[str, str] = {}
     for number, name in enumerate(chosen):
         progress("fitting", number, len(chosen))
@@ -338,47 +322,42 @@ def choose_law(
         except InputError as error:
             if names:
                 raise
-            where = (
-                error.source.rpartition(", ")[2] if error.key.startswith("load, ") else error.key
-            )
+            key = error.key
+            where = error.source.rpartition(", ")[2] if key.startswith("load, ") else key
             left_out[name] = f"left out: {where}: {error.rule}".replace(": : ", ": ")
             continue
         k = optimum.estimated
-        if len(data) <= k + 1:
+        if len(data) > k + 1:
+            fitted[name] = optimum
+        else:
             left_out[name] = (
                 f"left out: {len(data)} readings are too few to rank it, which estimates {k} "
                 f"numbers; AICc needs {k + 2}"
             )
-            continue
-        fitted[name] = _aicc(optimum, table.source), optimum
     progress("fitting", len(chosen), len(chosen))
     _require_some(fitted, left_out, table, "measure more, or hold some (--fix compliance=0)")
-    parts, words = _parts(next(iter(fitted.values()))[1].fit, spec.seed)
-    missed = {}
-    for name, (_, optimum) in list(fitted.items()):
-        with threadpool_limits(limits=1):
-            missed[name] = _missed(optimum, parts)
-        if not np.isfinite(missed[name]).all():
-            left_out[name] = (
-                "left out: cannot be cross-validated: a fit to some of the readings has no value "
-                "at others, as its curve ends before them or passes below 0"
-            )
-            del fitted[name]
-    _require_some(
-        fitted, left_out, table, "look at the readings: a kink, an outlier or a few only?"
-    )
-    order = sorted(fitted, key=lambda name: fitted[name][0])
-    best = fitted[order[0]][1]
+    aicc = {name: _aicc(optimum, table.source) for name, optimum in fitted.items()}
+    parts, words = _parts(next(iter(fitted.values())).fit, spec.seed)
+    with threadpool_limits(limits=1):
+        missed = {name: _missed(optimum, parts) for name, optimum in fitted.items()}
+    for name in [name for name in fitted if not np.isfinite(missed[name]).all()]:
+        del fitted[name]
+        left_out[name] = (
+            "left out: cannot be cross-validated: a fit to some of the readings has no value "
+            "at others, as its curve ends before them or passes below 0"
+        )
+    remedy = "look at the readings: a kink, an outlier or a few only?"
+    _require_some(fitted, left_out, table, remedy)
+    order = sorted(fitted, key=lambda name: aicc[name])
+    best = fitted[order[0]]
     # Deviations are those of the best law's noise model, so that the errors of laws compare.
-    noise = best.fit.noise
-    scale = np.ones(len(data)) if noise is None else noise.scale
+    scale = 1.0 if best.fit.noise is None else best.fit.noise.scale
     sizes = np.array([float(part.size) for part in parts])
     ranked = []
     for name in order:
         squares = (missed[name] / scale) ** 2
         errors = as_floats([squares[part].mean() for part in parts])
-        aicc, optimum = fitted[name]
-        ranked.append(RankedLaw(name, optimum, aicc, errors, sizes))
+        ranked.append(RankedLaw(name, fitted[name], aicc[name], errors, sizes))
     with threadpool_limits(limits=1):
         uncertainty = uncertainty_of(best)
     warnings = tuple(data_warnings(uncertainty))
@@ -433,10 +412,7 @@ def _aicc(optimum: Optimum, source: str) -> float:
 
 
 def _missed(optimum: Optimum, parts: Sequence[Indices]) -> FloatArray:
-    """Return by how much each reading is missed by a fit without its part, shape (N,).
-
-    In mm with a noise model, else in the unit of the residuals.
-    """
+    """Return the misses of a fit without each reading's part, in mm with a noise model."""
     fit, missed = optimum.fit, np.empty(len(optimum.fit.data))
     for part in parts:
         rest = fit.take(np.setdiff1d(np.arange(missed.size), part))

@@ -182,10 +182,7 @@ _EXACT_TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class Check:
-    """A number of a committed result and its fresh value.
-
-    Below `exact` both are round-off.
-    """
+    """A number of a committed result and its fresh value; below `exact` both are round-off."""
 
     what: str
     committed: float
@@ -269,10 +266,7 @@ def compare_optimizers(
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> pd.DataFrame:
-    """Return a row for each run of each optimiser, with the columns `CSV_COLUMNS`.
-
-    "searched" and "polished" are the objectives before the polish and after it.
-    """
+    """Return a row for each run of each optimiser: objectives before and after the polish."""
     for optimizer in optimizers:
         OPTIMIZERS[optimizer].require_installed(campaign.source, optimizer)
     problem = _problem_of(campaign, jobs, progress)

@@ -7,7 +7,7 @@ units in which they should be alike, whitened by the noise model if there is one
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from scipy import special
@@ -40,9 +40,6 @@ _FEWEST, _FEWEST_IN_SERIES = 12, 4
 _FEW_OF_A_SIGN = 8
 # Readings whose scatter from one to the next can be told.
 _FEWEST_NEIGHBOURS = 8
-# The name of a test, the probability of such residuals if the noise were as assumed (None for too
-# few rows), what they show, and what to do.
-_Shown = tuple[str, float | None, str, str]
 
 
 def findings_of(optimum: Optimum) -> list[Finding]:
@@ -50,12 +47,7 @@ def findings_of(optimum: Optimum) -> list[Finding]:
     if optimum.r.size < _FEWEST + optimum.point.size:
         return []
     tests = (_series, _drift, _sequence, _spread, _branches, _repeats)
-    seen = [shown for test in tests if (shown := test(optimum)) is not None]
-    findings = [
-        Finding(test=test, p=p, says=says, remedy=remedy)
-        for test, p, says, remedy in seen
-        if p is not None and p < SURPRISING
-    ]
+    findings = [finding for test in tests if (finding := test(optimum)) is not None]
     p = {finding.test: finding.p for finding in findings}
     # A series or a drift explains a sequence of like residuals. Branches look like a drift, and a
     # drift like branches; the less likely one is left.
@@ -63,6 +55,13 @@ def findings_of(optimum: Optimum) -> list[Finding]:
     if p.keys() >= {"drift", "branches"}:
         echoes.add(max("drift", "branches", key=lambda test: p[test]))
     return [f for f in findings if f.test not in echoes]
+
+
+def _failed(test: str, p: float | None, says: str, remedy: str) -> Finding | None:
+    """Return a finding if such residuals are surprising; None for too few rows to tell."""
+    if p is None or p >= SURPRISING:
+        return None
+    return Finding(test=test, p=p, says=says, remedy=remedy)
 
 
 def _groups(optimum: Optimum, name: str) -> tuple[list[str], Indices] | None:
@@ -84,7 +83,7 @@ def _allowed(optimum: Optimum) -> tuple[str, ...]:
     return () if optimum.fit.noise is None else optimum.fit.noise.model.effects
 
 
-def _series(optimum: Optimum) -> _Shown | None:
+def _series(optimum: Optimum) -> Finding | None:
     """Test whether residuals depend on the series: a mean and a trend along the load of each."""
     if "offset" in _allowed(optimum):
         return None
@@ -98,14 +97,14 @@ def _series(optimum: Optimum) -> _Shown | None:
     columns = np.hstack([member, member * (load - load.mean())[:, None]])
     p = _f_test(optimum, columns)
     if over == "group":
-        return (
+        return _failed(
             "series",
             p,
             f"the {len(names)} series of the column group differ by more than the scatter within "
             "them, so that the intervals are too narrow",
             "allow for it with --group group",
         )
-    return (
+    return _failed(
         "pairs",
         p,
         f"the residuals differ between the {len(names)} pairs of the table: each pair has errors "
@@ -114,7 +113,7 @@ def _series(optimum: Optimum) -> _Shown | None:
     )
 
 
-def _drift(optimum: Optimum) -> _Shown | None:
+def _drift(optimum: Optimum) -> Finding | None:
     """Test whether residuals have trends along the rows of the series, each its own."""
     if "drift" in _allowed(optimum):
         return None
@@ -125,14 +124,15 @@ def _drift(optimum: Optimum) -> _Shown | None:
     if abs(np.corrcoef(position, load)[0, 1]) > 0.9:
         return None  # along a single sweep of the load a drift looks like another law
     p = _f_test(optimum, position[:, None] * (index[:, None] == np.unique(index)))
-    return "drift", p, "the residuals drift along the rows of a series", "allow for it with --drift"
+    says = "the residuals drift along the rows of a series"
+    return _failed("drift", p, says, "allow for it with --drift")
 
 
 def _less_mean(values: FloatArray, index: Indices) -> FloatArray:
     return as_floats(values - (np.bincount(index, values) / np.bincount(index))[index])
 
 
-def _sequence(optimum: Optimum) -> _Shown | None:
+def _sequence(optimum: Optimum) -> Finding | None:
     """Test whether each residual is like the one before, by their correlation."""
     index = _series_of_rows(optimum, "group")
     order = np.argsort(index, kind="stable")
@@ -154,10 +154,10 @@ def _sequence(optimum: Optimum) -> _Shown | None:
         f"readings in sequence err alike (correlation {correlation:.2f}), so that the intervals "
         "are too narrow"
     )
-    return "sequence", p, says, remedy
+    return _failed("sequence", p, says, remedy)
 
 
-def _spread(optimum: Optimum) -> _Shown | None:
+def _spread(optimum: Optimum) -> Finding | None:
     noise = optimum.fit.noise
     if optimum.known:
         return None
@@ -173,15 +173,15 @@ def _spread(optimum: Optimum) -> _Shown | None:
     remedy = "allow for both kinds of scatter with --noise both"
     if noise is not None and len(noise.model.scatter) == 2:
         remedy = "look for what else makes readings scatter"
-    return "spread", p, f"the scatter of the readings{relative} {grows} with them", remedy
+    return _failed("spread", p, f"the scatter of the readings{relative} {grows} with them", remedy)
 
 
-def _branches(optimum: Optimum) -> _Shown | None:
+def _branches(optimum: Optimum) -> Finding | None:
     groups = _groups(optimum, "branch")
     if groups is None:
         return None
     names, index = groups
-    return (
+    return _failed(
         "branches",
         _f_test(optimum, as_floats(index[:, None] == np.arange(len(names)))[:, 1:]),
         "loading and unloading differ, by friction in the rig or by plastic flow",
@@ -189,7 +189,7 @@ def _branches(optimum: Optimum) -> _Shown | None:
     )
 
 
-def _repeats(optimum: Optimum) -> _Shown | None:
+def _repeats(optimum: Optimum) -> Finding | None:
     """Test whether the law misses the means of repeated loads by more than they scatter."""
     sets = optimum.fit.data.replicates()
     r, degrees = optimum.r, sum(rows.size - 1 for rows in sets)
@@ -201,7 +201,7 @@ def _repeats(optimum: Optimum) -> _Shown | None:
         return None
     ratio = max(float((r**2).sum()) - pure, 0.0) / between / (pure / degrees)
     series = "" if "offset" in _allowed(optimum) else ", or name the series with --group COLUMN"
-    return (
+    return _failed(
         "repeats",
         float(special.fdtrc(between, degrees, ratio)),
         "the law misses the means of repeated loads by more than their scatter",
@@ -232,22 +232,17 @@ def _ranks(values: FloatArray) -> FloatArray:
 # --- how well the law describes the readings --------------------------------------------------
 
 
-def outliers(optimum: Optimum) -> list[Outlier]:
-    """Return the rows far from the law, in robust standard deviations."""
-    r, data = optimum.r, optimum.fit.data
-    spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(r)))
+def _outlying(optimum: Optimum) -> dict[int, float]:
+    """Return the rows far from the law, and by how many robust standard deviations."""
+    spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(optimum.r)))
     if optimum.is_rounding or spread == 0:
-        return []
-    far = np.flatnonzero(np.abs(r) > OUTLYING * spread)
-    return [Outlier(line=data.line(int(k)), deviations=float(-r[k] / spread)) for k in far]
+        return {}
+    deviations = dict(enumerate(-optimum.r / spread))
+    return {row: float(size) for row, size in deviations.items() if abs(size) > OUTLYING}
 
 
 def r_squared(optimum: Optimum) -> float | None:
-    """Return 1 − Σ(fitted − measured)²/Σ(measured − mean)²; None if all readings are equal.
-
-    What a series adds is no misfit of the law: the readings are less that, and the means those of
-    the series.
-    """
+    """Return the share of the variance within series that the law describes; None without any."""
     noise, added = optimum.fit.noise, optimum.series_in_mm
     rest, seen = _less_series(optimum), optimum.fit.observed - (0.0 if added is None else added)
     series = np.zeros(seen.size, dtype=np.intp) if noise is None else noise.series
@@ -283,11 +278,7 @@ def missed(optimum: Optimum) -> tuple[float, float | None]:
 
 
 def runs_test(optimum: Optimum) -> float | None:
-    """Return the probability of so few runs of residuals of one sign (Wald and Wolfowitz 1940).
-
-    Rows are sorted by pair and load. Noise changes sign at random; residuals of a law of the wrong
-    shape do not. None if there are too few rows of either sign.
-    """
+    """Return the probability of so few runs of one sign along the load (Wald, Wolfowitz 1940)."""
     data = optimum.fit.data
     positive = optimum.r[np.lexsort((data.load, data.groups("pair")[1]))] > 0
     n, m = int(positive.sum()), int((~positive).sum())
@@ -312,7 +303,7 @@ def uncertainty_of(optimum: Optimum, level: float = LEVEL, jobs: Workers = 1) ->
     """Return the uncertainty of a fit to readings; profiles are computed by `jobs`."""
     fit, data = optimum.fit, optimum.fit.data
     estimates = _estimates(optimum, level, jobs)
-    far = outliers(optimum)
+    far = _outlying(optimum)
     share_missed, over_scatter = missed(optimum)
     return Uncertainty(
         level=level,
@@ -328,7 +319,7 @@ def uncertainty_of(optimum: Optimum, level: float = LEVEL, jobs: Workers = 1) ->
         correlation=_correlation(optimum),
         only_together=optimum.blind,
         duplicates=data.duplicates(),
-        outliers=far,
+        outliers=[Outlier(line=data.line(row), deviations=far[row]) for row in far],
         notes=[*optimum.notes, *_better_optima(estimates), *data.data.notes],
         noise=None if fit.noise is None else _deviations(optimum, fit.noise),
         log_likelihood=optimum.log_likelihood,
@@ -358,11 +349,10 @@ def _deviations(optimum: Optimum, noise: Covariance) -> FittedDeviations:
     return FittedDeviations(deviations=deviations, random=noise.is_random, series=series)
 
 
-def _without(optimum: Optimum, far: Sequence[Outlier]) -> dict[str, float]:
+def _without(optimum: Optimum, far: Collection[int]) -> dict[str, float]:
     """Return the coefficients of a fit without the outliers; none if there are none."""
-    data, lines = optimum.fit.data, {outlier.line for outlier in far}
-    rows = np.array([k for k in range(len(data)) if data.line(k) not in lines])
-    if not lines or rows.size <= optimum.point.size:
+    rows = np.setdiff1d(np.arange(optimum.r.size), list(far))
+    if not far or rows.size <= optimum.point.size:
         return {}
     rest = optimum.fit.take(rows)
     return rest.coefficients(rest.minimise(optimum.point).point)

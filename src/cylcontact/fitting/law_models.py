@@ -112,11 +112,7 @@ def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
 
 
 def user_model(law: str, contact: Contact, source: str, *folders: Path) -> LawModel:
-    """Return the model of a function of the user's own; its parameters are its constants.
-
-    An argument with a default is fixed at it unless a campaign gives bounds. The file is sought in
-    the folders, in this order.
-    """
+    """Return the model of a function of the user's own, from the first folder that has its file."""
     try:
         user = UserFunction.named(law, *folders)
         constants = user.formula.constants

@@ -60,10 +60,7 @@ LOSSES = tuple(_RHO)
 
 @dataclass(frozen=True)
 class Loss:
-    """A loss, the sum of C²·ρ(z) with z = (r/C)², and its scale C in the units of the residuals.
-
-    For least squares ρ(z) = z; the others, in scipy's definitions, count large residuals less.
-    """
+    """A loss Σ C²·ρ((r/C)²) with a scale C in the units of the residuals, as scipy defines ρ."""
 
     name: str = "linear"
     scale: float = 1.0
@@ -190,11 +187,7 @@ class Fit(ParameterSpace):
     def jacobian(
         self, point: FloatArray, evaluate: Callable[[FloatArray], FloatArray]
     ) -> FloatArray:
-        """Return derivatives by the free parameters, from central differences, shape (N, k).
-
-        `evaluate` gives values of shape (P, N) at points of shape (P, k). At a bound, beyond which
-        a law may be undefined, the differences are one-sided.
-        """
+        """Return derivatives by the free parameters, shape (N, k); one-sided at a bound."""
         interval = _INTERVAL_STEP / _RELATIVE_STEP * (self.high - self.low)
         steps = _RELATIVE_STEP * np.maximum(np.abs(point), interval)
         high = np.minimum(point + steps, np.maximum(self.high, point))
@@ -208,10 +201,7 @@ class Fit(ParameterSpace):
     # --- the minimum --------------------------------------------------------------------------
 
     def starts(self, nominal: FloatArray | None, number: int, seed: int) -> FloatArray:
-        """Return points to start from, shape (number or fewer, k).
-
-        The first is the nominal one; the others are the best of many drawn between the bounds.
-        """
+        """Return points to start from: the nominal one, and the best of many in the bounds."""
         rng, k = np.random.default_rng(seed), len(self.free)
         unit = np.vstack([np.full(k, 0.5), rng.uniform(size=(_POINTS_PER_START * number, k))])
         low, high = self.low, self.high
@@ -227,10 +217,7 @@ class Fit(ParameterSpace):
         return as_floats(points[[*first, *(k for k in order if k not in first)][:number]])
 
     def minimise(self, start: FloatArray, most: int = _MAX_RESTARTS) -> Minimum:
-        """Descend within the bounds, `most` times from the end of the descent before.
-
-        The end is the start if nothing better was found, as where the law is undefined.
-        """
+        """Descend within the bounds, at most so often from the end before, to no higher values."""
         point, value, evaluations = start, self.value(start), 1
         if point.size == 0 or not np.isfinite(value):
             return Minimum(point, value, evaluations)
@@ -272,10 +259,7 @@ class Fit(ParameterSpace):
     # --- the noise ----------------------------------------------------------------------------
 
     def take(self, rows: Indices, series: Indices | None = None) -> Fit:
-        """Return the fit to a selection of rows, possibly repeated.
-
-        `series` renumbers the series of its noise, of which repeated rows are others.
-        """
+        """Return the fit to rows, possibly repeated; `series` renumbers those of its noise."""
         noise = None if self.noise is None else self.noise.take(rows, series)
         return replace(self, data=self.data.take(rows), noise=noise)
 

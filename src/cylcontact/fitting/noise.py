@@ -81,10 +81,7 @@ class NoiseModel:
         return series + (("drift",) if self.drift else ())
 
     def covariance(self, data: Measurements, law: ContactLaw, offset: float = 0.0) -> Covariance:
-        """Return the covariance of N readings for a law close to the best.
-
-        `law` has the compliance and the offset of the rig; the offset, in mm, is no penetration.
-        """
+        """Return the covariance of readings, for a law with its rig; the offset is in mm."""
         load, pair, columns = data.load, data.pair, data.columns
         reading = law.penetration(load, pair)
         zero = np.zeros(len(data))
@@ -201,10 +198,7 @@ class Covariance:
         return as_floats(np.sqrt(self.variance(self.deviations)))
 
     def whitened(self, residuals: FloatArray) -> FloatArray:
-        """Return residuals in mm, shape (..., N), as independent ones in standard deviations.
-
-        That is by the symmetric root of V⁻¹. Fixed effects leave no trace.
-        """
+        """Return residuals in mm, (..., N), times the symmetric root of V⁻¹; fixed effects go."""
         u = residuals / self.scale
         for rows, Q, S in self._blocks:
             part = u[..., rows]
@@ -291,11 +285,7 @@ def _by_series(series: Indices, values: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Likelihood:
-    """The restricted likelihood of deviations, for readings at the best parameters.
-
-    residuals: fitted less measured in mm, shape (N,); slopes: their derivatives by the free
-    parameters, shape (N, k).
-    """
+    """The restricted likelihood of deviations, from residuals in mm and their slopes (N, k)."""
 
     covariance: Covariance
     residuals: FloatArray
@@ -437,10 +427,7 @@ class Degrees:
         )
 
     def __call__(self, contrasts: FloatArray) -> FloatArray:
-        """Return the degrees of freedom of contrasts, shape (..., k) to (...); at least 1.
-
-        They are infinite if nothing was estimated.
-        """
+        """Return the degrees of freedom of contrasts, (..., k) to (...); inf if all is given."""
         variance = np.einsum("...i,ij,...j->...", contrasts, self.covariance, contrasts)
         if not self.sensitivity.size:
             return np.full_like(variance, np.inf)

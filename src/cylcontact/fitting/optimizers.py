@@ -175,10 +175,7 @@ def _least_squares(budget: EvaluationBudget, _: int, rng: np.random.Generator) -
 
 @_within_budget
 def _cma_es(budget: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
-    """Search by pycma's CMA-ES, doubling its own population with each restart.
-
-    Hansen and Ostermeier (2001); restarts of Auger and Hansen (2005).
-    """
+    """Search by pycma; each restart doubles the population (Auger and Hansen 2005)."""
     import cma
 
     population = 4 + int(3 * np.log(budget.size))

@@ -145,10 +145,7 @@ class Optimum:
 
     @property
     def chi_square_p(self) -> float | None:
-        """The probability of residuals this large or larger; None if σ is not known.
-
-        It is None with a robust loss as well, whose minimum has no χ² distribution.
-        """
+        """The probability of residuals this large; None with a robust loss or an unknown σ."""
         if not self.known or self.robust:
             return None
         return float(special.chdtrc(self.degrees, self.sum_of_squares))
@@ -270,10 +267,7 @@ class Optimum:
             return as_floats(np.where(is_shift, effect, 1 / np.abs(self.point)))
 
     def degrees_of(self, contrasts: FloatArray) -> FloatArray:
-        """Return the degrees of freedom of linear combinations, shape (..., k) to (...).
-
-        They are infinite if the standard deviations are known.
-        """
+        """Return the degrees of freedom of combinations, (..., k) to (...); inf if σ is known."""
         if self.satterthwaite is not None:
             return self.satterthwaite(contrasts)
         return np.full(contrasts.shape[:-1], np.inf if self.known else float(self.degrees))
@@ -322,10 +316,7 @@ class Optimum:
     # --- profiles -----------------------------------------------------------------------------
 
     def ratio(self, fixed: Coefficients, start: Coefficients) -> tuple[float, dict[str, float]]:
-        """Return (S(θ) − S)/τ with some parameters fixed, and all coefficients refitted.
-
-        The refit starts from `start`; a ratio below `BETTER` means that it found a better optimum.
-        """
+        """Return (S(θ) − S)/τ with some parameters fixed, and the others refitted from a start."""
         held = self.fit.fixing(**fixed)
         point, reached, _ = held.minimise(held.point(start))
         ratio = (self.r.size * reached**2 - self.sum_of_squares) / self.unit
@@ -439,10 +430,7 @@ class Optimum:
     def slopes_of(
         self, evaluate: Callable[[ContactLaw], ArrayLike]
     ) -> tuple[FloatArray, FloatArray]:
-        """Return m numbers of the fitted law, and their derivatives, shape (m, k).
-
-        NaN where the law has no such number.
-        """
+        """Return m numbers of the fitted law, NaN if undefined, and their derivatives (m, k)."""
         centre = np.atleast_1d(as_floats(evaluate(self.law)))
 
         def values(points: FloatArray) -> FloatArray:
@@ -456,10 +444,7 @@ class Optimum:
     def propagated(
         self, evaluate: Callable[[ContactLaw], ArrayLike], level: float
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return m numbers of the fitted law, their variances, and half-widths in standard errors.
-
-        By the delta method; NaN where the law has no such number.
-        """
+        """Return m numbers, their variances by the delta method, and half-widths in errors."""
         if self.covariance is None:
             rule = "are not identifiable one by one, so that there is no band"
             remedy = "fix one of them with fixed = true, or choose a wider loss, and fit again"
@@ -542,11 +527,7 @@ class Optimum:
         return as_floats(size**2)
 
     def bands_of_data(self, level: float) -> list[Band]:
-        """Return bands of both quantities for the pairs in the data, over the range of each.
-
-        At most 8 pairs, in the order of the table. There are none if the parameters have no
-        covariance, and none where the fitted law is undefined.
-        """
+        """Return bands of load and penetration of the first 8 pairs, where the law is defined."""
         if self.covariance is None:
             return []
         data = self.fit.data

@@ -84,10 +84,7 @@ def plot_choice(optima: Mapping[str, Optimum], ax: Axes | None = None) -> Axes:
 
 
 def choice_drawing(name: str, optima: Mapping[str, Optimum], table: pd.DataFrame) -> Drawing:
-    """Draw the data with the best laws, and beneath both less the best law.
-
-    `optima` are by law, best first. The headline is the AICc of each law.
-    """
+    """Draw the data with the best laws, and beneath both less the best; `optima` are best first."""
     figure = two_panels(
         *(104.0, 1.6), partial(plot_choice, optima), partial(_draw_differences, optima)
     )

@@ -109,10 +109,7 @@ def affordable_starts(problem: ParameterSpace) -> int:
 def climb_down(
     problem: ParameterSpace, points: FloatArray, held: BoolArray | None = None
 ) -> FloatArray:
-    """Descend the ladder of smoothed maxima from P points, and return where it ends.
-
-    A law without a maximum has no ladder. What is `held` stays as it is.
-    """
+    """Return the ends of P points on the ladder of smoothed maxima, if the law has one."""
     for smooth in _LADDER if _has_formula(problem) else ():
         points = _descend_squares(problem, points, _ROUGH, held, smooth, _ROUGH_STEPS)
     return points

@@ -161,10 +161,7 @@ def names_in(expression: str) -> frozenset[str]:
 def require_valid(
     ties: Mapping[str, str], own_tables: Collection[str], names: Collection[str], source: str
 ) -> None:
-    """Refuse ties that cannot be computed from parameters of the law that are not tied themselves.
-
-    `own_tables` are the parameters that have a table of their own in the campaign.
-    """
+    """Refuse ties that are not arithmetic on parameters which are neither tied nor unknown."""
     for name, expression in ties.items():
         key = f"ties.{name}"
         if name not in names:

@@ -117,11 +117,7 @@ class _Curve:
 def profiles(
     problem: Problem, names: Sequence[str], best: Coefficients, published: Coefficients | None
 ) -> dict[str, Profile]:
-    """Profile the objective over some of the free parameters.
-
-    A curve has equidistant values between the bounds, the best and the published value, except
-    those for which the law is undefined.
-    """
+    """Profile the objective over parameters, at even values, the best and the published one."""
     curves: list[_Curve] = []
     for name in names:
         parameter = problem.free[problem.names.index(name)]

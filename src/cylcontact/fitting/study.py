@@ -175,10 +175,7 @@ def bootstrap(
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> Bootstrap:
-    """Refit to resampled rows or groups, from the optimum; the same seed gives the same intervals.
-
-    `over` is a criterion of `Measurements.groups`, e.g. "rows".
-    """
+    """Refit to resampled rows or groups, `over` as in `Measurements.groups`, from the optimum."""
     names, _ = _groups(optimum, over)
     noise, source = optimum.fit.noise, optimum.fit.data.data.source
     if noise is not None and noise.model.over not in (None, over):

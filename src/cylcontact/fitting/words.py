@@ -105,11 +105,7 @@ def _on_stiffness(uncertainty: Uncertainty) -> list[str]:
 
 
 def noise_verdicts(uncertainty: Uncertainty) -> list[str]:
-    """Return the verdicts on a fit to measurements, most important first.
-
-    They state how large the noise is, which parameters are determined, which are correlated, and
-    which rows are duplicates.
-    """
+    """Return the verdicts on a fit to measurements, most important first."""
     determined = _on_lack_of_determination(uncertainty) or [
         f"every free parameter is determined to ±{100 * FAIRLY:g} % or better "
         f"(well: ±{100 * WELL:g} %), a shift in terms of the prediction"
