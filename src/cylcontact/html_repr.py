@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 from dataclasses import asdict, fields, is_dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -29,13 +30,11 @@ def table_html(title: str, rows: Mapping[str, object]) -> str:
     return Table(["", ""], cells, title)._repr_html_()
 
 
-def law_html(law: Any) -> str:
-    """Return an HTML table of a law: the first line of its docstring and its coefficients."""
-    return completed_law_html(law, {})
+def law_html(law: Any, defaults: Mapping[Any, Any] = MappingProxyType({})) -> str:
+    """Return an HTML table of a law: the first line of its docstring and its coefficients.
 
-
-def completed_law_html(law: Any, defaults: Mapping[Any, Any]) -> str:
-    """Return an HTML table of a law, with `defaults` by contact for coefficients that are None."""
+    Of coefficients that are None it shows the `defaults` by contact.
+    """
     units: Mapping[str, str] = getattr(law, "units", {})
     values: dict[str, tuple[str, object]] = {}
     for field in fields(law):

@@ -184,8 +184,8 @@ def bands(
 
 
 def half_width(load: float, pair: CylinderPair) -> FloatArray:
-    """Return half the width of contact in mm, R·sin ε of `laws.Conformal`."""
-    angle = np.radians(Conformal().contact_angle(load, pair))
+    """Return half the width of contact in mm, R·sin ε of `laws.Conformal`, R beyond 90°."""
+    angle = np.radians(np.minimum(Conformal().contact_angle(load, pair), 90.0))
     return as_floats(pair.radii("the width")[0] * np.sin(angle))
 
 

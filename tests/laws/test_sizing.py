@@ -7,7 +7,7 @@ import pytest
 
 from cylcontact import CylinderPair, InputError, Material, laws, limits
 from cylcontact.fits import Fit
-from cylcontact.sizing import bands, find
+from cylcontact.sizing import bands, find, half_width
 
 STEEL = Material("steel", 207e3, 0.3, 500.0, 12e-6)
 BRONZE = Material("bronze", 110e3, 0.34, 220.0, 18e-6)
@@ -61,6 +61,13 @@ def test_monte_carlo_agrees_with_quadrature(distribution):
     assert abs(band.mean - mean) < 4 * deviation / np.sqrt(count)
     assert np.std(band.samples) == pytest.approx(deviation, rel=0.03)
     assert band.least < band.central[0] < band.middle < band.central[1] < band.largest
+
+
+def test_a_soft_pin_that_is_held_past_90_degrees_is_as_wide_as_the_hole():
+    rubber = Material("rubber", "5 MPa", 0.5)
+    pair = CylinderPair.internal(10.0, 9.999, pin=rubber, hole=Material("steel", 207e3, 0.0))
+    assert laws.Conformal().contact_angle(10.0, pair) > 150
+    assert half_width(10.0, pair) == 10.0
 
 
 def test_zero_clearance_is_a_limit_with_values():

@@ -28,7 +28,7 @@ LAYERS = (
         "text_tables",
         "units",
     },
-    {"fits", "materials", "modulus", "pair"},
+    {"fits", "material_spec", "materials", "pair"},
     {"laws"},
     {"housing_spec", "stress"},
     {"yield_search"},

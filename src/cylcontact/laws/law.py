@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.html_repr import completed_law_html
+from cylcontact.html_repr import law_html
 from cylcontact.laws.formula import Formula
 from cylcontact.pair import CONTACTS, Contact, CylinderPair
 
@@ -254,7 +254,7 @@ class Law(OverLength):
             object.__setattr__(self, "coefficients", self._coefficients_from(given))
 
     def _repr_html_(self) -> str:
-        return completed_law_html(self, self.defaults)
+        return law_html(self, self.defaults)
 
     @classmethod
     def _coefficients_from(cls, values: Coefficients) -> Any:

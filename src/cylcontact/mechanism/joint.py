@@ -23,12 +23,13 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.choices import Beyond
 from cylcontact.errors import InputError
 from cylcontact.fits import Fit
-from cylcontact.housing_spec import HousingSpec, MaterialSpec, in_housing
+from cylcontact.housing_spec import HousingSpec, in_housing
 from cylcontact.impact import FACTORS, IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.laws import LAWS, ContactLaw, Explicit, Housing
 from cylcontact.laws.kernels import Kernel, kernel, kernel_load, kernel_stiffness
 from cylcontact.laws.user import user_law
 from cylcontact.limits import yield_load
+from cylcontact.material_spec import MaterialSpec
 from cylcontact.materials import own_table
 from cylcontact.mechanism import contact
 from cylcontact.numba_cache import compiled

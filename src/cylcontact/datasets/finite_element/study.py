@@ -25,9 +25,9 @@ from cylcontact.datasets.finite_element.mesh import Setup, SetupKeys
 from cylcontact.datasets.finite_element.solver import solve
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
-from cylcontact.housing_spec import Modulus
 from cylcontact.journal import Journal
 from cylcontact.laws import Johnson
+from cylcontact.material_spec import Modulus
 from cylcontact.parallel import call, run_recorded
 from cylcontact.progress import Progress, silent
 from cylcontact.provenance import spec_hash
