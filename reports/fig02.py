@@ -91,7 +91,12 @@ def _draw_panels(cases: Sequence[PowerCase], tables: Sequence[pd.DataFrame]) -> 
     grid = figure.subplots(2, len(cases), sharex="col", height_ratios=(3, 1))
     for number, (case, table) in enumerate(zip(cases, tables, strict=True)):
         _draw_fit(grid[0, number], case, table)
-        _draw_difference(grid[1, number], table)
+        axes = grid[1, number]
+        axes.axhline(0, color=QUIET, linewidth=0.6, linestyle="-", marker="")
+        microns = 1e3 * table["penetration_mm"]
+        axes.plot(microns, table["difference_percent"], "--", color=ACCENT, marker="")
+        axes.set(xlabel="penetration (µm)", ylim=DIFFERENCES)
+        axes.yaxis.set_major_locator(MultipleLocator(STEP))
         pair = case.pair
         panel_title(grid[0, number], number, f"{pair.contact}, $\\Delta R$ = {pair.dR:g} mm")
     grid[0, 0].set_ylabel("load (N/mm)")
@@ -115,12 +120,3 @@ def _draw_fit(axes: Axes, case: PowerCase, table: pd.DataFrame) -> None:
     for x, cells in zip((0.04, 0.12, 0.29), columns, strict=True):
         for line, cell in enumerate(cells):
             axes.text(x, 0.93 - 0.09 * line, cell, transform=axes.transAxes, va="baseline")
-
-
-def _draw_difference(axes: Axes, table: pd.DataFrame) -> None:
-    """Draw the difference of the fitted load from Johnson's."""
-    axes.axhline(0, color=QUIET, linewidth=0.6, linestyle="-", marker="")
-    microns = 1e3 * table["penetration_mm"]
-    axes.plot(microns, table["difference_percent"], "--", color=ACCENT, marker="")
-    axes.set(xlabel="penetration (µm)", ylim=DIFFERENCES)
-    axes.yaxis.set_major_locator(MultipleLocator(STEP))

@@ -85,8 +85,21 @@ def _draw_panels(studies: Sequence[ExponentStudy], tables: Sequence[pd.DataFrame
     panels = figure.subplots(1, len(studies), sharey=True)
     for number, (axes, study, table) in enumerate(zip(panels, studies, tables, strict=True)):
         _draw_moduli(axes, table)
-        _draw_ratios(axes, table)
-        _draw_published(axes, study)
+        spread = table[table["E_GPa"] == E_GPA].groupby("dR_mm")["n"].agg(["min", "max"])
+        axes.fill_between(
+            spread.index.to_numpy(),
+            spread["min"] - 1,
+            spread["max"] - 1,
+            color="0.8",
+            linewidth=0,
+            zorder=0,
+            label=f"$\\nu$ from {RATIOS[0]:g} to {RATIOS[-1]:g}, $E$ = {E_GPA:g} GPa",
+        )
+        pair = CylinderPair.from_dR(study.contact, study.dR, material_in_MPa("any", 1.0, 0.0))
+        style: dict[str, Any] = {"marker": "", "color": "0.5", "linewidth": 2.2, "zorder": 1}
+        axes.plot(
+            study.dR, Enhanced().exponent(pair) - 1, "-", label="published $n$ (Eq 6c)", **style
+        )
         plain_log(axes, "x", study.ticks)
         axes.set(xlabel=r"$\Delta R$ (mm)", xlim=(study.dR[0], study.dR[-1]))
         panel_title(axes, number, f"{study.contact} contact")
@@ -103,27 +116,6 @@ def _draw_moduli(axes: Axes, table: pd.DataFrame) -> None:
         label = f"$E$ = {plain_number(float(str(E)))} GPa"
         dR, n = lines["dR_mm"].to_numpy(), lines["n"].to_numpy()
         axes.plot(dR, n - 1, label=label, markevery=(1 + 2 * number, 12))
-
-
-def _draw_ratios(axes: Axes, table: pd.DataFrame) -> None:
-    """Draw the band that Poisson's ratio spans at one modulus."""
-    spread = table[table["E_GPa"] == E_GPA].groupby("dR_mm")["n"].agg(["min", "max"])
-    axes.fill_between(
-        spread.index.to_numpy(),
-        spread["min"] - 1,
-        spread["max"] - 1,
-        color="0.8",
-        linewidth=0,
-        zorder=0,
-        label=f"$\\nu$ from {RATIOS[0]:g} to {RATIOS[-1]:g}, $E$ = {E_GPA:g} GPa",
-    )
-
-
-def _draw_published(axes: Axes, study: ExponentStudy) -> None:
-    """Draw the published exponent, which depends on ΔR only."""
-    pair = CylinderPair.from_dR(study.contact, study.dR, material_in_MPa("any", 1.0, 0.0))
-    style: dict[str, Any] = {"marker": "", "color": "0.5", "linewidth": 2.2, "zorder": 1}
-    axes.plot(study.dR, Enhanced().exponent(pair) - 1, "-", label="published $n$ (Eq 6c)", **style)
 
 
 def _spreads(table: pd.DataFrame) -> dict[str, float]:

@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MultipleLocator
 
-from cylcontact.arrays import FloatArray
 from cylcontact.datasets.finite_element.mesh import Body, Mesh
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import ACCENT, COLOURS
@@ -56,7 +55,9 @@ def _table(mesh: Mesh) -> pd.DataFrame:
     parts = []
     for name in BODIES:
         body = getattr(mesh, name)
-        sides = _sides(body)
+        corners = body.points[body.quads]
+        steps = np.roll(corners, -1, axis=1) - corners
+        sides = np.asarray(np.hypot(steps[..., 0], steps[..., 1]))
         parts.append(
             {
                 "body": name,
@@ -68,13 +69,6 @@ def _table(mesh: Mesh) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(parts)
-
-
-def _sides(body: Body) -> FloatArray:
-    """Return the lengths of all cells' sides in mm."""
-    corners = body.points[body.quads]
-    steps = np.roll(corners, -1, axis=1) - corners
-    return np.asarray(np.hypot(steps[..., 0], steps[..., 1]))
 
 
 def _first_cell(body: Body) -> float:

@@ -52,7 +52,9 @@ def draw(bench: Bench) -> Drawing:
     for dR in FIG5_CLEARANCES:
         for theory in ("hertz", "persson"):
             key = f"{dR:g} mm: largest departure from {theory.capitalize()}, % of its peak"
-            headline[key] = _largest_departure(table, dR, theory)
+            rows = table[table["dR_mm"] == dR]
+            departure = (rows["pressure_MPa"] - rows[f"{theory}_MPa"]).abs().max()
+            headline[key] = float(100 * departure / rows[f"{theory}_MPa"].max())
     sizes = ", and ".join(
         f"b = {_hertz_width(case):.3g} mm and p₀ = {_hertz_peak(case):.3g} MPa "
         f"at ΔR = {case.dR:g} mm"
@@ -104,13 +106,6 @@ def _theories(solution: Solution, arc: FloatArray) -> tuple[FloatArray, FloatArr
     mean = np.sqrt(radius * (radius - solution.dR))
     angle = np.minimum(arc / mean, np.pi)
     return hertz, persson_pressure(angle, solution.load, pair)
-
-
-def _largest_departure(table: pd.DataFrame, dR: float, theory: str) -> float:
-    """Return the largest |pressure − theory| at one clearance, in percent of the theory's peak."""
-    rows = table[table["dR_mm"] == dR]
-    departure = (rows["pressure_MPa"] - rows[f"{theory}_MPa"]).abs().max()
-    return float(100 * departure / rows[f"{theory}_MPa"].max())
 
 
 def _draw_panels(solutions: Sequence[Solution]) -> Figure:

@@ -105,20 +105,11 @@ def _draw_panels(slider_crank: Mechanism, pose: Pose, joint: ClearanceJoint) -> 
     draw_circle(left, slider_crank, pose)
     _name_points(left, slider_crank, pose)
     panel_title(left, 0, slider_crank.name)
-    _draw_clearance(right, slider_crank, pose, joint)
-    panel_title(right, 1, f"joint with clearance, × {magnification(joint):g}")
-    for axes in (left, right):
-        axes.set_anchor("W")
-    return figure
-
-
-def _draw_clearance(axes: Axes, slider_crank: Mechanism, pose: Pose, joint: ClearanceJoint) -> None:
-    """Draw the magnified joint, and name its bodies where there is room."""
     (eccentricity,) = pose.eccentricity.values()
-    centre = draw_magnified(axes, joint, eccentricity)
-    draw_clearance_circle(axes, DRAWN, zorder=5)
+    centre = draw_magnified(right, joint, eccentricity)
+    draw_clearance_circle(right, DRAWN, zorder=5)
     for at in ((0.0, 0.0), centre):
-        cross(axes, at, zorder=6)
+        cross(right, at, zorder=6)
     clearance, names = slider_crank.clearance, [body.name for body in slider_crank.bodies]
     way = np.array(centre) / np.hypot(*centre)
     for place, name in (
@@ -126,7 +117,11 @@ def _draw_clearance(axes: Axes, slider_crank: Mechanism, pose: Pose, joint: Clea
         (-0.7 * way, f"bearing\n({names[clearance.i]})"),
     ):
         x, y = place
-        axes.text(x, y, name, ha="center", va="center", zorder=9, fontsize=small_text())
+        right.text(x, y, name, ha="center", va="center", zorder=9, fontsize=small_text())
+    panel_title(right, 1, f"joint with clearance, × {magnification(joint):g}")
+    for axes in (left, right):
+        axes.set_anchor("W")
+    return figure
 
 
 def _name_points(axes: Axes, slider_crank: Mechanism, pose: Pose) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Hashable
 from pathlib import Path
 from textwrap import fill
 from typing import Any, NamedTuple
@@ -142,27 +141,22 @@ def _draw_group(axes: Axes, top: float, group: pd.DataFrame) -> list[float]:
     places = [float(place) for place in top + lines.cumsum() - lines / 2]
     axes.vlines(1.0, top, top + lines.sum(), color="black", linewidth=0.8)
     for place, row in zip(places, group.to_dict("records"), strict=True):
-        _draw_line(axes, place, row)
+        shorter = row["ratio"] < 1
+        style = MARKS[FASTER if shorter else COMPUTED if row["computed"] else MEASURED]
+        ends = [row["ratio_low"], row["ratio_high"]]
+        axes.plot(ends, [place, place], linestyle="-", color=style["color"], marker="")
+        axes.plot(row["ratio"], place, **style)
+        # The number is on the side away from the line at 1.
+        axes.annotate(
+            _short(row["ratio"]),
+            (ends[0] if shorter else ends[1], place),
+            xytext=(-5 if shorter else 5, 0),
+            textcoords="offset points",
+            ha="right" if shorter else "left",
+            va="center_baseline",
+            fontsize=small_text(),
+        )
     return places
-
-
-def _draw_line(axes: Axes, place: float, row: dict[Hashable, Any]) -> None:
-    """Draw one side's ratio, its range and its number."""
-    shorter = row["ratio"] < 1
-    style = MARKS[FASTER if shorter else COMPUTED if row["computed"] else MEASURED]
-    ends = [row["ratio_low"], row["ratio_high"]]
-    axes.plot(ends, [place, place], linestyle="-", color=style["color"], marker="")
-    axes.plot(row["ratio"], place, **style)
-    # The number is on the side away from the line at 1.
-    axes.annotate(
-        _short(row["ratio"]),
-        (ends[0] if shorter else ends[1], place),
-        xytext=(-5 if shorter else 5, 0),
-        textcoords="offset points",
-        ha="right" if shorter else "left",
-        va="center_baseline",
-        fontsize=small_text(),
-    )
 
 
 def _short(ratio: float) -> str:

@@ -75,7 +75,16 @@ def draw(bench: Bench) -> Drawing:
     )
     constants = asdict(CALIBRATED["internal"]).items()
     method = METHOD.format(constants=", ".join(f"{name} = {value:g}" for name, value in constants))
-    housing = _housing()
+    phi = np.geomspace(PHI_MIN, PHI_MAX, 8 * ROWS_PER_DECADE)
+    of = {"contact": "internal", "reference": "persson", "pair": "steel", "phi": phi}
+    rows = [
+        {"law": f"conformal, clamped at R_o/R_i = {ratio:g}"}
+        | of
+        | {"load_error_percent": lost_by_housing(ratio, phi)}
+        | {"penetration_error_percent": added_by_housing(ratio, phi)}
+        for ratio in CLAMPED
+    ]
+    housing = pd.concat(map(pd.DataFrame, rows))
     headline = _headline({curve.law: curve for curve in laws}, rollers, housing)
     table = pd.concat([table, housing], ignore_index=True)
     return Drawing(_draw_errors(table), table, headline, CAPTION, method)
@@ -109,20 +118,6 @@ def lost_by_housing(ratio: float, phi: ArrayLike) -> FloatArray:
     load = np.asarray(phi) * PAIR.E_star * DR
     housed = Conformal(Housing(ratio * R_I)).load(Conformal().penetration(load, PAIR), PAIR)
     return 100 * (housed / load - 1)
-
-
-def _housing() -> pd.DataFrame:
-    """Tabulate what clamped housings add to the penetration of conformal contact."""
-    phi = np.geomspace(PHI_MIN, PHI_MAX, 8 * ROWS_PER_DECADE)
-    of = {"contact": "internal", "reference": "persson", "pair": "steel", "phi": phi}
-    rows = [
-        {"law": f"conformal, clamped at R_o/R_i = {ratio:g}"}
-        | of
-        | {"load_error_percent": lost_by_housing(ratio, phi)}
-        | {"penetration_error_percent": added_by_housing(ratio, phi)}
-        for ratio in CLAMPED
-    ]
-    return pd.concat(map(pd.DataFrame, rows))
 
 
 def _headline(laws: dict[str, Curve], rollers: Curve, housing: pd.DataFrame) -> dict[str, float]:

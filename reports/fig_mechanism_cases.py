@@ -116,7 +116,14 @@ def draw_laws(axes: Axes, table: pd.DataFrame, column: str, half: str | None = N
         _draw_law(axes, str(law), rows, column, half)
     for number in LOSSLESS:
         axes.axvspan(number - 0.5, number + 0.5, color="0.92", linewidth=0, zorder=0)
-    _label_groups(axes)
+    axes.set(xlim=(-0.5, len(GROUPS) - 0.5), xlabel="$c_e$ (first row), $c_f$ (second row)")
+    axes.set_xticks(range(len(GROUPS)), LABELS)
+    middles = (np.arange(len(JOINT_CLEARANCES)) + 0.5) * len(LOSSES) - 0.5
+    clearances = [f"$\\Delta R$ = {clearance:g} mm" for clearance in JOINT_CLEARANCES]
+    axes.set_xticks(middles, clearances, minor=True)
+    axes.tick_params(axis="x", which="both", length=0)
+    axes.tick_params(axis="x", which="minor", pad=ROWS * small_text())
+    axes.axvline(len(LOSSES) - 0.5, color=QUIET, linewidth=0.6, linestyle="-", marker="")
 
 
 def law_key(figure: Figure, axes: Axes, grey: str) -> None:
@@ -136,15 +143,3 @@ def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, half: str |
         at, cases[column].to_numpy(), yerr=bars, color=style["color"], marker=style["marker"],
         label=LAW_NAMES[law], **BARS,
     )  # fmt: skip
-
-
-def _label_groups(axes: Axes) -> None:
-    """Write the losses below the cases, and the clearances below these."""
-    axes.set(xlim=(-0.5, len(GROUPS) - 0.5), xlabel="$c_e$ (first row), $c_f$ (second row)")
-    axes.set_xticks(range(len(GROUPS)), LABELS)
-    middles = (np.arange(len(JOINT_CLEARANCES)) + 0.5) * len(LOSSES) - 0.5
-    clearances = [f"$\\Delta R$ = {clearance:g} mm" for clearance in JOINT_CLEARANCES]
-    axes.set_xticks(middles, clearances, minor=True)
-    axes.tick_params(axis="x", which="both", length=0)
-    axes.tick_params(axis="x", which="minor", pad=ROWS * small_text())
-    axes.axvline(len(LOSSES) - 0.5, color=QUIET, linewidth=0.6, linestyle="-", marker="")

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cylcontact.mechanism import Case, Trajectory
+from cylcontact.mechanism import Case
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import QUIET
 from cylcontact.reports.bench import Bench
@@ -46,7 +46,19 @@ LEDGERS = (
 def draw(bench: Bench) -> Drawing:
     run = simulated(bench, CASE, DRAWN)
     cases = statistics_table(bench)
-    table = _energies(run)
+    times = np.linspace(0, run.revolutions, POINTS * run.revolutions + 1)
+    rows = np.minimum(np.searchsorted(run.revolution, times), run.time.size - 1)
+    table = pd.DataFrame(
+        {
+            "revolution": run.revolution[rows],
+            "kinetic_J": (run.kinetic_energy - run.kinetic_energy[0])[rows],
+            "drive_work_J": run.drive_work[rows],
+            "normal_dissipation_J": run.normal_dissipation[rows],
+            "friction_dissipation_J": run.friction_dissipation[rows],
+            "elastic_J": run.elastic_energy[rows],
+            "error_J": run.energy_error[rows],
+        }
+    )
     headline = {
         "largest error over the peak of the kinetic energy, -": cases["energy_error"].max(),
         "drive's work per revolution, J": run.drive_work[-1] / DRAWN,
@@ -65,23 +77,6 @@ def draw(bench: Bench) -> Drawing:
     )
     return Drawing(
         _draw_panels(table, cases), table, headline, CAPTION.format(**vars(CASE)), method
-    )
-
-
-def _energies(run: Trajectory) -> pd.DataFrame:
-    """Return the energies of a run at the steps nearest after evenly spaced times."""
-    times = np.linspace(0, run.revolutions, POINTS * run.revolutions + 1)
-    rows = np.minimum(np.searchsorted(run.revolution, times), run.time.size - 1)
-    return pd.DataFrame(
-        {
-            "revolution": run.revolution[rows],
-            "kinetic_J": (run.kinetic_energy - run.kinetic_energy[0])[rows],
-            "drive_work_J": run.drive_work[rows],
-            "normal_dissipation_J": run.normal_dissipation[rows],
-            "friction_dissipation_J": run.friction_dissipation[rows],
-            "elastic_J": run.elastic_energy[rows],
-            "error_J": run.energy_error[rows],
-        }
     )
 
 

@@ -64,14 +64,7 @@ def draw(bench: Bench) -> Drawing:
 
 
 def readings(bench: Bench) -> pd.DataFrame:
-    """Return the coefficients under every reading.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row for each reading, search and coefficient: its value, the difference from the published
-        one in percent, and the objectives of the search and of the published coefficients.
-    """
+    """Return the coefficients under every reading."""
     return bench.table(FILE, COLUMNS, "make readings writes it")
 
 

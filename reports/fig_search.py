@@ -58,19 +58,7 @@ def draw(bench: Bench) -> Drawing:
 
 
 def searches(result: LawFit) -> pd.DataFrame:
-    """Return the coefficients that the search of each run reached before the polish.
-
-    Parameters
-    ----------
-    result : LawFit
-        Of a campaign.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row for each run and coefficient: the objective before and after the polish, the
-        coefficient before it, and its distance from the best polished one in percent.
-    """
+    """Return the coefficients that the search of each run reached before the polish."""
     runs = runs_table(result).drop(columns="seconds")
     names = [f"{name}_searched" for name in result.profiles]
     others = [column for column in runs if column not in names]

@@ -131,21 +131,11 @@ _RUNS: dict[str, pd.DataFrame] = {}
 
 @dataclass(frozen=True)
 class LongRun:
-    """A run: the inertias, the case and how long.
-
-    Attributes
-    ----------
-    design : str
-        One of `SETS` or of `STEP_CONTROLS`.
-    case : Case
-        The law, clearance and losses.
-    revolutions : int
-        Its length, `FIRST` included.
-    """
+    """A run: the inertias, the case and how long."""
 
     design: str
     case: Case
-    revolutions: int
+    revolutions: int  # with `FIRST`
 
     @property
     def allowed(self) -> float | None:
@@ -202,21 +192,7 @@ def key_of(run: LongRun, data: Mapping[str, Any]) -> str:
 
 
 def long_runs(bench: Bench, progress: Progress = silent) -> pd.DataFrame:
-    """Return the entries of all runs, by `design` and the columns of `Case`; run what is missing.
-
-    Parameters
-    ----------
-    bench : Bench
-        Its `jobs` run what is missing, and each finished run is recorded at once.
-    progress : callable, optional
-        Called with a stage, the runs done and their number.
-
-    Returns
-    -------
-    DataFrame
-        `mean` and `half_width` of all numbers, their means over `windows` and the half-widths
-        of these in `scatter`, as mappings.
-    """
+    """Return what is kept of all runs, by `design` and `Case`; run what is missing."""
     data = mechanism(bench).data
     stamp = json.dumps([data, str(bench.root)])
     journal = Journal(bench.input(LONG_RUNS), "long runs", "1")
@@ -322,24 +298,10 @@ def _kept(values: FloatArray) -> Numbers:
 
 
 def statistics_table(bench: Bench, design: str = SPEC_SET, window: str = "") -> pd.DataFrame:
-    """Return the numbers of a set's cases, with the half-widths of their intervals.
+    """Return the numbers of a set's cases, with the half-widths of their intervals (95 %).
 
-    Parameters
-    ----------
-    bench : Bench
-        The bench.
-    design : str
-        One of `SETS` or of `STEP_CONTROLS`.
-    window : str
-        The revolutions of the cases without losses, the number of those that count, such as "8";
-        "1-8" takes these of all cases, from the start. By default those of the run.
-
-    Returns
-    -------
-    DataFrame
-        The columns of `Case`, the numbers of `QUANTITIES` and `flight_fraction`, and the
-        half-widths under the same names with `_half_width`, by batch means; NaN in windows of
-        eight revolutions.
+    Of the cases without losses over a window, such as "8" revolutions that count; of all cases
+    over "1-8", from the start. By default over those of the run.
     """
     table = long_runs(bench)
     rows = []

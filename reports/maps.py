@@ -98,30 +98,8 @@ def difference_map(
 ) -> Drawing:
     """Map the difference of a law's penetration from a reference over clearance and load.
 
-    Parameters
-    ----------
-    bench : Bench
-        Where the material and the fit result are looked up.
-    material : str
-        Of both bodies: one that ships, or one of the bench's own table.
-    law : str, optional
-        A law's name, such as "explicit" ("enhanced" has the published coefficients), or the name
-        of a fit result for internal contact, such as "practical". A fit goes before a law of the
-        same name.
-    reference : str, optional
-        "johnson" or "persson"; by default the law that the fit was made to, or Johnson's.
-    label : str, optional
-        Name of a fit result's coefficients in the title.
-
-    Returns
-    -------
-    Drawing
-
-    Raises
-    ------
-    InputError
-        If the material, the law or the reference is unknown, the material has no yield stress,
-        or the law is for external contact.
+    The law is one of the package by its name ("enhanced" has the published coefficients), or a fit
+    result for internal contact by its own; the reference is by default the one of the fit.
     """
     row = _row(bench, material)
     mapped = _mapped_law(bench, law, reference, label)

@@ -85,22 +85,10 @@ SYMBOLS = {"E_GPa": "E", "nu": "ν", "yield_stress_MPa": "yield stress"}
 
 @dataclass(frozen=True)
 class Domain:
-    """A region of the clearance–load plane for one kind of contact.
-
-    Attributes
-    ----------
-    label : str
-        What reports call it.
-    R_i : float or None
-        Radius of the hole in mm, on which the load at yield depends; None leaves yield out.
-    loads : tuple of float
-        Lowest and highest load in N/mm.
-    clearances : tuple of float
-        Lowest and highest ΔR in mm.
-    """
+    """A region of the clearance–load plane for one kind of contact."""
 
     label: str
-    R_i: float | None
+    R_i: float | None  # in mm; without it yield is left out
     loads: Interval = LOADS
     clearances: Interval = COMPARED_CLEARANCES
 
@@ -312,19 +300,6 @@ def eq1_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 def origins(rows: Table, names: Collection[str], *groups: tuple[str, ...]) -> str:
     """Return which of the materials' numbers are not the paper's own; empty if all are.
-
-    Parameters
-    ----------
-    rows : mapping of str to MaterialRow
-        The table of materials.
-    names : collection of str
-        The materials to include.
-    *groups : tuple of str
-        Columns of the table; those of one group are listed together.
-
-    Returns
-    -------
-    str
 
     Examples
     --------

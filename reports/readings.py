@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -29,22 +28,6 @@ def below(choice: str, percent: float, bound: float, missing: str = "") -> Readi
     excess = abs(percent) - bound
     text = f"{percent:+.3g} %"
     return reading(choice, text, excess < 0, f"{excess:.2g} points too much", missing)
-
-
-def bound(percent: float) -> str:
-    """Return a difference in percent as a bound, rounded away from zero.
-
-    Examples
-    --------
-    >>> bound(-7.0042)
-    '7.01 %'
-    """
-    return f"{math.ceil(100 * abs(percent)) / 100:g} %"
-
-
-def within(choice: str, percent: float, limit: float, missing: str = "") -> Reading:
-    """Return the reading of `below`, its number told as a bound."""
-    return replace(below(choice, percent, limit, missing), ours=f"within {bound(percent)}")
 
 
 def found(readings: Sequence[Reading], ours: str = "", **more: Any) -> Finding:

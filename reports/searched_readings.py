@@ -55,17 +55,7 @@ SEARCHES: Mapping[str, tuple[Contact, tuple[str, ...]]] = {
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read how the paper fitted its law.
-
-    Attributes
-    ----------
-    changed : str
-        What differs from the recovered campaign.
-    label : str
-        The value it has.
-    settings : dict
-        The settings of the campaign.
-    """
+    """One way to read how the paper fitted its law."""
 
     changed: str
     label: str
@@ -73,19 +63,7 @@ class Reading:
 
 
 def searched_readings(bench: Bench) -> pd.DataFrame:
-    """Recover the coefficients under every reading.
-
-    Parameters
-    ----------
-    bench : Bench
-        With the results recovered-internal and recovered-external.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row for each reading, search and coefficient: its value, the difference from the published
-        one in percent, and the objectives of the search and of the published coefficients.
-    """
+    """Recover the coefficients under every reading."""
     settings = {c: bench.result(f"recovered-{c}").settings for c in CONTACTS}
     sampled = {contact: _sampled(base) for contact, base in settings.items()}
     rows = []

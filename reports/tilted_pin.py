@@ -131,18 +131,12 @@ def compliances(r: FloatArray, z: FloatArray, half: float, plane: bool = False) 
 
 @dataclass(frozen=True)
 class Contact:
-    """A pin in a bush, ready for any place of the pin.
+    """A pin in a bush, ready for any place of the pin."""
 
-    Attributes
-    ----------
-    z, size : array of float, shape (bands,)
-        Middles and widths of the bands of the wall; z is 0 at mid length.
-    kernel : array of float, shape (2·angles, bands, bands)
-        Integrals of the displacement over a cell for a pressure on another, by the angle between.
-    """
-
+    # Middles (0 at mid length) and widths of the bands of the wall.
     z: FloatArray
     size: FloatArray
+    # (2·angles, bands, bands): displacement over a cell by a pressure on another, by their angle.
     kernel: FloatArray
 
     @classmethod

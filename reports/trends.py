@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal, cast
 
 import numpy as np
@@ -71,23 +71,12 @@ Kind = Literal["shows", "equal", "reverse", "open"]
 
 @dataclass(frozen=True)
 class Change:
-    """A number under two conditions, from two independent runs.
-
-    Attributes
-    ----------
-    name : str
-        The conditions that both have in common and that differ between changes.
-    before, after : float
-        The two means.
-    half_widths : tuple of float
-        Of their 95 % intervals, or scatter without losses, from `BATCHES` batch means; NaN
-        without one.
-    """
+    """A number under two conditions, from two independent runs."""
 
     name: str
     before: float
     after: float
-    half_widths: tuple[float, float] = (np.nan, np.nan)
+    half_widths: tuple[float, float] = (np.nan, np.nan)  # NaN without an interval
 
     @property
     def relative(self) -> float:
@@ -162,23 +151,7 @@ def compare(
 ) -> list[Change]:
     """Compare every case with the one that differs from it in one condition only.
 
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        From `long_runs.statistics_table`.
-    column : str
-        The number that is compared. Pairs that lack it, as the duration of flights without any,
-        are left out.
-    condition : str
-        One of `CONDITIONS`.
-    before, after : object
-        Its two values.
-    among : mapping, optional
-        Conditions → the values to include; all values of the others are included.
-
-    Returns
-    -------
-    list of Change
+    Pairs that lack the number, as the duration of flights without any, are left out.
     """
     for key, chosen in (among or {}).items():
         table = table[table[key].isin(list(chosen))]
@@ -214,17 +187,8 @@ def case_name(conditions: Mapping[str, Any]) -> str:
     )
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """What one reading of a claim gives; the fields are those of `Reading` and `Finding`."""
-
-    ours: str
-    holds: bool | None
-    miss: str = ""
-    values: Mapping[str, float] = field(default_factory=dict)
-
-
-Judge = Callable[[pd.DataFrame], Judgement]
+# What one reading of a claim gives, of the cases of one set of runs.
+Judge = Callable[[pd.DataFrame], Finding]
 
 
 def trend(
@@ -233,25 +197,11 @@ def trend(
     verb: str,
     number: tuple[str, str, str],
     text: Callable[[Sequence[Change], str], str] | None = None,
-) -> Judgement:
+) -> Finding:
     """Judge a trend that is claimed of all changes.
 
     It holds if every one shows it or is equal, and at least half show it; it fails if some change
     certainly goes the other way, or if all are equal; else the runs cannot tell.
-
-    Parameters
-    ----------
-    changes : sequence of Change
-        From `compare`.
-    sign : int
-        1 for a rise, −1 for a fall.
-    verb : str
-        What the number does.
-    number : tuple of str
-        What stands before the numbers, their format, and the unit in the names of the values.
-    text : callable, optional
-        Takes the changes and the format and returns the numbers; without it, one arrow for each
-        of a few changes, or the range of many.
 
     Examples
     --------
@@ -286,7 +236,7 @@ def trend(
         for c in changes
         for when, value in (("before", c.before), ("after", c.after))
     }
-    return Judgement(ours, holds, miss, values)
+    return Finding(ours, holds, miss=miss, values=values)
 
 
 def _counted(changes: Sequence[Change], kinds: Sequence[Kind], verb: str) -> str:
@@ -349,7 +299,7 @@ def cylinders(column: str, sign: int, chosen: Conditions, verb: str) -> Judge:
             f"{form.format(value)} by {by.get(name, name)}" for name, value in values.items()
         )
 
-    def judge(table: pd.DataFrame) -> Judgement:
+    def judge(table: pd.DataFrame) -> Finding:
         changes = [
             replace(change, name=f"{JOINT_LAWS[law]} {change.name}".strip())
             for law in others
@@ -358,22 +308,6 @@ def cylinders(column: str, sign: int, chosen: Conditions, verb: str) -> Judge:
         return trend(changes, sign, verb, NUMBERS[column], text)
 
     return judge
-
-
-def mostly(changes: Sequence[Change], sign: int, verb: str) -> Judgement:
-    """Judge a trend that is claimed of most changes: by majority, whatever the others do.
-
-    Examples
-    --------
-    >>> rise, fall = Change("a", 1, 2), Change("b", 2, 1)
-    >>> [mostly(changes, 1, "rises").holds for changes in ([rise, rise, fall], [rise, fall])]
-    [True, False]
-    """
-    kinds = [change.kind(sign) for change in changes]
-    showing, total = kinds.count("shows"), len(kinds)
-    holds = majority([{"shows": True, "open": None}.get(kind, False) for kind in kinds])
-    text = f"{verb} in {showing} of {total} comparisons"
-    return Judgement(text, holds, "" if holds is not False else f"{showing} of {total}")
 
 
 def majority(found: Sequence[bool | None]) -> bool | None:
@@ -413,21 +347,7 @@ def every(found: Sequence[bool | None]) -> bool | None:
 
 @dataclass(frozen=True)
 class Reading:
-    """A judgement with what it is made on.
-
-    Attributes
-    ----------
-    choice : str
-        What is chosen.
-    judge : callable
-        Takes the statistics of 24 cases.
-    design, window : str
-        As in `long_runs.statistics_table`.
-    missing : str
-        The paper's input that is missing.
-    ground : str
-        What in the text speaks for it.
-    """
+    """A judgement with what it is made on."""
 
     choice: str
     judge: Judge
@@ -473,24 +393,20 @@ def integrators(judge: Judge) -> list[Reading]:
     ]
 
 
-def finding(bench: Bench, readings: Sequence[Reading], rule: str = "") -> Finding:
+def finding(bench: Bench, readings: Sequence[Reading]) -> Finding:
     """Return the finding of several readings, of which the first is our own."""
-    judged = []
+    own, *others = readings
+    found = []
     for each in readings:
         table = statistics_table(bench, each.design, each.window)
-        judged.append((each, each.judge(table[table["law"].isin(JOINT_LAWS)])))
-    (own, ours), *others = judged
-    return Finding(
-        ours.ours,
-        ours.holds,
+        found.append(each.judge(table[table["law"].isin(JOINT_LAWS)]))
+    return replace(
+        found[0],
         choice=own.choice,
         missing=own.missing,
         ground=own.ground,
-        miss=ours.miss,
         alternatives=[
             Found(each.choice, got.ours, got.holds, each.missing, got.miss, each.ground)
-            for each, got in others
+            for each, got in zip(others, found[1:], strict=True)
         ],
-        values=ours.values,
-        rule=rule,
     )

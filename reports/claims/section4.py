@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import pandas as pd
@@ -18,13 +18,10 @@ from cylcontact.reports.claims import Finding, Reading, claim, with_unit
 from ..long_runs import SETS, SHORT, SPEC_SET, LongRun
 from ..paper import JOINT_CLEARANCES, JOINT_LAWS, LOADS, TABLE_2, WINDOW
 from ..slider_crank import SPEC, force_ratio, mechanism
-from ..trends import FLOOR, Judgement
+from ..trends import FLOOR
 
 SPHERE, JOHNSON, ENHANCED = JOINT_LAWS
 CYLINDERS = JOHNSON, ENHANCED
-
-
-# Baumgarte's stabilisation.
 
 
 # The laws' stiffness at equal penetration, Fig 17.
@@ -83,7 +80,7 @@ def ranges(bench: Bench) -> list[Range]:
     ]  # fmt: skip
 
 
-Judge = Callable[[Callable[[str, str, float], pd.DataFrame]], Judgement]
+Judge = Callable[[Callable[[str, str, float], pd.DataFrame]], Finding]
 
 
 def over_ranges(bench: Bench, judge: Judge) -> Finding:
@@ -92,7 +89,7 @@ def over_ranges(bench: Bench, judge: Judge) -> Finding:
     `judge` takes a function that returns the ratios of two laws' forces at a clearance.
     """
 
-    def judged(over: Range) -> Judgement:
+    def judged(over: Range) -> Finding:
         def table(one: str, other: str, clearance: float) -> pd.DataFrame:
             pair = joint_pair(bench, clearance)
             end = over.end(one, other, clearance)
@@ -101,13 +98,9 @@ def over_ranges(bench: Bench, judge: Judge) -> Finding:
 
         return judge(table)
 
-    own, *others = [(over, judged(over)) for over in ranges(bench)]
-    over, got = own
-    return Finding(
-        got.ours, got.holds, over.choice, over.missing, got.miss,
-        [Reading(o.choice, g.ours, g.holds, o.missing, g.miss) for o, g in others],
-        values=got.values,
-    )  # fmt: skip
+    (over, own), *others = [(over, judged(over)) for over in ranges(bench)]
+    alternatives = [Reading(o.choice, g.ours, g.holds, o.missing, g.miss) for o, g in others]
+    return replace(own, choice=over.choice, missing=over.missing, alternatives=alternatives)
 
 
 @claim(
@@ -120,7 +113,7 @@ def over_ranges(bench: Bench, judge: Judge) -> Finding:
 def sphere_softest(bench: Bench) -> Finding:
     """Return the largest ratio of Lankarani and Nikravesh's force to the cylindrical laws'."""
 
-    def judge(table: Callable[[str, str, float], pd.DataFrame]) -> Judgement:
+    def judge(table: Callable[[str, str, float], pd.DataFrame]) -> Finding:
         ratios = {
             f"{JOINT_LAWS[law]} at {clearance:g} mm": float(
                 table(SPHERE, law, clearance)["ratio"].max()
@@ -129,11 +122,11 @@ def sphere_softest(bench: Bench) -> Finding:
             for law in CYLINDERS
         }
         holds = max(ratios.values()) < 1
-        return Judgement(
+        return Finding(
             f"its force is at most {max(ratios.values()):.2f} of a cylindrical law's",
             holds,
-            "" if holds else f"{100 * max(ratios.values()) - 100:.0f} % higher",
-            with_unit(ratios, "-"),
+            miss="" if holds else f"{100 * max(ratios.values()) - 100:.0f} % higher",
+            values=with_unit(ratios, "-"),
         )
 
     return over_ranges(bench, judge)
@@ -142,7 +135,7 @@ def sphere_softest(bench: Bench) -> Finding:
 # Section 5.
 
 
-def largest_forces(bench: Bench, design: str) -> Judgement:
+def largest_forces(bench: Bench, design: str) -> Finding:
     """Judge the largest forces in N of one and the same impact by each law."""
     forces = {
         clearance: {
@@ -162,10 +155,10 @@ def largest_forces(bench: Bench, design: str) -> Judgement:
         for clearance, row in forces.items()
         for law, force in row.items()
     }
-    return Judgement(
+    return Finding(
         "in one and the same impact its largest force is "
         f"{-100 * max(over.values()):.2g} % to {-100 * min(over.values()):.2g} % lower",
         holds,
-        "" if holds else f"up to {100 * max(over.values()):+.1f} %",
-        values,
+        miss="" if holds else f"up to {100 * max(over.values()):+.1f} %",
+        values=values,
     )

@@ -22,7 +22,6 @@ from ..trends import (
     SCATTER,
     Conditions,
     Judge,
-    Judgement,
     Reading,
     above,
     case_name,
@@ -85,20 +84,19 @@ def judged(
     more: Sequence[Reading] = (),
     choice: str = "",
     basis: str = BASIS,
-    rule: str = "",
 ) -> Finding:
     """Return the finding of a judgement, with other words, inertias and windows."""
     lossless = basis != BASIS
     missing = f"{TABLE_2} and {WINDOW}" if lossless else TABLE_2
     own = Reading(joined(choice, basis), judge, missing=missing)
     others = [*more, *sets(judge), *(windows(judge) if lossless else [])]
-    return finding(bench, [own, *others], rule)
+    return finding(bench, [own, *others])
 
 
 def cases_above(chosen: Conditions, bound: float, rule: Callable[..., bool | None]) -> Judge:
     """Return the judgement of cases that are in contact for at least a share of the time."""
 
-    def judge(table: pd.DataFrame) -> Judgement:
+    def judge(table: pd.DataFrame) -> Finding:
         rows = among(table, chosen)
         shares = rows["contact_fraction"].to_list()
         found = [
@@ -118,12 +116,8 @@ def cases_above(chosen: Conditions, bound: float, rule: Callable[..., bool | Non
                 f"{count} of {total} trajectories are in contact at least {100 * bound:g} % of "
                 f"the time; the lowest share is {lowest}"
             )
-        return Judgement(
-            ours,
-            holds,
-            "" if holds is not False else f"{count} of {total}, the lowest share {lowest}",
-            values,
-        )
+        miss = "" if holds is not False else f"{count} of {total}, the lowest share {lowest}"
+        return Finding(ours, holds, miss=miss, values=values)
 
     return judge
 
@@ -231,7 +225,7 @@ COMPARED = {
 def alike(chosen: Conditions) -> Judge:
     """Return the judgement whether the runs with Johnson's and the enhanced law agree."""
 
-    def judge(table: pd.DataFrame) -> Judgement:
+    def judge(table: pd.DataFrame) -> Finding:
         changes = {
             f"{name} {change.name}".strip(): change
             for column, name in COMPARED.items()
@@ -243,12 +237,12 @@ def alike(chosen: Conditions) -> Judge:
         apart = [c for c in changes.values() if abs(c.relative) - c.margin > ALIKE]
         near = [c for c in changes.values() if abs(c.relative) + c.margin <= ALIKE]
         percent = replace(largest, name="").percent
-        return Judgement(
+        return Finding(
             f"{len(near)} of {len(changes)} numbers agree within {100 * ALIKE:g} %; furthest "
             f"apart: {name}, {percent}",
-            False if apart else len(near) == len(changes) or None,
-            f"differing: {len(apart)} of {len(changes)}, most by {percent}" if apart else "",
-            {f"{each}, change, -": c.relative for each, c in changes.items()},
+            holds=False if apart else len(near) == len(changes) or None,
+            miss=f"differing: {len(apart)} of {len(changes)}, most by {percent}" if apart else "",
+            values={f"{each}, change, -": c.relative for each, c in changes.items()},
         )
 
     return judge
@@ -284,7 +278,7 @@ def johnson_within_its_domain(bench: Bench) -> Finding:
     }
 
     def judge(chosen: Conditions) -> Judge:
-        def of(table: pd.DataFrame) -> Judgement:
+        def of(table: pd.DataFrame) -> Finding:
             rows = among(table, {**NARROW, "law": ["johnson"], **chosen})
             left, deepest = float(rows["left"].max()), float(rows["deepest_um"].max())
             found = {name: among(rows, losses) for name, losses in groups.items()}
@@ -292,12 +286,16 @@ def johnson_within_its_domain(bench: Bench) -> Finding:
                 f"{group['deepest_um'].max():.3g} µm{name} ({_passed(group)})"
                 for name, group in ({"": rows} if chosen else found).items()
             ]
-            return Judgement(
+            return Finding(
                 f"Eq 8's limit is a penetration of {limit:.2f} µm; the deepest is "
                 f"{', '.join(parts)}",
-                left == 0,
-                "" if left == 0 else f"by {deepest - limit:.2g} µm",
-                {"deepest, um": deepest, "limit, um": limit, "left, share of revolutions": left},
+                holds=left == 0,
+                miss="" if left == 0 else f"by {deepest - limit:.2g} µm",
+                values={
+                    "deepest, um": deepest,
+                    "limit, um": limit,
+                    "left, share of revolutions": left,
+                },
             )
 
         return of
@@ -328,16 +326,13 @@ def _passed(rows: pd.DataFrame) -> str:
 def sphere_underestimates_forces(bench: Bench) -> Finding:
     """Return the largest forces in N of one and the same impact, and those of long runs."""
     own, *others = [(design, largest_forces(bench, design)) for design in SETS]
-    return Finding(
-        own[1].ours,
-        own[1].holds,
+    return replace(
+        own[1],
         choice=f"largest force of the first impact at c_e = 0.9, {OURS}",
         missing=TABLE_2,
-        miss=own[1].miss,
         alternatives=[
             Found(SHORT[design], got.ours, got.holds, TABLE_2, got.miss) for design, got in others
         ],
-        values=own[1].values,
     )
 
 

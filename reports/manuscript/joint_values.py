@@ -107,7 +107,7 @@ def _later_closer() -> bool:
 def crank(bench: Bench) -> Values:
     """Return the slider-crank: what is assumed, how it is computed, and what it does."""
     assert _walled(bench), "all of them have the smaller restitution and end in permanent contact"
-    force = _wall(bench)["mean_force_N"]
+    force = _rows(bench, clearance=LARGE, restitution=0.9, friction=0.1)["mean_force_N"]
     assert force.max() / force.min() < 1.01, "all four laws give the same mean force"
     return {
         **_assumed(bench),
@@ -250,11 +250,6 @@ def _first_yield(bench: Bench, dR: float) -> float:
         * float(joint.pair.contact_length("the joint"))
         / 1e3
     )
-
-
-def _wall(bench: Bench) -> pd.DataFrame:
-    """Return the runs in permanent contact at the large clearance, a row for each law."""
-    return _rows(bench, clearance=LARGE, restitution=0.9, friction=0.1)
 
 
 def _widest(bench: Bench) -> float:

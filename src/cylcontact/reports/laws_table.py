@@ -301,11 +301,6 @@ def _deviation(value: float) -> str:
     return text.removeprefix("-") if text == "-0.00" else text.replace("+0.00", "0.00")
 
 
-def _load_text(value: float) -> str:
-    """Format a load in N/mm with one decimal."""
-    return _number(value, ".1f")
-
-
 def _comparison(table: pd.DataFrame) -> str:
     """Return the comparison with readable names of its columns."""
     texts = pd.DataFrame(
@@ -334,7 +329,7 @@ def _departures(table: pd.DataFrame) -> str:
             "too low by, %": [f"{value:.1f}" for value in table[low_by]],
             "φ": [f"{value:.6f}" for value in table[numbers]],
         }
-        | {f"{gap:g}": [_load_text(value) for value in table[gap]] for gap in gaps}
+        | {f"{gap:g}": [_number(value, ".1f") for value in table[gap]] for gap in gaps}
     )
     return _lines(texts)
 
