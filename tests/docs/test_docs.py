@@ -118,9 +118,7 @@ def test_nothing_comes_from_the_network(site):
 
 
 def test_links_and_files_of_the_site_exist(site):
-    # Those of 404.html start at the server's root.
-    pages = [page for page in site.rglob("*.html") if page.name != "404.html"]
-    parsed = {page: Links(page.read_text(encoding="utf-8")) for page in pages}
+    parsed = {page: Links(page.read_text(encoding="utf-8")) for page in site.rglob("*.html")}
     for page, actual in parsed.items():
         for link in actual.links + actual.loaded:
             path, _, anchor = link.partition("#")
@@ -181,14 +179,22 @@ CUT_OFF = """() => {
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1440, 390])
-def test_nothing_is_cut_off(site, width):
+def test_axe_finds_nothing_and_nothing_is_cut_off(site, width, theme):
+    axe = require_package("axe_playwright_python.sync_playwright").Axe()
+    # The theme names a part of the contents by its heading, and two headings may be the same.
+    options = {"preload": False, "rules": {"landmark-unique": {"enabled": False}}}
+    found = {}
     with chromium() as browser:
-        page = browser.new_page(viewport={"width": width, "height": 900})
+        size = {"width": width, "height": 900}
+        page = browser.new_page(viewport=size, color_scheme=theme)
         for path in sorted(site.rglob("*.html")):
-            if path.name != "404.html":
-                page.goto(path.as_uri())
-                assert page.evaluate(CUT_OFF) == [], path.name
+            page.goto(path.as_uri())
+            assert page.evaluate(CUT_OFF) == [], path.name
+            violations = axe.run(page, options=options).response["violations"]
+            found |= {f"{path.name}: {each['id']}": each["nodes"][0] for each in violations}
+    assert found == {}
 
 
 def test_equations_have_a_font_of_the_site(site):

@@ -13,6 +13,12 @@ ASSETS = Path(__file__).parent / "assets"
 EQUATION = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 
 
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """Leave out the page of a server that does not find one: the site is read from disk."""
+    config.theme.static_templates.discard("404.html")
+    return config
+
+
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     """Add the pages of the results, the files that they link to, and the site's own assets."""
     content = config.extra["content"]
