@@ -242,10 +242,13 @@ class Choice:
                 f"{undecided[0]} describes the data best, by AICc and by the cross-validated error "
                 f"(over {self.parts})"
             )
+        *first, last = undecided
+        if len(undecided) > _LISTED:
+            first, last = undecided[:_LISTED], f"{len(undecided) - _LISTED} more"
         exact = {"internal": "conformal", "external": "johnson"}[self.data.measurements.contact]
         solution = f" ({exact} is its elastic solution)" if exact in undecided else ""
         return (
-            f"the data cannot tell {listed_with_and(undecided)} apart: AICc within {_AICC:g}, or "
+            f"the data cannot tell {', '.join(first)} and {last} apart: AICc within {_AICC:g}, or "
             f"the cross-validated error (over {self.parts}) within {_STANDARD_ERRORS:g} standard "
             f"error of the difference; take the one that is right for this contact{solution}, "
             "or measure at loads where they differ"
@@ -269,13 +272,6 @@ class Choice:
         numbers = self.table.drop(columns=["compliance", "compliance_error"]).round(3)
         notes = (self._conclusion(), *self.warnings, *self._on_datum())
         return numbers.to_html() + "".join(f"<p>{escape(note)}</p>" for note in notes)
-
-
-def listed_with_and(names: Sequence[str]) -> str:
-    """Return names as a sentence lists them, the first few."""
-    *first, last = names if len(names) <= _LISTED else (*names[:_LISTED], "")
-    more = f"{len(names) - _LISTED} more" if len(names) > _LISTED else last
-    return f"{', '.join(first)} and {more}"
 
 
 def _unit(fit: Fit) -> str:

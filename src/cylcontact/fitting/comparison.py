@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,16 +24,22 @@ from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
 from cylcontact.text_tables import Table
 
-# The rows below the coefficients where results are compared, with their labels in text and their
-# formats. Those of the published coefficients are computed on the data of each fit.
-NUMBERS = {
-    "objective": ("  fitted", ".5g"),
-    "published objective": ("  published", ".5g"),
-    "lower bound": ("  lower bound", ".5g"),
-    "largest |Eq 9|, %": ("max |Eq 9|, %", ".4g"),
-    "published largest |Eq 9|, %": ("  published", ".5g"),
-    "samples": ("samples", ",d"),
-    "masked": ("  masked", ",d"),
+# The rows below the coefficients where results are compared, with their labels in text, their
+# formats and numbers. Those of the published coefficients are computed on the data of each fit.
+NUMBERS: dict[str, tuple[str, str, Callable[[FitResult], float | None]]] = {
+    "objective": ("  fitted", ".5g", lambda r: r.objective.value),
+    "published objective": (
+        *("  published", ".5g"),
+        lambda r: r.published.objective if r.published else None,
+    ),
+    "lower bound": ("  lower bound", ".5g", lambda r: getattr(r, "bound", None)),
+    "largest |Eq 9|, %": ("max |Eq 9|, %", ".4g", lambda r: r.max_abs_diff_percent.fitted),
+    "published largest |Eq 9|, %": (
+        *("  published", ".5g"),
+        lambda r: r.max_abs_diff_percent.published,
+    ),
+    "samples": ("samples", ",d", lambda r: r.counts.samples),
+    "masked": ("  masked", ",d", lambda r: r.counts.masked),
 }
 
 # The axes of grids, with symbols and units.
@@ -91,9 +97,8 @@ def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
         ]
         for name, label in labels(results[0]).items()
     }
-    columns = [_numbers(result) for result in results]
-    for number, (row, (_, form)) in enumerate(NUMBERS.items()):
-        values = [column[number] for column in columns]
+    for row, (_, form, number) in NUMBERS.items():
+        values = map(number, results)
         rows[row] = ["", *(None if v is None else format(v, form) for v in values)]
     if len(results) == 1:
         _add_differences(rows, results[0])
@@ -117,18 +122,6 @@ def _add_differences(rows: dict[str, list[str | None]], result: FitResult) -> No
         cells.append(differences.get(row, ""))
 
 
-def _numbers(result: FitResult) -> tuple[float | None, ...]:
-    return (
-        result.objective.value,
-        result.published.objective if result.published else None,
-        result.bound if isinstance(result, LawFit) else None,
-        result.max_abs_diff_percent.fitted,
-        result.max_abs_diff_percent.published,
-        result.counts.samples,
-        result.counts.masked,
-    )
-
-
 def _side_by_side_text(results: list[FitResult]) -> str:
     first = results[0]
     of_coefficients = labels(first)
@@ -136,7 +129,7 @@ def _side_by_side_text(results: list[FitResult]) -> str:
         name: ", ".join(filter(None, (label, first.units.get(name))))
         for name, label in of_coefficients.items()
     }
-    names = {row: label for row, (label, _) in NUMBERS.items()}
+    names = {row: label for row, (label, *_) in NUMBERS.items()}
     names |= {label: of_units[name] for name, label in of_coefficients.items()}
     columns = [f"{first.law}, {first.contact}", "published", *(r.name for r in results)]
     if len(results) == 1:

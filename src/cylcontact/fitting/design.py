@@ -10,7 +10,7 @@ the variance of one parameter. A candidate may be chosen more than once.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -167,7 +167,11 @@ class _Candidates:
         fit, base = optimum.fit, _pair_of(optimum)
         clearances = np.atleast_1d(as_floats(base.dR if dR is None else dR))
         load, gap = (grid.ravel() for grid in np.meshgrid(loads, clearances))
-        pair = base if dR is None else _with_clearance(base, as_floats(gap))
+        pair = base
+        if dR is not None:  # the pin, or the second roller, has another radius
+            sign = 1 if base.contact == "internal" else -1
+            R_j = None if base.R_i is None else sign * (base.R_i - gap)
+            pair = replace(base, dR=as_floats(gap), R_j=R_j)
         centre, slopes = optimum.slopes_of(lambda law: law.penetration(load, pair))
         if not np.isfinite(centre).all():
             rule, remedy = "leaves the domain of the fitted law", "stay within it"
@@ -239,13 +243,3 @@ def _pair_of(optimum: Optimum) -> CylinderPair:
         rule, remedy = f"the data have {len(names)} pairs of materials", "fit one of them alone"
         raise InputError("design", "materials", None, rule, remedy)
     return data.take(np.zeros(1, dtype=np.intp)).pair
-
-
-def _with_clearance(pair: CylinderPair, dR: FloatArray) -> CylinderPair:
-    """Return a pair with other ΔR in mm: the pin, or the second roller, has another radius."""
-    R_j = None
-    if pair.R_i is not None:
-        R_j = pair.R_i - dR if pair.contact == "internal" else dR - pair.R_i
-    return CylinderPair(
-        pair.contact, dR, pair.material_i, pair.material_j, pair.R_i, R_j, pair.length
-    )

@@ -305,6 +305,12 @@ def uncertainty_of(optimum: Optimum, level: float = LEVEL, jobs: Workers = 1) ->
     estimates = _estimates(optimum, level, jobs)
     far = _outlying(optimum)
     share_missed, over_scatter = missed(optimum)
+    better = [
+        f"the profile of {name} found a better fit, (S − S_best)/τ = {e.profile.lowest:.3g}: the "
+        "intervals are not those of the best fit; fit again with more starts"
+        for name, e in estimates.items()
+        if e.profile is not None and e.profile.lowest < BETTER
+    ]
     return Uncertainty(
         level=level,
         rows=len(data),
@@ -320,7 +326,7 @@ def uncertainty_of(optimum: Optimum, level: float = LEVEL, jobs: Workers = 1) ->
         only_together=optimum.blind,
         duplicates=data.duplicates(),
         outliers=[Outlier(line=data.line(row), deviations=far[row]) for row in far],
-        notes=[*optimum.notes, *_better_optima(estimates), *data.data.notes],
+        notes=[*optimum.notes, *better, *data.data.notes],
         noise=None if fit.noise is None else _deviations(optimum, fit.noise),
         log_likelihood=optimum.log_likelihood,
         estimated=optimum.estimated,
@@ -356,15 +362,6 @@ def _without(optimum: Optimum, far: Collection[int]) -> dict[str, float]:
         return {}
     rest = optimum.fit.take(rows)
     return rest.coefficients(rest.minimise(optimum.point).point)
-
-
-def _better_optima(estimates: dict[str, Estimate]) -> list[str]:
-    return [
-        f"the profile of {name} found a better fit, (S − S_best)/τ = {e.profile.lowest:.3g}: the "
-        "intervals are not those of the best fit; fit again with more starts"
-        for name, e in estimates.items()
-        if e.profile is not None and e.profile.lowest < BETTER
-    ]
 
 
 def _unit(fit: Fit) -> str:
