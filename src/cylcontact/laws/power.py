@@ -191,11 +191,16 @@ def _with_dR(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatA
 # --- factor and exponent by the clearance --------------------------------------------------------
 
 
+def of_clearance(dR, A, p, n0, n1, q, n2):
+    """Return K* and n, polynomials of ln ΔR in ln K* and n."""
+    x = log(dR)
+    return A * exp((p + q * x) * x), n0 + (n1 + n2 * x) * x
+
+
 def by_clearance(pair, A, p, n0, n1, q, n2):
-    """Return K = K*·E*/ΔR and n, polynomials of ln ΔR in ln K* and n."""
-    x = log(pair.dR)
-    n = n0 + (n1 + n2 * x) * x
-    return where(n > 0, A * exp((p + q * x) * x) * pair.E_star / pair.dR, nan), n
+    """Return K = K*·E*/ΔR and n."""
+    K_star, n = of_clearance(pair.dR, A, p, n0, n1, q, n2)
+    return where(n > 0, K_star * pair.E_star / pair.dR, nan), n
 
 
 _BY_CLEARANCE = (
@@ -273,9 +278,8 @@ class PowerClearance(PowerShaped):
 
 def _of_clearance(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return K* and n of candidates at clearances."""
-    A, p, n0, n1, q, n2 = candidates.T[:, :, None]
-    x = np.log(dR)
-    return as_floats(A * np.exp((p + q * x) * x)), as_floats(n0 + (n1 + n2 * x) * x)
+    K_star, n = of_clearance(dR, *candidates.T[:, :, None])
+    return as_floats(K_star), as_floats(n)
 
 
 # --- a point contact used for cylinders ---------------------------------------------------------
