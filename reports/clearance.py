@@ -78,9 +78,3 @@ def draw_materials(axes: Axes, table: pd.DataFrame) -> None:
 def mark_loads(axes: Axes) -> None:
     """Shade the loads of Figs 10 to 14."""
     axes.axhspan(*LOADS, **BAND, label="loads of Figs 10 to 14")
-
-
-def legend_below(figure: StyledFigure, axes: Axes, ncols: int) -> None:
-    """Name below a figure what is drawn in one of its panels."""
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=ncols)

@@ -17,7 +17,14 @@ from cylcontact.fitting.power_fit import fit_power
 from cylcontact.laws import Enhanced
 from cylcontact.materials import Material, material_in_MPa
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log, plain_number
+from cylcontact.plots.figure import (
+    Drawing,
+    legend_below,
+    new_figure,
+    panel_title,
+    plain_log,
+    plain_number,
+)
 from cylcontact.reports.bench import Bench
 
 from .paper import TRAINING_DR, TRAINING_LOADS
@@ -105,8 +112,7 @@ def _draw_panels(studies: Sequence[ExponentStudy], tables: Sequence[pd.DataFrame
         panel_title(axes, number, f"{study.contact} contact")
     plain_log(panels[0], "y", EXPONENTS)
     panels[0].set(ylabel="exponent less one, $n - 1$ (-)", ylim=(EXPONENTS[0], 0.6))
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    legend_below(panels[0], 4)
     return figure
 
 

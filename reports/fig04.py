@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MultipleLocator
 
 from cylcontact.datasets.finite_element.mesh import Body, Mesh
-from cylcontact.plots.figure import Drawing, new_figure, panel_title
+from cylcontact.plots.figure import Drawing, legend_below, new_figure, panel_title
 from cylcontact.plots.style import ACCENT, COLOURS
 from cylcontact.reports.bench import Bench
 
@@ -96,7 +96,7 @@ def _draw_panels(mesh: Mesh, hole_radius: float) -> Figure:
     for axes, (left, right, bottom, top) in zip(panels, views[1:], strict=False):
         corner, size = (left, bottom), (right - left, top - bottom)
         axes.add_patch(Rectangle(corner, *size, fill=False, edgecolor=ACCENT, linewidth=1.2))
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    legend_below(panels[0], 2)
     return figure
 
 

@@ -16,7 +16,7 @@ from cylcontact import limits
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.finite_element import Solution, solve
 from cylcontact.laws.conformal import pressure as persson_pressure
-from cylcontact.plots.figure import Drawing, new_figure, panel_title
+from cylcontact.plots.figure import Drawing, legend_below, new_figure, panel_title
 from cylcontact.plots.style import COLOURS
 from cylcontact.reports.bench import Bench
 
@@ -125,8 +125,7 @@ def _draw_panels(solutions: Sequence[Solution]) -> Figure:
     figure.colorbar(
         cells, ax=list(panels[0]), pad=0.02, extend="max", label=r"$-\sigma_{yy}/p_0$ (-)"
     )
-    handles, labels = panels[1, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    legend_below(panels[1, 0], 3)
     return figure
 
 

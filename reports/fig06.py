@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
+from cylcontact.plots.figure import Drawing, legend_below, new_figure, panel_title, plain_log
 from cylcontact.plots.maps import signed
 from cylcontact.plots.style import QUIET
 from cylcontact.reports.bench import Bench
@@ -74,8 +74,7 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         from_wide = f"within 3 % from {FIG6_WIDE:g} mm on"
         axes.fill_between([FIG6_WIDE, WIDEST], -3, 3, **wide, label=from_wide)
         axes.axhline(0, color=QUIET, linewidth=0.6, linestyle="-", marker="", zorder=0.2)
-    handles, labels = others[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    legend_below(others[0], 5)
     return figure
 
 

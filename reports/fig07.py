@@ -3,10 +3,10 @@
 from functools import partial
 
 from cylcontact.limits import yield_load
-from cylcontact.plots.figure import Drawing
+from cylcontact.plots.figure import Drawing, legend_below
 from cylcontact.reports.bench import Bench
 
-from .clearance import Quantity, clearance_panels, legend_below, mark_loads, tables_by_radius
+from .clearance import Quantity, clearance_panels, mark_loads, tables_by_radius
 from .paper import ELASTIC, MATERIALS, RADII, YIELD, clearance_pair, origins
 
 hertz_yield_load = partial(yield_load, criterion="Hertz")
@@ -39,7 +39,7 @@ def draw(bench: Bench) -> Drawing:
     for axes in panels:
         mark_loads(axes)
     panels[0].plot([], [], "k-", linewidth=0.5, marker="", label="the paper's estimate")
-    legend_below(figure, panels[0], 4)
+    legend_below(panels[0], 4)
     headline = {
         f"{name}, R_i = {R_i:g} mm, dR = {HEADLINE_DR_MM:g} mm{words}": float(
             load(clearance_pair(HEADLINE_DR_MM, row.material, R_i))

@@ -8,12 +8,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from cylcontact.limits import johnson_limit_load
-from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.figure import Drawing, legend_below, new_figure
 from cylcontact.plots.style import COLOURS, small_text
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import DEPARTURES, departure_number, johnson_end
 
-from .clearance import clearance_table, draw_materials, legend_below, mark_loads
+from .clearance import clearance_table, draw_materials, mark_loads
 from .paper import ELASTIC, JOHNSON_LIMITS, MATERIALS, clearance_pair, origins
 
 # Where a label is that begins right of the end of a line.
@@ -67,7 +67,7 @@ def draw(bench: Bench) -> Drawing:
     axes.plot(places, list(limits.values()), "*", **stars, label="limits in the paper's text")
     mark_loads(axes)
     axes.set(ylabel="load (N/mm)", ylim=(1, 1e5))
-    legend_below(figure, axes, 3)
+    legend_below(axes, 3)
     headline = {f"{name}, dR = {dR:g} mm": limit for (name, dR), limit in limits.items()}
     for percent, number in numbers.items():
         headline[f"phi at which Johnson's penetration is {percent:g} % low"] = number

@@ -1,11 +1,11 @@
 """Fig 9: Hertz's peak pressure at Johnson's largest load, relative to the yield stress."""
 
 from cylcontact.limits import elastic_limit_clearance, stress_at_johnson_limit
-from cylcontact.plots.figure import Drawing
+from cylcontact.plots.figure import Drawing, legend_below
 from cylcontact.plots.style import QUIET
 from cylcontact.reports.bench import Bench
 
-from .clearance import BAND, clearance_panels, legend_below, tables_by_radius
+from .clearance import BAND, clearance_panels, tables_by_radius
 from .paper import ELASTIC, MATERIALS, RADII, YIELD, clearance_pair, origins, strength
 
 CAPTION = (
@@ -32,7 +32,7 @@ def draw(bench: Bench) -> Drawing:
     for axes in panels:
         axes.axhspan(1, HIGHEST, **BAND, label="yields below the largest load")
         axes.axhline(1, color=QUIET, linewidth=0.6, linestyle="-", marker="", zorder=1)
-    legend_below(figure, panels[0], 3)
+    legend_below(panels[0], 3)
     headline = {}
     for R_i in RADII:
         for name, row in rows.items():

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator
 
-from cylcontact.plots.figure import Drawing, figure_of_lines, panel_title
+from cylcontact.plots.figure import Drawing, figure_of_lines, legend_below, panel_title
 from cylcontact.plots.maps import signed
 from cylcontact.plots.style import COLOURS, MARKERS, QUIET
 from cylcontact.reports.bench import Bench
@@ -69,8 +69,7 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         panel_title(axes, number, quantity.title)
     panels[0].set_yticks(range(len(variants)), variants)
     panels[0].set_ylim(len(variants) - 0.5, -0.7)
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    legend_below(panels[0], 4)
     return figure
 
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from cylcontact.laws import Conformal, Housing
 from cylcontact.limits import first_yield, yield_load
 from cylcontact.pair import CylinderPair
-from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
+from cylcontact.plots.figure import Drawing, legend_below, new_figure, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, QUIET
 from cylcontact.reports.bench import Bench
 
@@ -77,6 +77,5 @@ def _draw(table: pd.DataFrame) -> Figure:
         plain_log(axes, "y", (0.1, 0.2, 0.5, 1.0, 2.0))
         axes.set_ylabel(label)
         panel_title(axes, number, "stiffness" if number == 0 else "first yield")
-    lines, words = axes.get_legend_handles_labels()
-    figure.legend(lines, words, title="clamped", loc="outside lower center", ncols=5)
+    legend_below(axes, 5, title="clamped")
     return figure

@@ -12,7 +12,14 @@ from matplotlib.ticker import MultipleLocator
 from cylcontact.errors import InputError
 from cylcontact.fitting.comparison import CSV_COLUMNS
 from cylcontact.fitting.records import SAME_BASIN
-from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title, plain_log
+from cylcontact.plots.figure import (
+    Drawing,
+    StyledFigure,
+    legend_below,
+    new_figure,
+    panel_title,
+    plain_log,
+)
 from cylcontact.plots.style import COLOURS, MARKERS
 from cylcontact.reports.bench import Bench
 
@@ -114,8 +121,7 @@ def _draw_panels(table: pd.DataFrame) -> StyledFigure:
         panel_title(axes, number, NAMES.get(optimizer, optimizer))
     panels[0].set_ylim(FLOOR, max(100.0, 1.2 * table["excess_percent"].max()))
     panels[0].set_ylabel("objective above the best found (%)")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    legend_below(panels[0], 2)
     return figure
 
 

@@ -16,7 +16,7 @@ from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_tit
 from cylcontact.plots.style import COLOURS, MARKERS, QUIET
 from cylcontact.reports.bench import Bench
 
-from .searched_readings import FILE, OTHER_SAMPLES, POINTS_CHANGED
+from .searched_readings import OTHER_SAMPLES, POINTS_CHANGED, readings
 
 CAPTION = (
     "Difference of the recovered coefficients from the published ones (%) under {count} "
@@ -33,10 +33,6 @@ METHOD = (
     "has the spacings and the end of E of the other campaign. A lattice over the bounds and local "
     "descents find the coefficients, without a genetic search. The numbers are those of "
     "datasets/readings.csv, written by `make readings`."
-)
-COLUMNS = (
-    *("contact", "search", "changed", "reading", "coefficient", "value"),
-    *("difference_percent", "objective", "objective_published"),
 )
 # What the panels call the searches, and the symbols of the coefficients.
 PANELS: Mapping[str, tuple[str, Mapping[str, str]]] = {
@@ -61,11 +57,6 @@ def draw(bench: Bench) -> Drawing:
             for end, value in (("lowest", differences.min()), ("highest", differences.max()))
         }
     return Drawing(_draw_panels(table), table, headline, CAPTION.format(count=count), METHOD)
-
-
-def readings(bench: Bench) -> pd.DataFrame:
-    """Return the coefficients under every reading."""
-    return bench.table(FILE, COLUMNS, "make readings writes it")
 
 
 def _draw_panels(table: pd.DataFrame) -> StyledFigure:

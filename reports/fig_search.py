@@ -7,7 +7,14 @@ from matplotlib.axes import Axes
 
 from cylcontact.fitting.results import LawFit
 from cylcontact.pair import CONTACTS
-from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title, plain_log
+from cylcontact.plots.figure import (
+    Drawing,
+    StyledFigure,
+    legend_below,
+    new_figure,
+    panel_title,
+    plain_log,
+)
 from cylcontact.plots.style import COLOURS, MARKERS
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.fit_figures import runs_table
@@ -79,8 +86,7 @@ def _draw_panels(table: pd.DataFrame) -> StyledFigure:
         _draw_runs(axes, rows)
         panel_title(axes, number, f"{contact} contact")
     panels[0].set_ylabel("distance from the best polished value (%)")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    legend_below(panels[0], 3)
     return figure
 
 

@@ -18,7 +18,7 @@ from cylcontact.fitting.profiles import discrepancy_pair
 from cylcontact.fitting.records import DiscrepancyPair, PairMap
 from cylcontact.fitting.table_campaign import TableCampaign, read_campaign
 from cylcontact.fitting.table_fit import fit_table
-from cylcontact.plots.figure import Drawing, new_figure, panel_title
+from cylcontact.plots.figure import Drawing, legend_below, new_figure, panel_title
 from cylcontact.plots.style import ACCENT, COLOURS, LINE_STYLES, small_text
 from cylcontact.reports.bench import Bench
 
@@ -56,8 +56,7 @@ def draw(bench: Bench) -> Drawing:
     right.set(xlabel="$b$ (mm$^{2-n}$)", ylabel="$n$ (-)")
     panel_title(left, 0, "synthetic measurements: noise")
     panel_title(right, 1, f"fit to {reference.reference.capitalize()}'s law: model discrepancy")
-    handles, labels = left.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    legend_below(left, 2)
     figure.draw_without_rendering()
     _label(left, regions, [f"{level} %" for level in levels])
     _label(right, contours, [f"+{100 * rise:g} %" for rise in RISES])

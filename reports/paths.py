@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from cylcontact.arrays import as_floats
 from cylcontact.mechanism import Case, Trajectory
-from cylcontact.plots.figure import Drawing, new_figure, panel_title
+from cylcontact.plots.figure import Drawing, legend_below, new_figure, panel_title
 from cylcontact.plots.style import COLOURS, LINE_STYLES, QUIET
 from cylcontact.reports.bench import Bench
 
@@ -132,7 +132,7 @@ def _draw_panels(table: pd.DataFrame, clearance: float) -> Figure:
         panel_title(axes, number, f"$c_e$ = {ce:g}, $c_f$ = {cf:g}")
     panels[0].set(ylabel="share of the time (-)", ylim=(0, 1))
     panels[0].set_xlim(0, None)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    legend_below(panels[0], 4)
     return figure
 
 

@@ -12,21 +12,37 @@ fig_readings draws.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from dataclasses import asdict, dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from cylcontact.fitting.objectives import ON_ROWS
+from cylcontact.arrays import FloatArray
+from cylcontact.fitting.calibration import problem_of
+from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.objectives import ON_ROWS, Problem
+from cylcontact.fitting.polish import minimise, polish
 from cylcontact.laws import PUBLISHED
+from cylcontact.laws.law import Parameter
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.reports.bench import Bench
 
-from .recovery import N_FREE, best, problem_from, with_axes
-
 FILE = "datasets/readings.csv"
+COLUMNS = (
+    *("contact", "search", "changed", "reading", "coefficient", "value"),
+    *("difference_percent", "objective", "objective_published"),
+)
+BORROWED = "the samples of the other contact"
+IF_MISPRINT = "20.7 to 1000 GPa, if 10000 is a misprint"
+# The spacing of ΔR and the end of E in GPa of the samples that give the coefficients back.
+RECOVERING: Mapping[Contact, tuple[str, int]] = {
+    "internal": ("log", 1000),
+    "external": ("linear", 10000),
+}
 POINTS = (8, 10, 12, 15, 18, 20, 21, 22, 25, 30, 40, 50, 60, 80, 100)
 POINTS_CHANGED, OTHER_SAMPLES = "points per axis", "samples of the other contact"
 SPACED, SPACINGS = ("E", "dR", "load"), ("linear", "log")
@@ -51,6 +67,19 @@ SEARCHES: Mapping[str, tuple[Contact, tuple[str, ...]]] = {
     "external, n fixed": ("external", ("a", "b")),
     "external, n free": ("external", ("a", "b", "n")),
 }
+N_FREE = Parameter("n", low=1.0, high=1.5)
+# Free in a search of all internal coefficients; the campaigns of that kind have narrower bounds.
+WIDE = (
+    Parameter("a", low=0.1, high=1.5),
+    Parameter("b", low=0.0, high=0.5),
+    Parameter("Y_log_scale", low=0.1, high=50.0),
+    Parameter("Y_log_exponent", low=-3.0, high=1.0),
+    Parameter("Y_slope", low=-0.1, high=0.1),
+    Parameter("Y_offset", low=0.8, high=1.6),
+    Parameter("n_exponent", low=-1.0, high=1.0),
+)
+# Points of the lattice from which the search descends, along each free coefficient.
+LATTICE = {2: 41, 3: 17}
 
 
 @dataclass(frozen=True)
@@ -150,6 +179,67 @@ def _rows(contact: Contact, reading: Reading) -> list[dict[str, Any]]:
                 if name in names
             ]
     return rows
+
+
+def with_axes(settings: dict[str, Any], **axes: dict[str, Any]) -> dict[str, Any]:
+    """Return a campaign's settings with keys of some axes changed."""
+    changed = deepcopy(settings)
+    for axis, keys in axes.items():
+        changed["dataset"]["axes"][axis] |= keys
+    return changed
+
+
+def problem_from(settings: dict[str, Any]) -> Problem:
+    """Return the problem of a campaign's settings."""
+    return problem_of(Campaign.of_settings("reading", settings, "reading"))[0]
+
+
+def best(problem: Problem) -> tuple[FloatArray, float]:
+    """Return the best point of a problem of few parameters, and its objective.
+
+    Takes the best of a lattice over the bounds at each value of the first parameter, and descends
+    from those that are lower than beside them, since there can be several minima: for two or three
+    coefficients a second way to the optimum beside the campaigns' genetic search.
+    """
+    count = len(problem.free)
+    unit = np.linspace(0, 1, LATTICE[count])
+    lattice = np.stack(np.meshgrid(*[unit] * count, indexing="ij"), axis=-1)
+    rows = problem.low + lattice.reshape(unit.size, -1, count) * (problem.high - problem.low)
+    values = np.array([problem.values(row) for row in rows])
+    beside = np.pad(values.min(axis=1), 1, constant_values=np.inf)
+    low = np.flatnonzero(beside[1:-1] <= np.minimum(beside[:-2], beside[2:]))
+    # Only the internal law has kinks, where the branches of Y meet.
+    descend = minimise if problem.model.contact == "internal" else polish
+    ends = [descend(problem, rows[row, values[row].argmin()]) for row in low]
+    return min(ends, key=lambda end: end[1])
+
+
+def readings(bench: Bench) -> pd.DataFrame:
+    """Return the table of `searched_readings` as it is committed."""
+    return bench.table(FILE, COLUMNS, "make readings writes it")
+
+
+def on_samples(bench: Bench, search: str) -> dict[str, pd.DataFrame]:
+    """Return a search on the samples that give the coefficients back, the first, and on others.
+
+    By what is changed, a row for each coefficient.
+    """
+    contact, _ = SEARCHES[search]
+    dR, end = RECOVERING[contact]
+    other_dR, other_end = next(ends for each, ends in RECOVERING.items() if each != contact)
+    moduli = IF_MISPRINT if contact == "external" else "20.7 to 10000 GPa"
+    labels = {
+        "20 points an axis": "20",
+        "10 points an axis": "10",
+        "30 points an axis": "30",
+        "100 points an axis": "100",
+        "all axes logarithmic": f"E log, dR log, load log, E to {end} GPa",
+        f"E over {moduli}": f"E linear, dR {dR}, load linear, E to {other_end} GPa",
+        BORROWED: f"E linear, dR {other_dR}, load linear, E to {other_end} GPa",
+    }
+    rows = readings(bench)
+    rows = rows[rows["search"] == search].set_index(["reading", "coefficient"])
+    return {name: rows.loc[label] for name, label in labels.items()}
 
 
 if __name__ == "__main__":

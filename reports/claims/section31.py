@@ -27,7 +27,7 @@ from ..power_fits import (
     reference_pair,
 )
 from ..readings import found
-from ..recovery import IF_MISPRINT, searched_exponents
+from ..searched_readings import IF_MISPRINT, on_samples
 
 K_UNIT = "N/mm per mmⁿ"
 LOADS: dict[Contact, str] = {
@@ -247,7 +247,8 @@ def internal_no_single_n() -> Finding:
 )
 def external_single_n(bench: Bench) -> Finding:
     """Return how much of the external training box n = 1.094 serves, and where a search ends."""
-    searched = searched_exponents(bench)
+    samples = on_samples(bench, "external, n free")
+    searched = {name: float(rows["value"]["n"]) for name, rows in samples.items()}
     _, share = served("external", N_EXTERNAL)
     missed = "" if share > MOST else f"{MOST - share:.0f} points below half"
     choice = f"{CORRELATES}, with the best K everywhere; shares on logarithmic axes"

@@ -18,7 +18,15 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim
 
 from ..paper import WINDOW
-from ..recovery import BORROWED, IF_MISPRINT, all_free, other_samples, problem_from, searched
+from ..searched_readings import (
+    BORROWED,
+    IF_MISPRINT,
+    WIDE,
+    best,
+    on_samples,
+    problem_from,
+    with_axes,
+)
 from .section31 import N_EXTERNAL, judged
 
 SEARCHED: dict[Contact, str] = {
@@ -33,9 +41,15 @@ SAMPLES: dict[Contact, str] = {
 LETTER = "the ranges to the letter, all axes logarithmic"
 
 
-def settings_of(bench: Bench) -> dict[Contact, dict[str, Any]]:
-    """Return the settings of the two campaigns that give the coefficients back."""
-    return {each: bench.result(f"recovered-{each}").settings for each in CONTACTS}
+def all_free(settings: dict[str, Any]) -> Problem:
+    """Return the problem of a campaign for internal contact with every coefficient searched."""
+    return replace(problem_from(settings), parameters=WIDE)
+
+
+def searched(problem: Problem) -> dict[str, float]:
+    """Return the coefficients at which a descent from the published ones ends, internal contact."""
+    start = problem.point(asdict(PUBLISHED["internal"]))
+    return problem.coefficients(minimise(problem, start)[0])
 
 
 # --- the best correlation -----------------------------------------------------------------------
@@ -48,10 +62,18 @@ OTHER_DEVIATIONS = {
 }
 
 
-def excess(problem: Problem, contact: Contact) -> float:
+def excess(problem: Problem) -> float:
     """Return the objective of the published coefficients over the least that a search finds."""
-    published = problem.value_of(asdict(PUBLISHED[contact]))
-    return published / problem.value_of(searched(problem, contact))
+    published = problem.value_of(asdict(PUBLISHED["internal"]))
+    return published / problem.value_of(searched(problem))
+
+
+def excesses(bench: Bench, search: str) -> dict[str, float]:
+    """Return the same of the recorded searches, by their samples."""
+    return {
+        name: float((rows["objective_published"] / rows["objective"]).iloc[0])
+        for name, rows in on_samples(bench, search).items()
+    }
 
 
 @claim(
@@ -64,21 +86,25 @@ def excess(problem: Problem, contact: Contact) -> float:
 )
 def best_correlation(bench: Bench, contact: Contact) -> Finding:
     """Return the published coefficients' objective over the least, by what was searched on what."""
-    settings = settings_of(bench)
-    base, others = problem_from(settings[contact]), other_samples(settings, contact)
     as_stated = bench.result(contact)
     published = problem_from(as_stated.settings).value_of(asdict(PUBLISHED[contact]))
     own = published / as_stated.objective.value
-    free, few, borrowed = "all coefficients searched", SEARCHED[contact], others[BORROWED]
-    ratios = {
-        f"{free}; {SAMPLES[contact]}": excess(all_free(base, contact), contact),
-        f"{free}; {BORROWED}": excess(all_free(borrowed, contact), contact),
-    }
-    tied = {name: excess(others[name], contact) for name in list(others)[2:5]}
-    tied = {SAMPLES[contact]: excess(base, contact)} | tied
+    free, few = "all coefficients searched", SEARCHED[contact]
+    recorded = excesses(bench, contact if contact == "internal" else f"{contact}, n fixed")
+    tied = {SAMPLES[contact]: recorded["20 points an axis"]}
+    tied |= {name: recorded[name] for name in list(recorded)[3:6]}
+    if contact == "internal":
+        settings = bench.result("recovered-internal").settings
+        evenly = {"spacing": "linear"}
+        borrowed = with_axes(settings, E=evenly | {"max": 10000.0}, dR=evenly)
+        base, borrowing = excess(all_free(settings)), excess(all_free(borrowed))
+    else:
+        of_all = excesses(bench, "external, n free")
+        base, borrowing = of_all["20 points an axis"], of_all[BORROWED]
+    ratios = {f"{free}; {SAMPLES[contact]}": base, f"{free}; {BORROWED}": borrowing}
     if contact == "internal":
         for objective, name in OTHER_DEVIATIONS.items():
-            ratios[f"{free}; {SAMPLES[contact]}; {name}"] = excess_by(objective, settings[contact])
+            ratios[f"{free}; {SAMPLES[contact]}; {name}"] = excess_by(objective, settings)
         said = (
             "; on every sample and by every measure of deviation tried at least "
             f"{min(own, *ratios.values()):.2f} times"
@@ -113,9 +139,8 @@ def best_correlation(bench: Bench, contact: Contact) -> Finding:
 
 def excess_by(objective: str, settings: dict[str, Any]) -> float:
     """Return `excess` of the internal coefficients, all searched, by another deviation."""
-    changed = settings | {"campaign": settings["campaign"] | {"objective": objective}}
-    problem = all_free(problem_from(changed), "internal")
-    near = searched(all_free(problem_from(settings), "internal"), "internal")
+    problem = all_free(settings | {"campaign": settings["campaign"] | {"objective": objective}})
+    near = searched(all_free(settings))
     published = problem.value_of(asdict(PUBLISHED["internal"]))
     return published / polish(problem, problem.point(near))[1]
 
@@ -165,14 +190,20 @@ N_BEFORE = "Sect. 3.1 takes n = 1.094 from Fig 3 before its search, and Eq 6c ha
 )
 def recovered(bench: Bench, contact: Contact, name: str, tolerance: float, printed: str) -> Finding:
     """Return one coefficient where the search ends, on several samples."""
-    settings = settings_of(bench)
-    base, others = problem_from(settings[contact]), other_samples(settings, contact)
-    own = bench.result(f"recovered-{contact}").coefficients[name]
+    result = bench.result(f"recovered-{contact}")
+    own = result.coefficients[name]
+    samples = on_samples(bench, contact if contact == "internal" else f"{contact}, n fixed")
+    found = {key: float(rows["value"][name]) for key, rows in list(samples.items())[1:]}
     if contact == "internal":
+        problem = problem_from(result.settings)
         to_the_letter = problem_from(bench.result(contact).settings).objective
-        others[LETTER] = replace(base, objective=to_the_letter)
-    found = {key: searched(problem, contact)[name] for key, problem in others.items()}
-    free = {"all coefficients searched": searched(all_free(base, contact), contact)[name]}
+        problem = replace(problem, objective=to_the_letter)
+        found[LETTER] = problem.coefficients(best(problem)[0])[name]
+        of_all = searched(all_free(result.settings))[name]
+    else:
+        rows = on_samples(bench, "external, n free")["20 points an axis"]
+        of_all = float(rows["value"][name])
+    free = {"all coefficients searched": of_all}
 
     def off(value: float) -> float:
         return 100 * (value / float(printed) - 1)
@@ -223,14 +254,14 @@ def no_single_Y(bench: Bench) -> Finding:
     }
     found: dict[str, tuple[float, float]] = {}
     for choice, result in problems.items():
-        problem = all_free(problem_from(bench.result(result).settings), "internal")
+        problem = all_free(bench.result(result).settings)
         found[choice] = one_branch(problem), problem.value_of(asdict(PUBLISHED["internal"]))
     # The last of the problems once more.
     held, (*_, (_, published)) = problem, found.values()
     a, b, *_, n_exponent = astuple(PUBLISHED["internal"])
     held = held.fixing(a=a, b=b, n_exponent=n_exponent)
     found[f"only Y searched; {SAMPLES['internal']}"] = one_branch(held), published
-    two = problem.value_of(searched(problem, "internal"))
+    two = problem.value_of(searched(problem))
 
     def miss(one: float, published: float) -> str:
         return (

@@ -30,8 +30,8 @@ from ..claims.section32 import BOUNDS, LOADS, compared, law_differences, to_elem
 from ..claims.section32 import largest as largest_off
 from ..claims.section34_differences import largest_by_material
 from ..extremes import Extreme, largest_difference, share_below
-from ..fig_readings import readings as read_readings
 from ..finite_elements import penetrations, sensitivity_table, study, table
+from ..searched_readings import readings as read_readings
 from .joint_values import ENHANCED, JOHNSON
 from .law_values import HOLE, Values, at_least, at_most, exact, spread
 

@@ -19,7 +19,6 @@ from cylcontact.plots.style import Width, figure_style
 __all__ = [
     "AnyLaw",
     "Range",
-    "add_legend",
     "as_law",
     "axes_for",
     "pins_in_hole",
@@ -53,13 +52,6 @@ def axes_for(ax: Axes | None, source: str, width: Width, height_mm: float) -> It
         "give one panel, e.g. axes[0] of fig, axes = plt.subplots(1, 2)",
     )
     yield ax
-
-
-def add_legend(axes: Axes) -> None:
-    """Name what is drawn below the axes, where it hides nothing."""
-    handles, labels = axes.get_legend_handles_labels()
-    if handles:
-        axes.figure.legend(handles, labels, loc="outside lower center", ncols=3)
 
 
 def as_law(law: AnyLaw, source: str, key: str) -> ContactLaw:

@@ -19,13 +19,12 @@ from cylcontact.plain_text import as_label
 from cylcontact.plots.arguments import (
     AnyLaw,
     Range,
-    add_legend,
     as_law,
     axes_for,
     pins_in_hole,
     require_range,
 )
-from cylcontact.plots.figure import plain_log, round_ticks
+from cylcontact.plots.figure import legend_below, plain_log, round_ticks
 from cylcontact.plots.maps import add_scale, draw_contours, label_contours
 from cylcontact.yield_search import Criterion
 
@@ -136,7 +135,7 @@ def plot_map(
             words = f"first yield ({criterion}), $R_i$ = {R_i:g} mm"
             _draw_yield_line(axes, clearances, yield_load(pair, criterion)[:, 0], load, words)
         if ax is None:
-            add_legend(axes)
+            legend_below(axes)
         if labels:
             _settle_layout(axes)
             label_contours(axes, lines, _taken(axes))

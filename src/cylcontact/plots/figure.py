@@ -7,7 +7,7 @@ import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -143,6 +143,13 @@ def figure_of_lines(width: Width, lines: float) -> StyledFigure:
 def panel_title(axes: Axes, number: int, text: str) -> None:
     """Put "(a) text" above a panel, the letter from the panel's number."""
     axes.set_title(f"({'abcdefgh'[number]}) {text}")
+
+
+def legend_below(axes: Axes, ncols: int = 3, **more: Any) -> None:
+    """Name what is drawn in a panel below its figure, where it hides nothing."""
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        axes.figure.legend(handles, labels, loc="outside lower center", ncols=ncols, **more)
 
 
 def plain_log(axes: Axes, which: Literal["x", "y"], ticks: Sequence[float]) -> None:

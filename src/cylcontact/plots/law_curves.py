@@ -14,13 +14,12 @@ from cylcontact.pair import CylinderPair
 from cylcontact.plots.arguments import (
     AnyLaw,
     Range,
-    add_legend,
     as_law,
     axes_for,
     require_one_pair,
     require_range,
 )
-from cylcontact.plots.figure import plain_log, round_ticks
+from cylcontact.plots.figure import legend_below, plain_log, round_ticks
 from cylcontact.plots.style import QUIET, staggered
 
 __all__ = ["plot_laws"]
@@ -101,7 +100,7 @@ def plot_laws(
             axes.axhline(0.0, color=QUIET, linewidth=0.6, linestyle="-", marker="", zorder=1)
             axes.set_ylabel("difference of penetration (%)")
         if ax is None:
-            add_legend(axes)
+            legend_below(axes)
     return axes
 
 

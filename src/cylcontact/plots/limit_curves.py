@@ -12,8 +12,8 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.limits import hertz_stress, johnson_limit_load, yield_load
 from cylcontact.materials import Material
 from cylcontact.plain_text import as_label
-from cylcontact.plots.arguments import Range, add_legend, axes_for, pins_in_hole, require_range
-from cylcontact.plots.figure import plain_log, round_ticks
+from cylcontact.plots.arguments import Range, axes_for, pins_in_hole, require_range
+from cylcontact.plots.figure import legend_below, plain_log, round_ticks
 from cylcontact.plots.style import staggered
 from cylcontact.yield_search import Criterion
 
@@ -111,7 +111,7 @@ def plot_limits(
         axes.yaxis.set_minor_locator(LogLocator(subs=(1.0,), numticks=20))
         axes.yaxis.set_minor_formatter(NullFormatter())
         if ax is None:
-            add_legend(axes)
+            legend_below(axes)
     return axes
 
 

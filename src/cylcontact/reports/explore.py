@@ -28,6 +28,7 @@ from cylcontact.limits import (
 from cylcontact.materials import Material, shipped_materials
 from cylcontact.pair import CylinderPair
 from cylcontact.plots import Drawing, new_figure, plot_laws
+from cylcontact.plots.figure import legend_below
 from cylcontact.plots.style import ACCENT, QUIET, figure_style
 from cylcontact.reports.laws_bounds import truth_of
 from cylcontact.reports.laws_table import comparison
@@ -238,8 +239,7 @@ def view(choice: Choice) -> Drawing:
                 axes.axvline(results[f"{name}, N/mm"], color=QUIET, linestyle=style, label=name)
     reference = "Johnson's" if choice.pair.contact == "external" else "conformal contact's"
     difference.set_ylabel(f"difference from {reference} (%)")
-    handles, labels = depth.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    legend_below(depth, 4)
     return Drawing(figure, rows.reset_index(), results, " ".join(_sentences(choice, results, rows)))
 
 

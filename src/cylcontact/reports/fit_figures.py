@@ -8,8 +8,7 @@ import pandas as pd
 
 from cylcontact.fitting.results import LawFit
 from cylcontact.plain_text import as_label
-from cylcontact.plots.arguments import add_legend
-from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.figure import Drawing, legend_below, new_figure
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET, figure_style
 
 __all__ = ["runs_drawing", "runs_table"]
@@ -52,7 +51,7 @@ def runs_drawing(result: LawFit) -> Drawing:
         axes.axhline(result.bound, color="black", linestyle=":", linewidth=0.8, label=label)
     axes.set(xlabel="run, best first", ylabel=as_label(result.objective.name), ylim=0)
     axes.xaxis.get_major_locator().set_params(integer=True)  # type: ignore[call-arg]
-    add_legend(axes)
+    legend_below(axes)
     value, agreeing = result.basins()[0]
     caption = (
         f"The {len(table)} runs of the fit {result.name!r}, best first: {result.objective.name} "

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from functools import partial
-from typing import Literal
+from dataclasses import asdict
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -20,7 +19,7 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import grid_model_of
-from cylcontact.fitting.objectives import Form, LawForm, Samples, collect_samples, form_of
+from cylcontact.fitting.objectives import Form, LawForm, collect_samples, form_of
 from cylcontact.fitting.results import FitResult
 from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
@@ -58,20 +57,6 @@ _PLACES = {
 }
 
 
-@dataclass(frozen=True)
-class _Candidate:
-    """A law to compare."""
-
-    name: str
-    formula: str
-    constants: Mapping[str, float]
-    form: Form
-    units: str
-    defined: str
-    calibrated: str
-    timed: str
-
-
 def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") -> pd.DataFrame:
     """Compare laws on the samples that the enhanced one was refitted to.
 
@@ -101,26 +86,64 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
         truth = TRUTH[contact].penetration(samples.load, samples.pair)
         references["conformal"] = as_floats(samples.j - np.log(truth))
     times = _relative_times(bench)
-    rows = []
-    for candidate in _candidates(result, [bench.result(name) for name in powers], samples):
-        ratio = candidate.form.log_ratio(0, samples)
+    phi, (low, high) = samples.load / samples.pair.dR, BOUNDED[contact]
+    within = f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm"
+
+    def row(
+        law: str,
+        formula: str,
+        constants: Mapping[str, float],
+        form: Form | None = None,
+        fit: FitResult = result,
+        timed: str = "power",
+        **said: Any,
+    ) -> dict[str, object]:
+        if form is None:  # a fitted one; the samples may be at the open end of its range
+            model = grid_model_of(fit.law, contact, fit.name)
+            form = form_of(model, model.candidates(constants), samples.dR)
+        ratio = form.log_ratio(0, samples)
         errors: dict[str, float] = {}
         for reference, shift in references.items():
             errors[f"rms_{reference}"] = float(np.sqrt(np.mean((ratio + shift) ** 2)))
             largest = float(np.abs(np.expm1(ratio + shift)).max())
             errors[f"max_{reference}_percent"] = 100 * largest
-        rows.append(
-            {
-                "law": candidate.name,
-                "formula": candidate.formula,
-                "constants": ", ".join(f"{k} = {v:.5g}" for k, v in candidate.constants.items()),
-                **errors,
-                "units": candidate.units,
-                "defined": candidate.defined,
-                "calibrated": candidate.calibrated,
-                "relative_time": times[candidate.timed],
-            }
-        )
+        return {
+            "law": law,
+            "formula": formula,
+            "constants": ", ".join(f"{name} = {value:.5g}" for name, value in constants.items()),
+            **errors,
+            "units": "mm, N, MPa",
+            "defined": "every ΔR",
+            "calibrated": f"ΔR {samples.dR.min():g}…{samples.dR.max():g} mm",
+            "relative_time": times[timed],
+        } | said
+
+    def power(fit: FitResult, formula: str, **said: Any) -> dict[str, object]:
+        return row(fit.law, formula, fit.coefficients, fit=fit, **said)
+
+    defined = within if contact == "internal" else "every ΔR"
+    refit = result.name if result.name == "practical" else "refit"
+    one, *by_clearance = (bench.result(name) for name in powers)
+    rows = [
+        row("published", _ENHANCED, asdict(PUBLISHED[contact]), defined=defined),
+        row(refit, _ENHANCED, result.coefficients, defined=defined),
+        power(one, _POWER, calibrated=f"φ {phi.min():.1e}…{phi.max():.2g}", units="any"),
+        *(power(fit, _CLEARANCE) for fit in by_clearance),
+        row(
+            *("explicit", _EXPLICIT, asdict(CALIBRATED[contact]), LawForm((Explicit(),))),
+            timed="explicit",
+            units="any",
+            defined="every δ",
+            calibrated=f"φ {low:.1e}…{high:g}",
+        ),
+        row(
+            *("johnson", _JOHNSON, {}, LawForm((Johnson(),))),
+            timed="johnson",
+            units="any",
+            defined=f"φ ≤ {johnson_end():.3f} (Eq 8)",
+            calibrated="",
+        ),
+    ]
     return pd.DataFrame(rows)
 
 
@@ -174,76 +197,6 @@ def error_text(value: float, form: str) -> str:
     ('0.0187', '0')
     """
     return "0" if value < _ROUND_OFF else format(value, form)
-
-
-def _candidates(refit: FitResult, powers: list[FitResult], samples: Samples) -> list[_Candidate]:
-    """Return the laws to compare."""
-    contact = refit.contact
-    published = asdict(PUBLISHED[contact])
-    phi = samples.load / samples.pair.dR
-    low, high = BOUNDED[contact]
-    within = f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm"
-    in_mm = partial(
-        _Candidate,
-        units="mm, N, MPa",
-        calibrated=f"ΔR {samples.dR.min():g}…{samples.dR.max():g} mm",
-        timed="power",
-    )
-    enhanced = partial(in_mm, defined=within if contact == "internal" else "every ΔR")
-    dimensionless = partial(_Candidate, units="any")
-    power, *by_clearance = powers
-    return [
-        enhanced("published", _ENHANCED, published, _fitted(refit, published, samples)),
-        enhanced(
-            refit.name if refit.name == "practical" else "refit",
-            _ENHANCED,
-            refit.coefficients,
-            _fitted(refit, refit.coefficients, samples),
-        ),
-        dimensionless(
-            power.law,
-            _POWER,
-            power.coefficients,
-            _fitted(power, power.coefficients, samples),
-            defined="every ΔR",
-            calibrated=f"φ {phi.min():.1e}…{phi.max():.2g}",
-            timed="power",
-        ),
-        *(
-            in_mm(
-                fit.law,
-                _CLEARANCE,
-                fit.coefficients,
-                _fitted(fit, fit.coefficients, samples),
-                defined="every ΔR",
-            )
-            for fit in by_clearance
-        ),
-        dimensionless(
-            "explicit",
-            _EXPLICIT,
-            asdict(CALIBRATED[contact]),
-            LawForm((Explicit(),)),
-            defined="every δ",
-            calibrated=f"φ {low:.1e}…{high:g}",
-            timed="explicit",
-        ),
-        dimensionless(
-            "johnson",
-            _JOHNSON,
-            {},
-            LawForm((Johnson(),)),
-            defined=f"φ ≤ {johnson_end():.3f} (Eq 8)",
-            calibrated="",
-            timed="johnson",
-        ),
-    ]
-
-
-def _fitted(fit: FitResult, coefficients: Mapping[str, float], samples: Samples) -> Form:
-    """Return a fitted law at the clearances of the samples, the open end of its range included."""
-    model = grid_model_of(fit.law, fit.contact, fit.name)
-    return form_of(model, model.candidates(coefficients), samples.dR)
 
 
 def _relative_times(bench: Bench) -> dict[str, float]:

@@ -18,7 +18,7 @@ from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, find_recipes
 from cylcontact.reports.claims import ledger, withdrawn
-from cylcontact.reports.claims_text import MEANINGS, to_records, what_stands
+from cylcontact.reports.claims_text import MEANINGS, grouped, to_records, what_stands
 from cylcontact.reports.laws_to_use import error_text, laws_to_use
 from cylcontact.reports.pages.figures import sections
 from cylcontact.reports.paper import paper_of
@@ -49,15 +49,6 @@ class Content:
     pages: Mapping[str, str]
     files: Mapping[str, Path]
     missing: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class _ReadableBench(Bench):
-    """A bench without the fit results that cannot be read, which a page lists separately."""
-
-    def results_by_name(self) -> dict[str, FitResult]:
-        """Load every readable fit result, name → result."""
-        return _fits(self)[0]
 
 
 def collect(bench: Bench, home: str, progress: Progress = silent) -> Content:
@@ -208,16 +199,12 @@ def _commit(result: FitResult) -> str:
 
 def _statements(bench: Bench, progress: Progress) -> dict[str, Any]:
     """Return the paper's statements by verdict, or the reason why there are none."""
-    readable = _ReadableBench(bench.root, bench.results, bench.jobs)
     try:
-        claims, gone, problem = ledger(readable, progress), withdrawn(readable), ""
+        claims, gone, problem = ledger(bench, progress), withdrawn(bench), ""
     except InputError as error:
         claims, gone, problem = [], {}, str(error)
-    groups: dict[str, list[dict[str, Any]]] = {group: [] for group in MEANINGS}
-    for each in to_records(claims):
-        groups["misprints" if each["misprint"] else each["verdict"]].append(each)
     return {
-        "groups": {group: members for group, members in groups.items() if members},
+        "groups": {group: to_records(members) for group, members in grouped(claims).items()},
         "stands": what_stands(claims) if claims else "",
         "withdrawn": gone,
         "problem": problem,
