@@ -238,8 +238,8 @@ def on_samples(bench: Bench, search: str) -> dict[str, pd.DataFrame]:
         BORROWED: f"E linear, dR {other_dR}, load linear, E to {other_end} GPa",
     }
     rows = readings(bench)
-    rows = rows[rows["search"] == search].set_index(["reading", "coefficient"])
-    return {name: rows.loc[label] for name, label in labels.items()}
+    rows = rows[rows["search"] == search].set_index("coefficient")
+    return {name: rows[rows["reading"] == label] for name, label in labels.items()}
 
 
 if __name__ == "__main__":

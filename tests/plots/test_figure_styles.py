@@ -10,13 +10,11 @@ from cylcontact import InputError
 from cylcontact.plots.figure import new_figure
 from cylcontact.plots.style import STYLES, FigureOptions, choose, figure_style
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import build, chosen_recipes, draw, write
-from tests.support.figure_files import embedded_fonts, font_sizes_inside, page_mm
+from cylcontact.reports.build import build, chosen_recipes
+from tests.support.figure_files import embedded_fonts, page_mm
 
 ROOT = Path(__file__).parents[2]
 BENCH = Bench(ROOT)
-# Panels side by side with a legend below, and a map with notes.
-NAMES = ("fig07", "fig14")
 SIMPLE = """
 import pandas as pd
 from cylcontact.plots.figure import Drawing
@@ -40,34 +38,7 @@ def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.fixture(scope="module", params=[name for name in STYLES if name != "journal"])
-def sheet(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
-    """A few figures in a style that is not the journal's: the drawing and the PDF of each."""
-    options = FigureOptions(STYLES[request.param], ("pdf",))
-    folder = tmp_path_factory.mktemp(request.param)
-    drawings = [draw(name, BENCH, options.style) for name in NAMES]
-    files = [
-        write(drawing, name, folder, options)[0]
-        for drawing, name in zip(drawings, NAMES, strict=True)
-    ]
-    return options.style, drawings, files
-
-
 class TestStyles:
-    @pytest.mark.slow
-    def test_pages_have_the_styles_width_and_stay_below_its_height(self, sheet) -> None:
-        style, _, files = sheet
-        for file in files:
-            assert round(page_mm(file)[0], 1) in style.widths_mm
-
-    @pytest.mark.slow
-    def test_texts_are_inside_the_page_and_have_the_styles_sizes(self, sheet) -> None:
-        style, drawings, _ = sheet
-        with figure_style(style):
-            sizes = {mpl.rcParams["axes.labelsize"], mpl.rcParams["legend.fontsize"]}
-        for figure in (drawing.figure for drawing in drawings):
-            assert font_sizes_inside(figure) <= sizes
-
     def test_the_style_in_force_is_put_back(self) -> None:
         with figure_style(STYLES["slides"]):
             assert mpl.rcParams["font.size"] == 13.0

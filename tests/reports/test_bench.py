@@ -7,7 +7,6 @@ import shutil
 from pathlib import Path
 
 import matplotlib as mpl
-import numpy as np
 import pandas as pd
 import pytest
 from PIL import Image
@@ -17,8 +16,7 @@ from cylcontact import InputError
 from cylcontact.materials import COLUMNS
 from cylcontact.parallel import call, run_calls
 from cylcontact.plots.figure import Drawing, new_figure
-from cylcontact.plots.maps import draw_contours, label_contours
-from cylcontact.plots.style import JOURNAL, FigureOptions, figure_style
+from cylcontact.plots.style import JOURNAL, FigureOptions
 from cylcontact.reports.bench import Bench, call_in_bench
 from cylcontact.reports.build import build, chosen_recipes, draw, find_recipes, write
 from tests.support.drawn_figures import BENCH
@@ -269,28 +267,6 @@ def test_a_figure_is_written_whole_or_not_at_all(tmp_path):
     with pytest.raises(ValueError, match="ParseSyntaxException"):
         write(a_drawing(r"$\frac{1$"), "b", tmp_path)
     assert {path: path.read_bytes() for path in before} == before
-
-
-def test_contour_labels_stand_on_their_levels_and_away_from_notes():
-    x, y = np.meshgrid(np.geomspace(1, 10, 30), np.geomspace(1, 10, 30), indexing="ij")
-
-    def labels(percent, keep_clear):
-        with figure_style():
-            figure = new_figure("middle", 95.0)
-            axes = figure.subplots()
-            axes.set(xscale="log", yscale="log")
-            lines = draw_contours(axes, x, y, percent)
-            figure.draw_without_rendering()
-            label_contours(axes, lines, np.array(keep_clear).reshape(-1, 2))
-        return list(lines.labelTexts)
-
-    for text in labels(3 * (x - y), []):
-        at, level = text.get_position(), float(text.get_text().replace("−", "-"))
-        assert 3 * (at[0] - at[1]) == pytest.approx(level, abs=0.3)
-    free = labels(4 * (x - 3) / 7, [])[0].get_position()
-    moved = labels(4 * (x - 3) / 7, [free])[0].get_position()
-    assert abs(np.log(moved[1] / free[1])) > 0.3
-    assert labels(np.ones_like(x), []) == []
 
 
 # --- what a user adds ---

@@ -11,18 +11,17 @@ import numpy as np
 import pandas as pd
 import pytest
 from _cylcontact_bench import long_runs
-from _cylcontact_bench.claims.section34_differences import MIDDLE_SMALL_HOLE
-from _cylcontact_bench.extremes import largest_difference, share_below
+from _cylcontact_bench.extremes import share_below
 from _cylcontact_bench.load_lists import external_matches
 from _cylcontact_bench.long_runs import FIRST, LONG_SET, PLAN, SPEC_SET, LongRun, key_of
-from _cylcontact_bench.paper import JOHNSON_ONLY, MATERIALS, MODERATE, PRACTICAL
+from _cylcontact_bench.paper import MATERIALS, PRACTICAL
 from _cylcontact_bench.slider_crank import mechanism
 from _cylcontact_bench.trends import Change, trend
-from scipy.optimize import bisect, brentq, least_squares, minimize, minimize_scalar
+from scipy.optimize import bisect, least_squares, minimize, minimize_scalar
 from scipy.stats import ttest_ind_from_stats
 
 from cylcontact.materials import shipped_materials
-from cylcontact.mechanism import Case, long_run, simulate
+from cylcontact.mechanism import Case, long_run
 from tests.support.drawn_figures import BENCH
 from tests.support.paper_equations import (
     SWITCH,
@@ -87,35 +86,6 @@ def test_correlation(name):
     assert numbers[f"largest difference, {name}, percent"] == near(largest, 0.02)
 
 
-def load_number(u):
-    """f/(E*·ΔR) for u = tan²(ε/2), Persson's equation for like bodies."""
-    return 2 * np.pi * u * (1 + u) / (2 - 2 * u**2 - np.log1p(u))
-
-
-def depth_number(u):
-    """δ/ΔR, its constant that of Johnson's law at small load."""
-    Z = np.log(4 * (1 + u) / u) - 2 / (1 + u) + 0.5 / (1 + u) ** 2
-    return load_number(u) / np.pi * (Z + np.log1p(u) / (2 * u * (1 + u)))
-
-
-def test_johnson_departs_where_persson_says():
-    numbers = VALUES["1-johnson-needs-clearance"]
-    for percent in (10, 3):
-
-        def short(u, percent=percent):
-            return johnson(load_number(u), 1.0, 1.0) / depth_number(u) - 1 + percent / 100
-
-        u = brentq(short, 1e-4, 0.6)
-        assert numbers[f"f/(E* dR) at {percent} %, -"] == near(load_number(u), 1e-6)
-    end = brentq(lambda u: load_number(u) - 4 * np.pi / np.e**2, 1e-3, 0.8)
-    shortfall = 100 * (1 - load_number(end) / np.pi / depth_number(end))
-    assert numbers["too small at the limit, percent"] == near(shortfall, 1e-6)
-    physical = VALUES["3.3-logarithm-physical"]
-    assert physical["shortfall at ln = 2, percent"] == near(shortfall, 1e-6)
-    number = 4 * math.pi / math.exp(physical["logarithm at 10 percent, -"])
-    assert number == near(numbers["f/(E* dR) at 10 %, -"], 1e-6)
-
-
 @each_material
 def test_part_of_the_plane_of_each_law(name):
     # On logarithmic axes what is beyond Eq 8 is a right triangle with equal legs.
@@ -133,21 +103,7 @@ def test_the_sphere_is_softer_as_a_closed_form_says():
     )
 
 
-def test_restitution_by_the_root_of_its_equation():
-    numbers = VALUES["2-lankarani-nikravesh-low-restitution"]
-    for wanted in (0.1, 0.5, 0.9):
-        chi, e = 0.75 * (1 - wanted**2), numbers[f"achieved for {wanted:g}, -"]
-        assert chi * (1 + e) == near(np.log((1 + chi) / (1 - chi * e)), 1e-9)
-
-
 # --- Sect. 3.1: power laws through Eq 1 ---
-
-
-def test_fits_of_fig_2():
-    for contact, dR, step in (("internal", 0.05, 10), ("external", 140.0, 100)):
-        K, n = power_fit([1, *range(step, 100 * step + 1, step)], STEEL, dR)
-        found = VALUES[f"3.1-fig2-{contact}"]
-        assert (found["K, N/mm per mm^n"], found["n, -"]) == near((K, n))
 
 
 def test_one_list_of_loads_gives_both_external_numbers():
@@ -158,21 +114,6 @@ def test_one_list_of_loads_gives_both_external_numbers():
     factors = [fit.K for fit in matches.values()]
     expected = VALUES["3.1-fig2-external"]["lists expected by chance, -"]
     assert expected == near(340e3 / tried * len(factors) / (max(factors) - min(factors)))
-
-
-def exponent(E, dR):
-    E_star = e_star(E, 0.3)
-    return power_fit(LOADS[LOADS <= johnson_end(E_star, dR)], E_star, dR)[1]
-
-
-def test_spreads_of_the_exponent():
-    def spread(first, second):
-        return abs(first - second) / (first + second)
-
-    over_dR = spread(exponent(207e3, 0.05), exponent(207e3, 10.0))
-    over_E = spread(exponent(20.7e3, 10.0), exponent(1e6, 10.0))
-    name = "ratio E over 20.7 to 1000 GPa, if 10000 is a misprint, at ΔR = 10 mm, -"
-    assert VALUES["3.1-fig3-internal-sensitivity"][name] == near(over_dR / over_E)
 
 
 @each_contact
@@ -356,19 +297,6 @@ def test_largest_differences(name, claim, lowest, highest, snuggest):
     assert difference(load, MODULI[name], dR) == near(reported, 1e-7)
 
 
-@pytest.mark.parametrize(
-    "domain", [PRACTICAL, MODERATE, JOHNSON_ONLY, MIDDLE_SMALL_HOLE], ids=lambda d: d.label
-)
-def test_no_finer_grid_finds_a_larger_difference(domain):
-    material = ROWS["titanium alloy"].material
-    reported = abs(largest_difference(material, domain).percent)
-    u, v = np.linspace(0, 1, 1501), np.linspace(0, 1, 501)
-    dR, load = domain.point(u[:, None], v[None, :], material)
-    found = np.nanmax(np.abs(difference(load, MODULI["titanium alloy"], dR)))
-    assert found <= reported * (1 + 1e-10)
-    assert found == near(reported, 3e-3)
-
-
 def test_shares_are_those_of_random_points():
     # Points drawn uniformly on logarithmic axes; those beyond the highest load are not counted.
     name, rng = "low-carbon steel", np.random.default_rng(1)
@@ -379,15 +307,6 @@ def test_shares_are_those_of_random_points():
     # Four standard errors of the share.
     share = share_below(8.0, ROWS[name].material, PRACTICAL)
     assert share == pytest.approx(100 * below.mean(), abs=0.2)
-
-
-def test_exponents_of_the_load_at_yield():
-    found = VALUES["3.4-limit-load-against-young"]
-    radius = effective_radius(10.0, 0.05)
-    loads = [yield_load(STRENGTHS[name], E_star, radius) for name, E_star in MODULI.items()]
-    slope, _ = np.polyfit(np.log(list(MODULI.values())), np.log(loads), 1)
-    assert found["exponent among the materials, -"] == near(slope)
-    assert found["exponent, -"] == near(-1)
 
 
 # --- Sect. 4: the runs and their statistics ---
@@ -489,14 +408,3 @@ def test_a_trend_fails_by_a_reverse_and_never_by_low_power():
         ([up, flat, flat], None),
     ):
         assert trend(changes, 1, "up", number).holds is holds
-
-
-def test_the_sphere_is_the_softest_by_eqs_1_2_and_5():
-    case = Case("enhanced", 0.02, 0.9, 0.0)
-    run = simulate(mechanism(BENCH, case), revolutions=1)
-    depth = 1e3 * run.contacts["max_penetration_m"].iloc[0]
-    K, n = factor_and_exponent(STEEL, 0.02)
-    ratio = 4 / 3 * STEEL * math.sqrt(10.0 * 9.98 / 0.02) * depth**1.5 / (10.0 * K * depth**n)
-    assert VALUES["4.3-sphere-softest"]["enhanced at 0.02 mm, -"] == near(ratio, 1e-4)
-    limit = VALUES["4.3-johnson-within-its-domain"]["limit, um"]
-    assert limit == near(4e3 * 0.02 / math.e**2)

@@ -14,12 +14,9 @@ from _cylcontact_bench.fig_forms import CHOSEN, SIMPLEST
 from mpmath import mp
 from scipy.optimize import brentq
 
-from cylcontact import InputError
 from cylcontact.impact import FACTORS
-from cylcontact.laws import PUBLISHED
 from cylcontact.materials import shipped_materials
-from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import chosen_recipes, draw
+from cylcontact.reports.build import chosen_recipes
 from tests.support.drawn_figures import BENCH, each_figure
 from tests.support.figure_files import GOLDEN
 from tests.support.paper_equations import (
@@ -129,19 +126,6 @@ def test_a_map_is_eq_9_up_to_johnsons_end(figures, name):
     inside = load <= table["yield_load_N_per_mm"]
     share = figures[name].drawing.headline["share before first yield below 8 %"]
     assert share == pytest.approx((np.abs(expected[inside]) < 8).mean(), rel=1e-12)
-
-
-def test_a_refit_with_the_published_coefficients_is_the_published_map(figures, tmp_path):
-    result = BENCH.result("internal")
-    coefficients = {name: float(v) for name, v in vars(PUBLISHED["internal"]).items()}
-    result.model_copy(update={"coefficients": coefficients}).save(tmp_path / "internal.json")
-    drawing = draw("fig_maps_refit", Bench(BENCH.root, tmp_path))
-    steel = drawing.table[drawing.table.pop("material") == "low-carbon steel"]
-    expected = figures["fig12"].drawing.table
-    pd.testing.assert_frame_equal(steel.reset_index(drop=True), expected)
-    BENCH.result("external").save(tmp_path / "internal.json")
-    with pytest.raises(InputError, match="is not a fit on a grid of internal contacts"):
-        draw("fig_maps_refit", Bench(BENCH.root, tmp_path))
 
 
 @pytest.mark.slow
