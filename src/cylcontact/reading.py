@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
 import re
-from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -65,11 +65,8 @@ def _unreadable(path: Path | str, error: Exception, remedy: str) -> InputError:
 
 def beside_or_above(folder: Path, name: Path | str) -> Path | None:
     """Return a file in a folder, in the two above, or here; None if there is none."""
-    return first_file(near / name for near in (folder, folder / "..", folder / ".." / "..", Path()))
-
-
-def first_file(paths: Iterable[Path]) -> Path | None:
-    """Return the first of several paths that is a file; None if none is."""
+    nearby = (folder, folder / "..", folder / ".." / "..", Path())
+    paths = (Path(os.path.normpath(near / name)) for near in nearby)
     with suppress(OSError):  # a name may be too long
         return next((path for path in paths if path.is_file()), None)
     return None

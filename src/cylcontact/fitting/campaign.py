@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,7 +22,7 @@ from cylcontact.fitting.specs import (
 from cylcontact.html_repr import table_html
 from cylcontact.laws.law import LawModel, Parameter
 from cylcontact.provenance import made_with, spec_hash
-from cylcontact.reading import first_file
+from cylcontact.reading import beside_or_above
 from cylcontact.spec import parse_spec, read_toml
 
 _LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
@@ -155,12 +154,9 @@ class Campaign(CampaignBase):
         if runs is not None and isinstance(contents.get("genetic", {}), dict):
             contents["genetic"] = {**contents.get("genetic", {}), "runs": runs}
         spec = parse_spec(CampaignSpec, contents, str(path))
-        above = Path(os.path.normpath(path.parent / ".."))
-        places = [path.parent / spec.dataset, above / spec.dataset]
-        dataset = first_file(places)
+        dataset = beside_or_above(path.parent, spec.dataset)
         if dataset is None:
-            where = ", ".join(map(str, places))
-            rule = f"no such file beside the campaign or above it ({where})"
+            rule = "no such file beside the campaign or above it"
             remedy = "name a grid spec, e.g. datasets/internal.toml"
             raise InputError(str(path), "dataset", spec.dataset, rule, remedy)
         return cls._of(path.stem, spec, read_grid_data(dataset), str(path), str(dataset))

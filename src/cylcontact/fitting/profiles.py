@@ -133,10 +133,23 @@ def profiles(
     neighbours = np.concatenate([_neighbours(curve.places) for curve in curves])
     minima = _Minima(problem, problem.point(best), points, held, neighbours)
     ends = _ends(minima, curves, best, problem.value_of(best))
-    return {
-        curve.name: _profile(problem, minima, curve, end, published)
-        for curve, end in zip(curves, ends, strict=True)
-    }
+    found = {}
+    for curve, cut in zip(curves, ends, strict=True):
+        parameter = problem.free[problem.names.index(curve.name)]
+        low, high = np.where(np.isnan(cut), [parameter.low, parameter.high], cut)
+        objective = minima.values[curve.places]
+        defined = np.isfinite(objective)
+        at_published = defined & (curve.values == (published or {}).get(curve.name))
+        found[curve.name] = Profile(
+            values=curve.values[defined].tolist(),
+            objective=objective[defined].tolist(),
+            low=float(low),
+            high=float(high),
+            low_is_bound=bool(np.isnan(cut[0])),
+            high_is_bound=bool(np.isnan(cut[1])),
+            objective_at_published=next(iter(objective[at_published].tolist()), None),
+        )
+    return found
 
 
 def _ends(
@@ -170,29 +183,6 @@ def _ends(
         # Where the refit at the outer place gains a little more, the end is there.
         ends[number, side] = np.where(root.success, middle + root.x, values[outer])
     return ends
-
-
-def _profile(
-    problem: Problem,
-    minima: _Minima,
-    curve: _Curve,
-    ends: FloatArray,
-    published: Coefficients | None,
-) -> Profile:
-    parameter = problem.free[problem.names.index(curve.name)]
-    low, high = np.where(np.isnan(ends), [parameter.low, parameter.high], ends)
-    objective = minima.values[curve.places]
-    defined = np.isfinite(objective)
-    at_published = defined & (curve.values == (published or {}).get(curve.name))
-    return Profile(
-        values=curve.values[defined].tolist(),
-        objective=objective[defined].tolist(),
-        low=float(low),
-        high=float(high),
-        low_is_bound=bool(np.isnan(ends[0])),
-        high_is_bound=bool(np.isnan(ends[1])),
-        objective_at_published=next(iter(objective[at_published].tolist()), None),
-    )
 
 
 def discrepancy_pair(
