@@ -208,10 +208,15 @@ def kept_rows(
 ) -> IndexArray:
     """Return the rows to keep, without those of zero load, and label those of branches."""
     load = numbers["load"]
-    falls = is_unloading(load, _series(numbers, labels, load.size))
-    zero = load == 0
+    codes = np.unique(labels.get("group", [""]), return_inverse=True)[1].astype(np.float64)
+    keys = [codes, *(numbers[name] for name in PAIR_COLUMNS if name in numbers)]
+    series = equal_rows([key for key in keys if key.size > 1], load.size)
+    falls, zero = is_unloading(load, series), load == 0
     if zero.any():
-        table.steps.append(f"{_rows(zero)} of zero load left out ({_at(table, zero)})")
+        lines = [str(table.lines[k]) for k in np.flatnonzero(zero)]
+        word = table.row_word if len(lines) == 1 else f"{table.row_word}s"
+        named = f"{word} {', '.join(lines[:_LISTED])}{', …' if len(lines) > _LISTED else ''}"
+        table.steps.append(f"{_rows(zero)} of zero load left out ({named})")
     if zero.all():
         raise InputError(table.source, "load", 0.0, "is zero in all rows", "give loads above zero")
     keeps = ~zero
@@ -242,28 +247,10 @@ def _of_branch(table: Table, falls: BoolArray, zero: BoolArray, branch: Branch |
     return kept
 
 
-def _series(
-    numbers: Mapping[str, FloatArray], labels: dict[str, list[str]], size: int
-) -> IndexArray:
-    """Return the series of each row: its group and pair."""
-    pair = [numbers[name] for name in PAIR_COLUMNS if name in numbers]
-    group = labels.get("group", [""])
-    codes = {word: code for code, word in enumerate(dict.fromkeys(group))}
-    keys = [*pair, np.array([codes[word] for word in group], dtype=np.float64)]
-    return equal_rows([key for key in keys if key.size > 1], size)
-
-
 def _rows(chosen: BoolArray) -> str:
     """Return how many rows are chosen, in words."""
     count = int(np.count_nonzero(chosen))
     return "1 row" if count == 1 else f"{count} rows"
-
-
-def _at(table: Table, chosen: BoolArray) -> str:
-    """Return the positions of chosen rows in the file, the first few of many."""
-    lines = [str(table.lines[k]) for k in np.flatnonzero(chosen)]
-    word = table.row_word if len(lines) == 1 else f"{table.row_word}s"
-    return f"{word} {', '.join(lines[:_LISTED])}{', …' if len(lines) > _LISTED else ''}"
 
 
 def equal_rows(columns: Sequence[FloatArray], size: int) -> IndexArray:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
@@ -411,22 +412,21 @@ def _moduli(
     named = [name for name in (f"material_{body}", "material") if name in labels]
     pairs = [(f"E{b}", f"nu{b}") for b in (f"_{body}", "") if {f"E{b}", f"nu{b}"} & {*numbers}]
     if len(named) + len(pairs) != 1:
-        raise _not_once(body, source, [*named, *(name for pair in pairs for name in pair)], contact)
+        role, given = roles(contact)["ij".index(body)], [*named, *chain.from_iterable(pairs)]
+        options = f"--{role}" if contact == "internal" else "--material"
+        remedy = (
+            f"give {options}, or columns material_{body}, or E_{body} and nu_{body}, or of both"
+        )
+        rule = "is not given"
+        if given:
+            rule = f"must be given once, and {', '.join(given)} are given"
+        raise InputError(source, f"material of the {role}", None, rule, remedy)
     if pairs:
         _require_given(source, pairs[0], numbers)
         E, nu = pairs[0]
         return numbers[E], numbers[nu]
     materials = [rows[word].material for word in labels[named[0]]]
     return np.array([m.E for m in materials], float), np.array([m.nu for m in materials], float)
-
-
-def _not_once(body: str, source: str, given: Sequence[str], contact: Contact) -> InputError:
-    """Return the error for a body whose E and ν are not given, or more than once."""
-    role = roles(contact)["ij".index(body)]
-    options = f"--{role}" if contact == "internal" else "--material"
-    remedy = f"give {options}, or columns material_{body}, or E_{body} and nu_{body}, or of both"
-    rule = f"must be given once, and {', '.join(given)} are given" if given else "is not given"
-    return InputError(source, f"material of the {role}", None, rule, remedy)
 
 
 def _divide_by_length(source: str, numbers: _Numbers, totals: Sequence[str]) -> None:

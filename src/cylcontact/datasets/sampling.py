@@ -234,7 +234,8 @@ def write_samples(
     with replacing(path) as temporary, opened(temporary, grid.columns) as write:
         for done, dR in enumerate(grid.dR, start=1):
             for block in blocks(grid, float(dR)):
-                write(_columns(block, grid.columns))
+                clearance = [np.full(block.load.size, block.dR)] if "dR_mm" in grid.columns else []
+                write([*block.row_values, *clearance, block.load, block.penetration])
                 samples += block.load.size
                 masked += block.masked
             if progress is not None:
@@ -267,9 +268,3 @@ def _parquet(file: Path, names: Sequence[str]) -> Iterator[_Write]:
 
     with pa.parquet.ParquetWriter(file, schema, compression="zstd") as writer:
         yield lambda columns: writer.write_batch(batch(columns))
-
-
-def _columns(block: Block, names: Sequence[str]) -> list[FloatArray]:
-    """Return the columns of a block in the table's order."""
-    dR = [np.full(block.load.size, block.dR)] if "dR_mm" in names else []
-    return [*block.row_values, *dR, block.load, block.penetration]

@@ -120,7 +120,14 @@ def design(
         raise InputError("design", "add", add, f"must be from 1 to {_MOST}", "5 is common")
     candidates = _Candidates.of(optimum, loads, dR)
     before = as_floats(np.linalg.inv(optimum.covariance))
-    cost = _cost(None if parameter is None else names.index(parameter))
+    counted = None if parameter is None else names.index(parameter)
+
+    def cost(information: FloatArray) -> float:
+        """Return the width of one parameter, or the mean of all by the determinant."""
+        if counted is None:
+            return float(np.exp(-np.linalg.slogdet(information)[1] / (2 * len(information))))
+        return float(np.sqrt(np.linalg.inv(information)[counted, counted]))
+
     chosen: list[int] = []
 
     def best(others: list[int]) -> int:
@@ -209,15 +216,6 @@ class _Candidates:
         """Return by how many percent one reading at each candidate narrows what counts."""
         reached = [cost(before + self.information([k])) for k in range(len(self))]
         return as_floats(100 * (1 - np.array(reached) / cost(before)))
-
-
-def _cost(place: int | None) -> Callable[[FloatArray], float]:
-    """Return what is minimised: the width of one parameter, or the mean of all by determinant."""
-    if place is not None:
-        return lambda information: float(np.sqrt(np.linalg.inv(information)[place, place]))
-    return lambda information: float(
-        np.exp(-np.linalg.slogdet(information)[1] / (2 * len(information)))
-    )
 
 
 def _intervals(optimum: Optimum, covariance: FloatArray, add: int, level: float) -> pd.DataFrame:

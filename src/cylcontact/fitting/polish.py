@@ -110,7 +110,8 @@ def climb_down(
     problem: ParameterSpace, points: FloatArray, held: BoolArray | None = None
 ) -> FloatArray:
     """Return the ends of P points on the ladder of smoothed maxima, if the law has one."""
-    for smooth in _LADDER if _has_formula(problem) else ():
+    is_sloped = problem.model.smooth_form and isinstance(problem.objective, _SLOPED)
+    for smooth in _LADDER if is_sloped else ():
         points = _descend_squares(problem, points, _ROUGH, held, smooth, _ROUGH_STEPS)
     return points
 
@@ -249,10 +250,6 @@ def _by_free(problem: ParameterSpace, points: FloatArray, slopes: FloatArray) ->
     if len(problem.free) == len(problem.parameters):
         return slopes
     return slopes[:, [p.is_free for p in problem.parameters]]
-
-
-def _has_formula(problem: ParameterSpace) -> bool:
-    return problem.model.smooth_form is not None and isinstance(problem.objective, _SLOPED)
 
 
 def central_differences(

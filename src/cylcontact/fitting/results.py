@@ -400,10 +400,16 @@ class LawFit(FitResult):
         how far the fit is from the lower bound, which coefficients are well identified, which are
         at a bound, and how many runs agree.
         """
+        above = ""
+        if self.bound:
+            above = (
+                f"the fit is {100 * (self.objective.value / self.bound - 1):.1f} % above the lower "
+                f"bound {self.bound:.4g}, reached with K* and n fitted separately at each clearance"
+            )
         sentences = [
             *self.warnings,
             self._on_published(),
-            self._on_lower_bound(),
+            above,
             self._on_identification(),
             *self._on_search_bounds(),
             *self._on_runs(),
@@ -451,14 +457,6 @@ class LawFit(FitResult):
         return (
             f"with {searched} the published coefficients are not the optimum on this grid: "
             f"their objective is {published:.4g}, {excess} the fitted one"
-        )
-
-    def _on_lower_bound(self) -> str:
-        if not self.bound:
-            return ""
-        return (
-            f"the fit is {100 * (self.objective.value / self.bound - 1):.1f} % above the lower "
-            f"bound {self.bound:.4g}, reached with K* and n fitted separately at each clearance"
         )
 
     @property

@@ -51,7 +51,12 @@ class NoiseStudy(Spec):
                 covariance = _interval(estimate.low, estimate.high)
             if estimate.profile is not None:
                 profile = _interval(estimate.profile.low, estimate.profile.high)
-            resampled = "-" if bootstrap is None else _resampled(bootstrap, name)
+            resampled = "-"
+            if bootstrap is not None and name in bootstrap.intervals:
+                ends = bootstrap.intervals[name]
+                resampled = _interval(ends.low, ends.high)
+            elif bootstrap is not None:
+                resampled = f"error {bootstrap.standard_errors[name]:.3g}"
             rows.append((name, f"{estimate.value:.5g}", error, covariance, profile, resampled))
         intervals = [f"{level}, {method}" for method in ("covariance", "profile", "bootstrap")]
         warned = noise_warnings(uncertainty)
@@ -111,12 +116,6 @@ def study_noise(
 
 def _interval(low: float | None, high: float | None) -> str:
     return "-" if low is None or high is None else f"{low:.5g} … {high:.5g}"
-
-
-def _resampled(bootstrap: Bootstrap, name: str) -> str:
-    if name not in bootstrap.intervals:
-        return f"error {bootstrap.standard_errors[name]:.3g}"
-    return _interval(bootstrap.intervals[name].low, bootstrap.intervals[name].high)
 
 
 def _on_bootstrap(bootstrap: Bootstrap, level: str) -> str:
