@@ -87,10 +87,8 @@ def rates_at(t: float, turn: Turn, y: FloatArray, row: int, m: Model) -> None:
 @inlined
 def motion(turn: Turn, y: FloatArray, joint: Joint, crank: Any, pin: Any, linkage: Any) -> Motion:
     """Return the motion of a joint at a state."""
-    if pin is not None:
-        return slider_crank.motion_of_two(turn[0], turn[1], y, joint, crank, pin)
     if crank is not None:
-        return slider_crank.joint_motion(turn[0], turn[1], y, crank)
+        return slider_crank.joint_motion(turn, y, joint, crank, pin)
     if linkage is not None:
         return cartesian.joint_motion(y, y[y.size // 2 :], joint)
     return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

@@ -102,6 +102,14 @@ class Motion:
         )
 
 
+def _ledger(name: str, about: str) -> Any:
+    return property(lambda joint: joint.ledger(name), doc=about)
+
+
+def _of_forces(columns: int | slice, about: str) -> Any:
+    return property(lambda joint: joint._forces[:, columns], doc=about)
+
+
 @dataclass(frozen=True, eq=False)
 class JointMotion:
     """A joint with clearance over a run: arrays of one element or row for each accepted step.
@@ -147,15 +155,12 @@ class JointMotion:
         last = len(JOINT_LEDGERS) * (len(self.run.mechanism.clearances) - self.number)
         return self.run.rows.values[:, JOINT_LEDGERS.index(name) - last]
 
-    @property
-    def normal_dissipation(self) -> FloatArray:
-        """Energy dissipated by the normal force since the start in J, shape (n,)."""
-        return self.ledger("normal_dissipation")
-
-    @property
-    def friction_dissipation(self) -> FloatArray:
-        """Energy dissipated by friction since the start in J, shape (n,)."""
-        return self.ledger("friction_dissipation")
+    normal_dissipation = _ledger(
+        "normal_dissipation", "Energy dissipated by the normal force since the start in J, (n,)."
+    )
+    friction_dissipation = _ledger(
+        "friction_dissipation", "Energy dissipated by friction since the start in J, shape (n,)."
+    )
 
     @cached_property
     def _eccentricity(self) -> tuple[FloatArray, FloatArray]:
@@ -215,25 +220,10 @@ class JointMotion:
         e, rate = self._eccentricity
         return np.ascontiguousarray(e), np.ascontiguousarray(rate)
 
-    @property
-    def force(self) -> FloatArray:
-        """The contact force on the bearing in N, Eq 13a, shape (n, 2)."""
-        return self._forces[:, 0:2]
-
-    @property
-    def normal_force(self) -> FloatArray:
-        """f_n in N, shape (n,)."""
-        return self._forces[:, 2]
-
-    @property
-    def friction_force(self) -> FloatArray:
-        """f_t in N along t = [n_y, −n_x], on the bearing, shape (n,)."""
-        return self._forces[:, 3]
-
-    @property
-    def tangential_velocity(self) -> FloatArray:
-        """v_t = (v_i − v_j)·t in m/s at the contact point, shape (n,)."""
-        return self._forces[:, 4]
+    force = _of_forces(slice(2), "The contact force on the bearing in N, Eq 13a, shape (n, 2).")
+    normal_force = _of_forces(2, "f_n in N, shape (n,).")
+    friction_force = _of_forces(3, "f_t in N along t = [n_y, −n_x], on the bearing, shape (n,).")
+    tangential_velocity = _of_forces(4, "v_t = (v_i − v_j)·t in m/s at the contact, shape (n,).")
 
     @cached_property
     def elastic_energy(self) -> FloatArray:

@@ -464,8 +464,6 @@ _CLOSED = 1e-15
 _ASSEMBLED = 1e-13
 # Rotation of the drivers between two solutions, in rad.
 _DRIVER_STEP = 0.1
-# The longest way of a driver to its initial angle; each turn takes a few milliseconds.
-_TURNS = 100
 
 
 def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArray]:
@@ -491,11 +489,6 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     ahead = [driven(t, float(row["speed"]), float(row["ramp"]))[0] for row in table[drives]]
     initial = table["angle"][drives] + ahead
     way = float(np.abs(initial - guessed).max(initial=0.0))
-    require(
-        way < _TURNS * math.tau, mechanism.source, "joint.angle", way,
-        f"in rad is more than {_TURNS} turns from the guessed angles of the driver's bodies",
-        "leave whole turns out",
-    )  # fmt: skip
     steps = max(2, math.ceil(way / _DRIVER_STEP) + 1)
     for angle in np.linspace(guessed, initial, steps):
         held["angle"][drives] = angle

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import copy
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
@@ -310,36 +311,31 @@ class Mechanism:
     @property
     def warnings(self) -> tuple[str, ...]:
         """A sentence for each mass, inertia or length that can hardly be meant."""
-        pairs = [joint.contact.pair for joint in self.clearances]
-        lengths = [text for pair in pairs for text in unusual_lengths(pair)]
-        return (*self._unusual_masses(), *lengths, *self._loose())
-
-    def _loose(self) -> tuple[str, ...]:
-        """Return a sentence if a joint seems to be missing."""
+        texts = [*self._unusual_masses()]
+        for joint in self.clearances:
+            texts += unusual_lengths(joint.contact.pair)
         held = sum({"driver": 1}.get(joint.kind, 2) for joint in self.joints if not joint.torque)
         free = 3 * len(self.bodies) - held
-        if free <= 0 or not any(joint.speed for joint in self.joints):
-            return ()
-        return (f"beside the driver {free} coordinates are free: is a joint missing?",)
+        if free > 0 and any(joint.speed for joint in self.joints):
+            texts.append(f"beside the driver {free} coordinates are free: is a joint missing?")
+        return tuple(texts)
 
-    def _unusual_masses(self) -> tuple[str, ...]:
-        """Return a sentence for each mass above the mechanism's extent in tungsten and the like."""
+    def _unusual_masses(self) -> Iterator[str]:
+        """Yield a sentence for each mass above the mechanism's extent in tungsten and the like."""
         places = [complex(*point) for point in self.data["ground"]["points"].values()]
         for body in self.bodies:
             x, y, angle = body.guess
             arms = (0.0, 0.0), *self.data["bodies"][body.name]["points"].values()
             places += [complex(x, y) + cmath.rect(1.0, angle) * complex(*arm) for arm in arms]
         size = max(abs(a - b) for a, b in combinations(places, 2))
-        texts = []
         for body in self.bodies:
             has, of = f"{body.name} has", f"in a mechanism of {size:.3g} m"
             radius = math.sqrt(body.inertia / body.mass)
             if body.mass > _DENSITY * size**3:
-                texts.append(f"{has} {body.mass:g} kg {of}; masses are in kg, not in g")
+                yield f"{has} {body.mass:g} kg {of}; masses are in kg, not in g"
             elif not _SLIMMEST * size <= radius <= size:
                 text = f"{has} a radius of gyration of {radius:.3g} m {of}"
-                texts.append(f"{text}; inertias are in kg m², not in g mm² or kg mm²")
-        return tuple(texts)
+                yield f"{text}; inertias are in kg m², not in g mm² or kg mm²"
 
 
 def read_mechanism(
@@ -386,11 +382,12 @@ def mechanism_from(
         rule = "is an entry of [[joint]] now"
         require(not isinstance(data.get(former), dict), source, f"[{former}]", None, rule, _ENTRY)
     changed, law = copy.deepcopy(data), changes.get("law")
-    _change(changed, source, changes)
-    entries, kinematic = _entries(changed), dict(changed)
-    if entries:
-        kinematic["joint"] = [_without_contact(entry) for entry in entries]
-    spec = parse_spec(MechanismSpec, kinematic, source)
+    given = changed.get("joint")
+    entries = given if isinstance(given, list) and all(isinstance(e, dict) for e in given) else []
+    _change(changed, entries, source, changes)
+    kinematic = [{k: entry[k] for k in entry if k == "name" or k not in _OF_CONTACT}
+                 for entry in entries]  # fmt: skip
+    spec = parse_spec(MechanismSpec, changed | ({"joint": kinematic} if entries else {}), source)
     points = {f"ground.{name}": at for name, at in spec.ground.points.items()}
     for body, its in spec.bodies.items():
         points |= {f"{body}.{name}": at for name, at in its.points.items()}
@@ -410,9 +407,14 @@ def mechanism_from(
     for name, its in spec.bodies.items():
         x, y, degrees = its.guess
         bodies.append(Body(name, its.mass, its.inertia, (x, y, math.radians(degrees))))
-    springs = tuple(_spring(about, *map(end, about.between)) for about in spec.spring)
+    springs = []
+    for of in spec.spring:
+        turning = all("." not in point for point in of.between)
+        (i, point_i), (j, point_j) = map(end, of.between)
+        rest = math.radians(of.angle) if turning else of.length
+        springs.append(Spring(turning, i, j, point_i, point_j, of.stiffness, of.damping, rest))
     loads = tuple(Load(*end(about.at), about.force, about.moment) for about in spec.load)
-    parts = tuple(bodies), tuple(joints), springs, loads, spec.gravity
+    parts = tuple(bodies), tuple(joints), tuple(springs), loads, spec.gravity
     return Mechanism(spec.name, *parts, spec.integration, changed, source)
 
 
@@ -431,25 +433,15 @@ _OF_JOINTS = {
 _OF_INTEGRATION = ("revolutions", "tolerance")
 
 
-def _entries(data: dict[str, Any]) -> list[Any]:
-    given = data.get("joint")
-    return given if isinstance(given, list) else []
+def _has_clearance(entry: dict[str, Any]) -> bool:
+    return bool({"bearing", "pin", "law"} & entry.keys())
 
 
-def _without_contact(entry: Any) -> Any:
-    """Return an entry without the keys of a joint's file, but for its name."""
-    if not isinstance(entry, dict):
-        return entry
-    return {k: v for k, v in entry.items() if k == "name" or k not in _OF_CONTACT}
-
-
-def _has_clearance(entry: Any) -> bool:
-    return isinstance(entry, dict) and bool({"bearing", "pin", "law"} & entry.keys())
-
-
-def _change(data: dict[str, Any], source: str, changes: dict[str, Any]) -> None:
-    """Set the values of a command in a spec's data."""
-    joints = [*filter(_has_clearance, _entries(data))]
+def _change(
+    data: dict[str, Any], entries: list[dict[str, Any]], source: str, changes: dict[str, Any]
+) -> None:
+    """Set the values of a command in a spec's data, of which the entries are joints."""
+    joints = [*filter(_has_clearance, entries)]
     for key, value in changes.items():
         known = (*_OF_JOINTS, *_OF_INTEGRATION)
         require(key in known, source, key, value, "cannot be set", f"choose {', '.join(known)}")
@@ -504,10 +496,3 @@ def _with_contact(
     bearing, pin = (1e3 * x_i, 1e3 * y_i), (1e3 * x_j, 1e3 * y_j)
     placed = replace(contact, data=data, point_bearing=bearing, point_pin=pin)
     return replace(joint, clearance=placed)
-
-
-def _spring(about: SpringSpec, first: tuple[int, Point], second: tuple[int, Point]) -> Spring:
-    turning = all("." not in end for end in about.between)
-    rest = math.radians(about.angle) if turning else about.length
-    (i, point_i), (j, point_j) = first, second
-    return Spring(turning, i, j, point_i, point_j, about.stiffness, about.damping, rest)

@@ -125,19 +125,15 @@ def _of_joint(
 
 
 @inlined
-def joint_motion(c: float, s: float, y: FloatArray, m: Crank) -> contact.Motion:
-    """Return the motion of the joint along the slide; c and s are of the crank's angle."""
-    _, _, spin = _rod_motion(c, s, y[1], y[3], m)
-    return _of_joint(m.side, y, 0, 2, spin, 0.0)
-
-
-@inlined
-def motion_of_two(
-    c: float, s: float, y: FloatArray, joint: contact.Joint, m: Crank, pin: Any
+def joint_motion(
+    turn: Turn, y: FloatArray, joint: contact.Joint, m: Crank, pin: Any
 ) -> contact.Motion:
-    """Return the motion of either joint along the slide, with two clearances."""
-    _, _, spin = _rod_motion(c, s, y[1] + y[3], y[5] + y[7], m)
-    return _of_two(spin, y, joint, m, pin)
+    """Return the motion of a joint along the slide, of two with a `pin`."""
+    if pin is not None:
+        _, _, spin = _rod_motion(turn[0], turn[1], y[1] + y[3], y[5] + y[7], m)
+        return _of_two(spin, y, joint, m, pin)
+    _, _, spin = _rod_motion(turn[0], turn[1], y[1], y[3], m)
+    return _of_joint(m.side, y, 0, 2, spin, 0.0)
 
 
 @inlined

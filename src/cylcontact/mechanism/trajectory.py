@@ -50,6 +50,16 @@ def _of_the_joint(name: str) -> Any:
     return property(lambda run: getattr(run.joint, name), doc=getattr(JointMotion, name).__doc__)
 
 
+def _over_joints(name: str, about: str) -> Any:
+    """Return a property that is the sum of those of the joints."""
+
+    def total(run: Trajectory) -> FloatArray:
+        parts = [getattr(joint, name) for joint in run.joints.values()]
+        return as_floats(sum(parts, np.zeros_like(run.time)))
+
+    return property(total, doc=about)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory(Motion):
     """The motion of a mechanism over whole revolutions.
@@ -124,24 +134,16 @@ class Trajectory(Motion):
         last = len(LEDGERS) + len(JOINT_LEDGERS) * len(self.mechanism.clearances)
         return self.rows.values[:, self.rows.values.shape[1] - last :]
 
-    @property
-    def normal_dissipation(self) -> FloatArray:
-        """Energy dissipated by the normal forces of all joints since the start in J, (n,)."""
-        return self._over_joints("normal_dissipation")
-
-    @property
-    def friction_dissipation(self) -> FloatArray:
-        """Energy dissipated by the friction of all joints since the start in J, (n,)."""
-        return self._over_joints("friction_dissipation")
-
-    @property
-    def elastic_energy(self) -> FloatArray:
-        """Energy stored in the contacts of all joints in J, shape (n,)."""
-        return self._over_joints("elastic_energy")
-
-    def _over_joints(self, name: str) -> FloatArray:
-        parts = [getattr(joint, name) for joint in self.joints.values()]
-        return as_floats(sum(parts, np.zeros_like(self.time)))
+    normal_dissipation = _over_joints(
+        "normal_dissipation", "Energy dissipated by the normal forces since the start in J, (n,)."
+    )
+    friction_dissipation = _over_joints(
+        "friction_dissipation",
+        "Energy dissipated by all friction since the start in J, shape (n,).",
+    )
+    elastic_energy = _over_joints(
+        "elastic_energy", "Energy stored in the contacts of all joints in J, shape (n,)."
+    )
 
     @cached_property
     def kinetic_energy(self) -> FloatArray:

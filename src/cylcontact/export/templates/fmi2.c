@@ -157,6 +157,8 @@ static Status refuse(const Instance *c, String message)
 #define NONE(function, what, ...) \
     EXPORT Status NAME(function)(Instance *c, __VA_ARGS__) \
     { return count == 0 ? fmi2OK : refuse(c, "there are no " what); }
+#define REFUSED(function, message, ...) \
+    EXPORT Status NAME(function)(Instance *c, __VA_ARGS__) { return refuse(c, message); }
 #define NOT_PENDING(function, type) \
     EXPORT Status NAME(function)(Instance *c, int kind, type *value) \
     { refuse(c, "no step is pending"); return fmi2Discard; }
@@ -254,14 +256,20 @@ NONE(fmi2SetBoolean, "booleans", References which, size_t count, const int value
 NONE(fmi2GetString, "strings", References which, size_t count, String values[])
 NONE(fmi2SetString, "strings", References which, size_t count, const String values[])
 
-EXPORT Status NAME(fmi2GetFMUstate)(Instance *c, void **state)
+/* Copy a state to where another is, or to a place of its own. */
+static Status keep(const Instance *c, const void *from, void **state)
 {
     if (*state == NULL)
         *state = malloc(sizeof(Memory));
     if (*state == NULL)
         return refuse(c, "there is no memory left");
-    memcpy(*state, &c->memory, sizeof(Memory));
+    memcpy(*state, from, sizeof(Memory));
     return fmi2OK;
+}
+
+EXPORT Status NAME(fmi2GetFMUstate)(Instance *c, void **state)
+{
+    return keep(c, &c->memory, state);
 }
 
 EXPORT Status NAME(fmi2SetFMUstate)(Instance *c, void *state)
@@ -300,20 +308,11 @@ EXPORT Status NAME(fmi2DeSerializeFMUstate)(Instance *c, const char bytes[], siz
 {
     if (size != sizeof(Memory))
         return refuse(c, "these bytes are not a state of this FMU");
-    if (*state == NULL)
-        *state = malloc(sizeof(Memory));
-    if (*state == NULL)
-        return refuse(c, "there is no memory left");
-    memcpy(*state, bytes, sizeof(Memory));
-    return fmi2OK;
+    return keep(c, bytes, state);
 }
 
-EXPORT Status NAME(fmi2GetDirectionalDerivative)(Instance *c, References unknown, size_t unknowns,
-                                                 References known, size_t knowns,
-                                                 const double seed[], double sensitivity[])
-{
-    return refuse(c, "there are no directional derivatives");
-}
+REFUSED(fmi2GetDirectionalDerivative, "there are no directional derivatives", References unknown,
+        size_t unknowns, References known, size_t knowns, const double seed[], double result[])
 
 /* ---- Model exchange ---- */
 
@@ -363,17 +362,10 @@ EXPORT Status NAME(fmi2DoStep)(Instance *c, double time, double step, int no_goi
     return fmi2OK;
 }
 
-EXPORT Status NAME(fmi2SetRealInputDerivatives)(Instance *c, References which, size_t count,
-                                                const int order[], const double values[])
-{
-    return refuse(c, "the inputs have their velocities already");
-}
-
-EXPORT Status NAME(fmi2GetRealOutputDerivatives)(Instance *c, References which, size_t count,
-                                                 const int order[], double values[])
-{
-    return refuse(c, "the outputs come without derivatives");
-}
+REFUSED(fmi2SetRealInputDerivatives, "the inputs have their velocities already", References which,
+        size_t count, const int order[], const double values[])
+REFUSED(fmi2GetRealOutputDerivatives, "the outputs come without derivatives", References which,
+        size_t count, const int order[], double values[])
 
 EXPORT Status NAME(fmi2CancelStep)(Instance *c) { return refuse(c, "no step is under way"); }
 
