@@ -123,36 +123,36 @@ class Language:
 
     def function(self, tree: ast.FunctionDef, constants: Mapping[str, Any]) -> str:
         """Return a function, which uses some of the constants."""
-        arguments = {
-            a.arg: ast.unparse(a.annotation) if a.annotation else "" for a in tree.args.args
-        }
+        self.name, self.arguments = (
+            tree.name,
+            {a.arg: ast.unparse(a.annotation) if a.annotation else "" for a in tree.args.args},
+        )
+        self.changed = [list(self.arguments)[k] for k in self.changes[tree.name]]
+        self.returns = tree.returns is not None and ast.unparse(tree.returns) != "None"
         apart = _Apart(self.tuples)
         body = apart.visit(ast.parse(ast.unparse(tree)).body[0]).body
         self.last = body[-1]
-        self.kind_of = {name: "integer" for name, kind in arguments.items() if kind == "int"}
-        self._learn(body, arguments)
+        self.kind_of = {name: "integer" for name, kind in self.arguments.items() if kind == "int"}
+        self._learn(body, self.arguments)
         declared = [*self._declared(), *(self.local_array.format(*x) for x in apart.arrays.items())]
-        changed = [list(arguments)[k] for k in self.changes[tree.name]]
-        returns = tree.returns is not None and ast.unparse(tree.returns) != "None"
         used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         own = {name: value for name, value in constants.items() if name in used}
-        lines = self._framed(tree.name, arguments, changed, returns, declared, body, own)
-        return "\n".join(map(self.wrapped, lines))
+        return "\n".join(map(self.wrapped, self._framed(declared, [*self._lines(body)], own)))
 
     def _framed(
-        self, name: str, arguments: Mapping[str, str], changed: Sequence[str], returns: bool,
-        declared: Sequence[str], body: Sequence[ast.stmt], _constants: Mapping[str, Any],
-    ) -> Iterator[str]:  # fmt: skip
+        self, declared: Sequence[str], body: Sequence[str], _constants: Mapping[str, Any]
+    ) -> Iterator[str]:
+        """Yield the lines of the function at hand, with declarations and statements."""
         forms = {"float": "double {}", "int": "int {}", "Record": "work *{}"}
         given = [
-            forms.get(kind, "double *{}" if key in changed else "const double *{}").format(key)
-            for key, kind in arguments.items()
+            forms.get(kind, "double *{}" if key in self.changed else "const double *{}").format(key)
+            for key, kind in self.arguments.items()
         ]
-        given += ["double *answer"] if name in self.tuples else []
-        kind = "double" if returns and name not in self.tuples else "void"
-        yield f"{self.linkage} {kind} {name}({', '.join(given)})"
+        given += ["double *answer"] if self.name in self.tuples else []
+        kind = "double" if self.returns and self.name not in self.tuples else "void"
+        yield f"{self.linkage} {kind} {self.name}({', '.join(given)})"
         yield "{"
-        yield from (f"    {line}" for line in (*declared, *self._lines(body)))
+        yield from (f"    {line}" for line in (*declared, *body))
         yield "}"
 
     def _learn(self, body: Sequence[ast.stmt], arguments: Iterable[str] = ()) -> None:
@@ -406,31 +406,27 @@ end function log1p"""
             yield from super()._array(name, numbers)
 
     def _framed(
-        self, name: str, arguments: Mapping[str, str], changed: Sequence[str], returns: bool,
-        declared: Sequence[str], body: Sequence[ast.stmt], _constants: Mapping[str, Any],
-    ) -> Iterator[str]:  # fmt: skip
+        self, declared: Sequence[str], body: Sequence[str], _constants: Mapping[str, Any]
+    ) -> Iterator[str]:
         forms = {
             "float": "real(wp), value :: {}", "int": "integer, value :: {}",
             "Record": "type(work), intent({intent}) :: {}",
         }  # fmt: skip
-        head, what, given = list(arguments), "function", []
-        for key, kind in arguments.items():
+        head, what, result, given = list(self.arguments), "function", " result(answer)", []
+        for key, kind in self.arguments.items():
             form = forms.get(kind, "real(wp), intent({intent}) :: {}(*)")
-            given.append(form.format(key, intent="inout" if key in changed else "in"))
-        if changed or name in self.tuples:
-            what, result = "subroutine", ""
-            if returns:
-                head.append("answer")
-                size = f"({self.tuples[name]})" if name in self.tuples else ""
-                given.append(f"real(wp), intent(out) :: answer{size}")
-        else:
-            result = " result(answer)"
+            given.append(form.format(key, intent="inout" if key in self.changed else "in"))
+        if not self.changed and self.name not in self.tuples:
             given.append("real(wp) :: answer")
-        yield f"pure {what} {name}({', '.join(head)}){result}"
-        yield from (f"    {line}" for line in (*given, *declared))
-        yield ""
-        yield from (f"    {line}" for line in self._lines(body))
-        yield f"end {what} {name}"
+        else:
+            what, result = "subroutine", ""
+            if self.returns:
+                head.append("answer")
+                size = f"({self.tuples[self.name]})" if self.name in self.tuples else ""
+                given.append(f"real(wp), intent(out) :: answer{size}")
+        yield f"pure {what} {self.name}({', '.join(head)}){result}"
+        yield from (f"    {line}" for line in (*given, *declared, "", *body))
+        yield f"end {what} {self.name}"
 
     def _returned(self, node: ast.Return, value: str) -> Iterator[str]:
         yield f"answer = {value}"
@@ -499,16 +495,11 @@ end"""
         return super().function(tree, constants)
 
     def _framed(
-        self, name: str, arguments: Mapping[str, str], changed: Sequence[str], returns: bool,
-        _declared: Sequence[str], body: Sequence[ast.stmt], constants: Mapping[str, Any],
-    ) -> Iterator[str]:  # fmt: skip
-        given = self._given(changed, "answer" if returns else "")
-        yield f"function {given}{name}({', '.join(arguments)})"
-        yield from (*self._constants(constants), *self._lines(body))
-        yield "end"
-
-    def _declared(self) -> Iterator[str]:
-        yield from ()
+        self, _declared: Sequence[str], body: Sequence[str], constants: Mapping[str, Any]
+    ) -> Iterator[str]:
+        given = self._given(self.changed, "answer" if self.returns else "")
+        yield f"function {given}{self.name}({', '.join(self.arguments)})"
+        yield from (*self._constants(constants), *body, "end")
 
     def _given(self, changed: Sequence[str], answer: str) -> str:
         """Return the left side of a call."""
