@@ -119,14 +119,9 @@ def concatenate(parts: Iterable[Moments]) -> Moments:
 
 
 def _merge_two(first: Moments, second: Moments) -> Moments:
-    require(
-        first.dR.shape == second.dR.shape and np.array_equal(first.dR, second.dR),
-        "merge",
-        "dR",
-        None,
-        "moments of different clearances cannot be merged",
-        "concatenate them instead",
-    )
+    same = first.dR.shape == second.dR.shape and np.array_equal(first.dR, second.dR)
+    rule = "moments of different clearances cannot be merged"
+    require(same, "merge", "dR", None, rule, "concatenate them instead")
     count = first.count + second.count
     share = np.divide(second.count, count, out=np.zeros_like(count), where=count > 0)
     ds, dj = second.mean_s - first.mean_s, second.mean_j - first.mean_j

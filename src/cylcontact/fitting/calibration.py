@@ -148,13 +148,10 @@ def _require_defined_somewhere(problem: Problem, source: str) -> None:
     points = problem.low + corners * (problem.high - problem.low)
     some = (points[k : k + _TRIED] for k in range(0, len(points), _TRIED))
     if not any(np.isfinite(problem.values(part)).any() for part in some):
-        raise InputError(
-            source,
-            "parameters",
-            {p.name: [p.low, p.high] for p in problem.free},
-            "within these bounds the law is undefined for some of the samples",
-            "move the bounds; a power law needs a positive factor and n at every ΔR",
-        )
+        bounds = {p.name: [p.low, p.high] for p in problem.free}
+        rule = "within these bounds the law is undefined for some of the samples"
+        remedy = "move the bounds; a power law needs a positive factor and n at every ΔR"
+        raise InputError(source, "parameters", bounds, rule, remedy)
 
 
 def _profiles(

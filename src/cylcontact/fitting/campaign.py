@@ -191,11 +191,7 @@ def _require_range(grid: AnyGrid, model: LawModel, source: str) -> None:
         raise InputError(source, "law", model.law, rule, "name a grid of E, nu, dR and load")
     low, high = float(grid.dR.min()), float(grid.dR.max())
     if low < model.dR_min or high > model.dR_max:
-        raise InputError(
-            source,
-            "dataset",
-            [low, high],
-            f"its ΔR (mm) leave the range of the {model.law} law for {model.contact} contact, "
-            f"{model.dR_min:g} to {model.dR_max:g} mm",
-            "narrow the dR axis of the grid",
-        )
+        span = f"{model.dR_min:g} to {model.dR_max:g} mm"
+        rule = f"its ΔR (mm) leave the range of the {model.law} law for {model.contact} contact, "
+        remedy = "narrow the dR axis of the grid"
+        raise InputError(source, "dataset", [low, high], rule + span, remedy)

@@ -58,23 +58,13 @@ def fit_power(load: ArrayLike, penetration: ArrayLike) -> PowerFit:
     K = 300000, n = 1.2000, R² = 1.000000
     """
     f, delta = np.broadcast_arrays(as_floats(load), as_floats(penetration))
-    require(
-        (f > 0) & (delta > 0) & np.isfinite(f) & np.isfinite(delta),
-        "fit_power",
-        "load, penetration",
-        None,
-        "every value must be positive and finite",
-        "leave out points beyond the law's domain",
-    )
+    inside = (f > 0) & (delta > 0) & np.isfinite(f) & np.isfinite(delta)
+    rule = "every value must be positive and finite"
+    remedy = "leave out points beyond the law's domain"
+    require(inside, "fit_power", "load, penetration", None, rule, remedy)
     y, x = np.log(f), np.log(delta)
-    require(
-        np.ptp(x) > 0 if x.size else False,
-        "fit_power",
-        "penetration",
-        None,
-        "at least two different penetrations are needed",
-        "give more loads",
-    )
+    rule, remedy = "at least two different penetrations are needed", "give more loads"
+    require(bool(x.size) and np.ptp(x) > 0, "fit_power", "penetration", None, rule, remedy)
     x0, y0 = x - x.mean(), y - y.mean()
     n = float(x0 @ y0 / (x0 @ x0))
     K = float(np.exp(y.mean() - n * x.mean()))

@@ -176,13 +176,8 @@ def require_valid(
             raise InputError(source, key, expression, f"may hold only {_ARITHMETIC}", remedy)
         others = [other for other in names if other not in ties]
         for other in sorted(names_in(expression) - set(others)):
-            raise InputError(
-                source,
-                key,
-                expression,
-                f"names {other}, which is " + ("tied itself" if other in ties else "no parameter"),
-                f"use {', '.join(others)}",
-            )
+            rule = f"names {other}, which is {'tied itself' if other in ties else 'no parameter'}"
+            raise InputError(source, key, expression, rule, f"use {', '.join(others)}")
 
 
 def _is_arithmetic(expression: str) -> bool:

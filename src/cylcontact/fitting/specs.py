@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import replace
-from typing import TypeVar
+from functools import partial
+from typing import Annotated, TypeVar
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from cylcontact.choices import Branch
 from cylcontact.errors import InputError
@@ -28,6 +29,18 @@ _SpecType = TypeVar("_SpecType", bound=Spec)
 _MOST = 100_000
 _TIES = 'a table [ties] of expressions that set parameters, e.g. b = "a/10"'
 _PARAMETER_REMEDY = "give low and high, or value with fixed = true"
+
+
+def _known(kind: str, names: Collection[str], name: str) -> str:
+    if name not in names:
+        raise broken("", name, f"is not a known {kind}", f"choose {', '.join(names)}")
+    return name
+
+
+_Objective = Annotated[str, AfterValidator(partial(_known, "objective", OBJECTIVES))]
+_Optimizer = Annotated[str, AfterValidator(partial(_known, "optimiser", OPTIMIZERS))]
+_Noise = Annotated[str, AfterValidator(partial(_known, "noise", NOISES))]
+_LossName = Annotated[str, AfterValidator(partial(_known, "loss", LOSSES))]
 
 
 class ParameterSpec(Spec):
@@ -101,23 +114,17 @@ class CampaignSpec(Spec):
 
     dataset: str = Field(description="the path of a grid spec, beside or above the campaign")
     law: str = Field(description="the law to fit, a string")
-    objective: str = Field(OBJECTIVES[0], description=f"one of {', '.join(OBJECTIVES)}")
+    objective: _Objective = Field(OBJECTIVES[0], description=f"one of {', '.join(OBJECTIVES)}")
     seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
     parameters: dict[str, ParameterSpec] = Field(
         {}, description="tables [parameters.NAME] for parameters with other bounds, or fixed ones"
     )
     ties: dict[str, str] | None = Field(None, description=_TIES)
-    optimizer: str = Field("genetic", description=f"one of {', '.join(OPTIMIZERS)}")
+    optimizer: _Optimizer = Field("genetic", description=f"one of {', '.join(OPTIMIZERS)}")
     genetic: GeneticSpec = Field(GeneticSpec(), description="a table [genetic]")
     profiles: bool | None = Field(
         None, description="false for no profiles, which take hours with many parameters"
     )
-
-    @model_validator(mode="after")
-    def _check(self) -> CampaignSpec:
-        _require_known("objective", self.objective, "objective", OBJECTIVES)
-        _require_known("optimizer", self.optimizer, "optimiser", OPTIMIZERS)
-        return self
 
 
 class MeasuredSpec(Spec):
@@ -129,7 +136,7 @@ class MeasuredSpec(Spec):
     contact: Contact = Field(description='"internal" or "external"')
     law: str = Field(description="the law to fit, or module:function for one of your own")
     objective: str | None = Field(None, description="an objective for measurements")
-    noise: str | None = Field(
+    noise: _Noise | None = Field(
         None, description=f"how the scatter of the readings grows, one of {', '.join(NOISES)}"
     )
     group: str | None = Field(
@@ -139,7 +146,7 @@ class MeasuredSpec(Spec):
     load_error: float | None = Field(
         None, gt=0, lt=1, description="standard deviation of the loads relative to them, 0 to 1"
     )
-    loss: str = Field("linear", description=f"one of {', '.join(LOSSES)}")
+    loss: _LossName = Field("linear", description=f"one of {', '.join(LOSSES)}")
     loss_scale: float | None = Field(
         None, gt=0, description="the residual beyond which a point counts less, a positive number"
     )
@@ -164,7 +171,7 @@ class MeasuredSpec(Spec):
         None, strict=False, description="a list of parameters to free with their default bounds"
     )
     ties: dict[str, str] | None = Field(None, description=_TIES)
-    optimizer: str | None = Field(
+    optimizer: _Optimizer | None = Field(
         None, description=f"a search instead of several starts, one of {', '.join(OPTIMIZERS)}"
     )
     genetic: GeneticSpec = Field(
@@ -173,13 +180,6 @@ class MeasuredSpec(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> MeasuredSpec:
-        _require_known("loss", self.loss, "loss", LOSSES)
-        if self.noise is not None:
-            _require_known("noise", self.noise, "noise", NOISES)
-        if self.optimizer is not None:
-            _require_known(
-                "optimizer", self.optimizer, "optimiser", OPTIMIZERS, ", or leave it out"
-            )
         if self.loss == "linear" and self.loss_scale is not None:
             rule = "is used only with a robust loss"
             remedy = "leave it out, or choose loss = soft_l1, huber or cauchy"
@@ -190,14 +190,6 @@ class MeasuredSpec(Spec):
     def named(self) -> list[str]:
         """The parameters that the file bounds, fixes or ties."""
         return [*self.parameters, *(self.ties or {})]
-
-
-def _require_known(
-    key: str, name: str, kind: str, known: Collection[str], otherwise: str = ""
-) -> None:
-    if name not in known:
-        remedy = f"choose {', '.join(known)}{otherwise}"
-        raise broken(key, name, f"is not a known {kind}", remedy)
 
 
 def completed(spec: _SpecType, parameters: tuple[Parameter, ...]) -> _SpecType:

@@ -142,14 +142,13 @@ class TableCampaign(CampaignBase):
             defined += inside
         row = int(np.argmin(defined))
         tried = f"{len(points) - defined[row]} of {len(points)} sets of" if defined[row] else "all"
-        raise InputError(
-            f"{self.source}, {data.data.row_word} {data.line(row)}",
-            "load, penetration, dR",
-            [float(data.columns[name][row]) for name in ("load", "penetration", "dR")],
-            f"lies outside the domain of {self.model.law} at {tried} coefficients tried within "
-            "the bounds",
-            "move the bounds, remove the row, or choose a law that reaches that far",
-        )
+        where = f"{self.source}, {data.data.row_word} {data.line(row)}"
+        names = ("load", "penetration", "dR")
+        values = [float(data.columns[name][row]) for name in names]
+        law = self.model.law
+        rule = f"lies outside the domain of {law} at {tried} coefficients tried within the bounds"
+        remedy = "move the bounds, remove the row, or choose a law that reaches that far"
+        raise InputError(where, ", ".join(names), values, rule, remedy)
 
 
 def require_increasing(fit: Fit, coefficients: Coefficients) -> None:

@@ -74,14 +74,14 @@ def _on_misfit(uncertainty: Uncertainty) -> str:
     how = _misfit(uncertainty)
     if not how:
         return ""
-    causes = ["the units of the columns", "the materials", "the radii"]
-    causes += ["a kink (a seat that settles)", "a drift"]
-    if "compliance" not in uncertainty.estimates:
-        causes.append(_DATUM)
-    *first, last = causes
-    return (
-        f"the law does not describe these readings ({how}): look at {', '.join(first)}, and {last}"
-    )
+    causes = ("the units of the columns", "the materials", "the radii")
+    listed = _causes(uncertainty, "and", *causes, "a kink (a seat that settles)", "a drift")
+    return f"the law does not describe these readings ({how}): look at {listed}"
+
+
+def _causes(uncertainty: Uncertainty, word: str, *causes: str) -> str:
+    *first, last = causes if "compliance" in uncertainty.estimates else (*causes, _DATUM)
+    return f"{', '.join(first)}, {word} {last}"
 
 
 def _on_stiffness(uncertainty: Uncertainty) -> list[str]:
@@ -93,13 +93,11 @@ def _on_stiffness(uncertainty: Uncertainty) -> list[str]:
         low, high = ends.low / estimate.nominal, ends.high / estimate.nominal
         if low <= _USUAL_STIFFNESS[1] and high >= _USUAL_STIFFNESS[0]:
             continue
-        causes = ["a diameter given as a radius", "another unit", "another material", "another law"]
-        if "compliance" not in uncertainty.estimates:
-            causes.append(_DATUM)
-        *first, last = causes
+        causes = ("a diameter given as a radius", "another unit", "another material")
+        listed = _causes(uncertainty, "or", *causes, "another law")
         sentences.append(
             f"{name} is {estimate.value:.3g} ({ends.low:.3g} to {ends.high:.3g}), and "
-            f"{estimate.nominal:.3g} for the pair as given: is it {', '.join(first)}, or {last}?"
+            f"{estimate.nominal:.3g} for the pair as given: is it {listed}?"
         )
     return sentences
 
