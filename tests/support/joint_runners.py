@@ -1,8 +1,7 @@
 """Exported joints run in their own languages, each over rows of states.
 
 A row is the impact rates and the motion of bearing and pin; the answer is the wrench, in the order
-of its results, and the accepted impact rates. Of a joint in the plane the force on the pin comes
-behind the flag.
+of its results, and the accepted impact rates.
 """
 
 import ctypes
@@ -21,9 +20,6 @@ from tests.support.export_runners import (
     run_program,
 )
 from tests.support.programs import require_program
-
-# Where the answers in the plane are in the order of the results.
-PLANAR = [0, 1, 2, 5, *range(6, 13), 3, 4, 13]
 
 C_WRAPPER = """
 #include "element.{suffix}"
@@ -89,19 +85,12 @@ def write(one, target, folder, stem="element"):
     return folder / f"{stem}{JOINT_TARGETS[target]}"
 
 
-def in_order(one, answers):
-    """Return answers with those of a joint in the plane where its callers look for them."""
-    return answers if isinstance(one, SpatialJoint) else answers[:, PLANAR]
-
-
 def run_library(joint, rows):
     """Return the answers of the library's own joint in the plane."""
     state, bearing, pin = JointState(rows[:, 0]), rows[:, 1:7], rows[:, 7:]
     w = joint.evaluate(state, bearing, pin)
     accepted = joint.accept(state, bearing, pin).impact_rate
-    return np.column_stack(
-        [w.force_bearing, w.moment_bearing, w.moment_pin, *w[4:], w.force_pin, accepted]
-    )
+    return np.column_stack([*w, accepted])
 
 
 def run_c(one, rows, folder, language="c"):
@@ -135,7 +124,7 @@ def run_c(one, rows, folder, language="c"):
     driver.write_text(text, encoding="ascii")
     flags = CPP_FLAGS if plus else (*C_FLAGS, source)
     compile_with("g++" if plus else "gcc", *flags, driver, "-o", library, "-lm")
-    return in_order(one, _called(library, rows, len(answers)))
+    return _called(library, rows, len(answers))
 
 
 def slices(element):
@@ -163,7 +152,7 @@ def run_fortran(one, rows, folder):
     driver.write_text(text, encoding="ascii")
     flags = (*FORTRAN_FLAGS, f"-J{folder}")
     compile_with("gfortran", *flags, source, driver, "-o", library, "-lm")
-    return in_order(one, _called(library, rows, at + element.contacts - 1))
+    return _called(library, rows, at + element.contacts - 1)
 
 
 def _called(library, rows, count):
@@ -182,7 +171,7 @@ def run_matlab(one, rows, folder):
     text = OCTAVE_SCRIPT.replace("{rates}", slices(element)["rates"])
     spans = {key: span for key, span in slices(element).items() if key != "rates"}
     run_octave(text.format(folder=folder, **shape, **spans), folder)
-    return in_order(one, np.fromfile(folder / "out").reshape(-1, count))
+    return np.fromfile(folder / "out").reshape(-1, count)
 
 
 def run_octave(text, folder):
@@ -208,7 +197,7 @@ def run_python(one, rows, _folder):
         given = row[0] if n == 1 else row[:n], row[n : n + size], row[n + size :]
         wrench, accepted = module.evaluate(*given), module.accept(*given)
         answers.append(np.hstack([*map(np.atleast_1d, wrench), accepted]))
-    return in_order(one, np.array(answers))
+    return np.array(answers)
 
 
 RUNNERS = {
