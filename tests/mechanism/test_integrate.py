@@ -5,17 +5,7 @@ import pytest
 from sksundae.cvode import CVODE
 
 from cylcontact.mechanism import long_run, read_mechanism, simulate
-from cylcontact.mechanism import slider_crank as sc
 from tests.support.mechanism_cases import CASES, ROOT, Equations, slider_crank
-
-
-@pytest.mark.parametrize("angle", [0.0, 1e-3, -0.0999, 0.1001, -2.0])
-def test_the_crank_turns_to_the_last_digit(angle):
-    m = sc.recognise(slider_crank()).record
-    c, s = sc.crank_turn(0.0012, m)
-    actual = sc.turned(c, s, angle / m["omega"], m)
-    assert complex(*actual) == pytest.approx(complex(c, s) * np.exp(1j * angle), abs=3e-16)
-
 
 # --- against SUNDIALS -------------------------------------------------------------------------
 

@@ -251,24 +251,16 @@ class JointMotion:
     @cached_property
     def limits(self) -> Limits:
         """What contacts are held against: first yield, the law's tangent, the slowest impact."""
-        tangent = self.run.settings.beyond == "tangent"
-        return Limits(
-            self._yield_penetration(),
-            float(self._record["last_penetration"]) * 1e-3 if tangent else np.inf,
-            float(self._record["rate_floor"]),
-        )
-
-    def _yield_penetration(self) -> float:
-        """Return the penetration in m at first yield; inf if the law has no such load."""
         from scipy.optimize import brentq
 
+        tangent = self.run.settings.beyond == "tangent"
         load, deepest = self.contact.first_yield, float(self._record["R_bearing"])
-        if not self.contact.can_yield:
-            return float("nan")
-        if self.elastic_force(deepest) <= load:
-            return float("inf")
-        excess = lambda depth: self.elastic_force(depth) - load  # noqa: E731
-        return float(brentq(excess, 0.0, deepest, xtol=1e-15))
+        first_yield = np.inf if self.contact.can_yield else np.nan
+        if self.contact.can_yield and self.elastic_force(deepest) > load:
+            excess = lambda depth: self.elastic_force(depth) - load  # noqa: E731
+            first_yield = float(brentq(excess, 0.0, deepest, xtol=1e-15))
+        law = float(self._record["last_penetration"]) * 1e-3 if tangent else np.inf
+        return Limits(first_yield, law, float(self._record["rate_floor"]))
 
     @cached_property
     def contacts(self) -> pd.DataFrame:

@@ -96,14 +96,8 @@ class StepHistory:
     @classmethod
     def of(cls, state: State) -> StepHistory:
         """Return a state as a single row."""
-        return cls(
-            np.array([state.time]),
-            state.values[None, :],
-            state.in_contact[None, :],
-            state.impact_rate[None, :],
-            np.zeros(1, np.int32),
-            np.empty((0, 3)),
-        )
+        parts = {name: np.array(part)[None] for name, part in vars(state).items()}
+        return cls(**parts, revolution=np.zeros(1, np.int32), counts=np.empty((0, 3)))
 
     @property
     def end(self) -> State:

@@ -390,13 +390,12 @@ class Statistics:
             rows["beyond the law"] = self.settings.beyond
         for name, joint in joints:
             if not np.isnan(joint._limits.first_yield):
-                rows[f"{name}max elastic load"] = joint._against_yield()
+                load = float(joint.revolutions["max_load_N_per_mm"].max())
+                length = joint._contact.pair.contact_length("the joint")
+                share = f"{100 * load * length / joint._contact.first_yield:.3g} %"
+                text = f"{load:,.0f} N/mm, {share} of first yield (von Mises)"
+                rows[f"{name}max elastic load"] = text
         return rows
-
-    def _against_yield(self) -> str:
-        load, pair = float(self.revolutions["max_load_N_per_mm"].max()), self._contact.pair
-        share = load * pair.contact_length("the joint") / self._contact.first_yield
-        return f"{load:,.0f} N/mm, {100 * share:.3g} % of first yield (von Mises)"
 
     @property
     def _counts(self) -> str:
