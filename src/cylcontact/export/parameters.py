@@ -16,12 +16,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import fixed_quad, solve_ivp
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, least_squares
 
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.choices import CODES, listed
 from cylcontact.impact import IMPACT_RATE_FLOOR, achieved_restitution
+from cylcontact.mechanism.contact import stored_energy
 from cylcontact.mechanism.joint import ClearanceJoint
 
 # The forces of a fit.
@@ -365,7 +366,11 @@ def contact_parameters(
         require(0 < number < np.inf, "export", key, number, "must be positive", "give kg and m/s")
     curve = _curve(joint, low, high)
     if speed is None:
-        speed = float(f"{np.sqrt(2 * _energy(joint, np.sqrt(low * high)) / mass):.3g}")
+        length = joint.pair.contact_length("the export")
+        deepest = float(joint.law.penetration(np.sqrt(low * high) / length, joint.pair))
+        block, parameters = joint.record("stop"), joint.kernel.parameters
+        energy = stored_energy(1e-3 * deepest, block, parameters)
+        speed = float(f"{np.sqrt(2 * energy / mass):.3g}")
     impact, own = _Impact(mass, speed), _CODES[code]
     values = _damped(own, own.elastic(curve, impact), joint.chi, curve, impact)
     still, step = np.zeros_like(curve.x), 1e-5 * curve.x
@@ -405,14 +410,6 @@ def _curve(joint: ClearanceJoint, low: float, high: float) -> _Curve:
     force = np.geomspace(low, high, _FORCES)
     x = joint.law.penetration(force / length, pair)
     return _Curve(1e-3 * x, force, 1e3 * length * joint.law.stiffness(x, pair))
-
-
-def _energy(joint: ClearanceJoint, force: float) -> float:
-    """Return the elastic energy in J that the joint stores under a force in N."""
-    length = joint.pair.contact_length("the export")
-    deepest = float(joint.law.penetration(force / length, joint.pair))
-    work, _ = fixed_quad(joint.law.load, 0.0, deepest, (joint.pair,), n=40)
-    return 1e-3 * length * float(work)
 
 
 def _damped(code: _Code, values: Values, chi: float, curve: _Curve, impact: _Impact) -> Values:

@@ -382,31 +382,31 @@ def run_case(mechanism: Mechanism, plan: Plan) -> dict[str, Any]:
         row |= {f"{prefix}{key}": value for key, value in values.items()}
     row |= {"revolutions": plan.revolutions, "first": plan.first}
     try:
-        run = simulate(mechanism, plan.method, plan.revolutions, plan.tolerance, plan.beyond)
-        if plan.against is None:
-            return row | _complete(run, plan.first)
-        other = simulate(mechanism, plan.method, plan.revolutions, plan.against, plan.beyond)
+        run, *others = (
+            simulate(mechanism, plan.method, plan.revolutions, tolerance, plan.beyond)
+            for tolerance in (plan.tolerance, *filter(None, [plan.against]))
+        )
     except InputError as error:
         return row | {"status": "stopped", "message": str(error)}
-    reach = horizon(run, other)
-    if reach < plan.revolutions:
-        row["first"] = max(plan.first, math.ceil(reach))
-    second = {f"{name}_against": value for name, value in _numbers(other, row["first"]).items()}
-    compared = {"horizon_revolutions": reach, "against": plan.against}
-    return row | _complete(run, row["first"]) | compared | second
-
-
-def _complete(run: Trajectory, first: int) -> dict[str, Any]:
-    """Return what a complete run adds to a row."""
+    compared: dict[str, Any] = {}
+    for other in others:
+        reach = horizon(run, other)
+        if reach < plan.revolutions:
+            row["first"] = max(plan.first, math.ceil(reach))
+        compared = {"horizon_revolutions": reach, "against": plan.against}
+        numbers = _numbers(other, row["first"]).items()
+        compared |= {f"{name}_against": value for name, value in numbers}
     minimal = run.settings.method == "minimal"
     return {
+        **row,
         "status": "complete",
         "message": run.statistics().continuation,
-        **_numbers(run, first),
+        **_numbers(run, row["first"]),
         "method": run.settings.method,
         "tolerance": run.settings.tolerance,
         "energy_error": float(np.abs(run.energy_error).max() / run.kinetic_energy.max()),
         "drift": math.nan if minimal else float(run.drift[:, 0].max()),
+        **compared,
     }
 
 

@@ -369,8 +369,6 @@ def _rows_of(table: Any, counts: Any, joints: list[str]) -> StepHistory:
     values, revolution = np.column_stack(states), table["revolution"].to_numpy()
     if not values.size or not (np.isfinite(values).all() and np.isfinite(time).all()):
         raise ValueError("the states are no finite numbers")
-    if revolution.dtype.kind != "i":  # an empty cell makes them floats
-        raise ValueError("the revolutions are no integers")
 
     def of_joints(column: str, kind: type) -> Any:
         parts = [table[f"{name}.{column}"].to_numpy() for name in joints]
