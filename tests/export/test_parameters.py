@@ -259,11 +259,11 @@ def test_the_command_prints_the_parameters(run, tmp_path):
 
 
 REFUSALS = {
-    "no range": (("--to", "adams"), "--range: must be the smallest and the largest total force"),
-    "reversed": (("--to", "adams", "--range", "9:1"), "--range = '9:1': is no range of force; gi"),
-    "not finite": (("--to", "drake", "--range", "1:inf"), "--range = '1:inf': must be the small"),
+    "no range": (("--to", "adams"), "--range: is missing for adams; give total forces in N"),
+    "reversed": (("--to", "adams", "--range", "9:1"), "'9:1' must be two positive numbers"),
+    "not finite": (("--to", "drake", "--range", "1:inf"), "'1:inf' must be two positive numbers"),
     "no mass": (("--to", "mujoco", "--range", "1:9", "--mass", "0"), "--mass = 0.0: must be posit"),
-    "source": (("--to", "c", "--range", "1:9"), "--range = '1:9': is for a code's own contact; le"),
+    "source": (("--to", "c", "--range", "1:9"), "is for a code's own contact; leave it out"),
 }  # fmt: skip
 
 
@@ -277,3 +277,5 @@ def test_the_command_refuses_in_one_line(run, arguments, message):
 def test_a_range_ends_before_the_law():
     with pytest.raises(InputError, match=r"goes beyond the law 'johnson', which ends at \d"):
         contact_parameters(joint_from(changed(PIN, {"law": "johnson"})), "adams", 100, 1e6)
+    with pytest.raises(InputError, match="is no range of force"):
+        contact_parameters(joint_from(PIN), "adams", 9, 1)
