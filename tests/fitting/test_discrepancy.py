@@ -13,11 +13,8 @@ from cylcontact.fitting.discrepancy import study_discrepancy
 from cylcontact.fitting.objectives import collect_samples, form_of
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.study import study_noise
+from cylcontact.progress import silent
 from tests.support.measured_files import measured_campaign
-
-
-def silent(*_):
-    """Show nothing."""
 
 
 @pytest.fixture(scope="module")

@@ -73,7 +73,6 @@ BAD_INPUT = [
     ),
     ({"runs": []}, "", "runs", [], "must hold at least one run", REDO),
     ({"coefficients": {"a": 0.4, "b": 0.9}}, "", "coefficients", ["a", "b"], NAMES, REDO),
-    ({"published.coefficients": {}}, "", "published.coefficients", [], NAMES, REDO),
     ({"settings": {}}, "", "settings", None, "lacks the campaign or the dataset", REDO),
     (
         {"settings.campaign.seed": "1"},

@@ -63,7 +63,7 @@ def test_expressions_agree_with_python(expression, a, b):
     assert evaluate(expression, {"a": a, "b": b}) == expected
 
 
-@pytest.mark.parametrize("expression", ["a/0", "a**a**a**a", "0**-1", "(a - 3)/0", "1e300*1e300"])
+@pytest.mark.parametrize("expression", ["a/0", "a**a**a**a", "0**-1", "1e300*1e300"])
 def test_arithmetic_without_a_value_is_not_a_number_or_infinite(expression):
     assert not np.isfinite(evaluate(expression, {"a": 30.0}))
 

@@ -19,20 +19,6 @@ def load(penetration, pair, K_star, n, offset=0.0):
 
 def flat(penetration, pair, K):
     return 1.0
-
-def broken(penetration, pair, K):
-    raise RuntimeError("no such thing")
-
-def starred(penetration, pair, *numbers):
-    return penetration
-
-def worded(penetration, pair, K, kind="steel"):
-    return penetration
-
-def short(penetration, pair):
-    return penetration
-
-table = 3
 """
 
 STEEL = Material("steel", E=207e3, nu=0.3)
@@ -141,19 +127,14 @@ def measured_campaign(
 
 
 def user_campaign(
-    folder: Path,
-    law: str = "mine:load",
-    objective: str | None = None,
-    parameters: dict[str, Any] | None = None,
-    text: str = USER_LAW,
+    folder: Path, objective: str | None = None, parameters: dict[str, Any] | None = None
 ) -> TableCampaign:
     """Return a campaign on points of a power law for a function of the user's own."""
-    (folder / "mine.py").write_text(text)
-    (folder / "bad.py").write_text("def load(:\n")
+    (folder / "mine.py").write_text(USER_LAW)
     table = write_measured(folder / "measured.csv", "power", "internal")
     bounds = {"K_star": {"low": 0.5, "high": 10.0}, "n": {"low": 1.0, "high": 1.5}}
     return campaign_of_table(
-        *(table, law, "internal", CONSTANTS),
+        *(table, "mine:load", "internal", CONSTANTS),
         objective=objective,
         parameters=bounds if parameters is None else parameters,
         starts=3,
