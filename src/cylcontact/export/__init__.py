@@ -84,7 +84,7 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     >>> from cylcontact import laws
     >>> source = export(laws.Enhanced(), "internal", "c")
     >>> print(*[line.strip() for line in source.splitlines() if "double a =" in line])
-    const double a = 0.965;
+    static const double a = 0.965;
     """
     from cylcontact.export.exported_law import exported, require_contact_law, source
 
