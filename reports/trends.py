@@ -44,19 +44,11 @@ SCATTER = f"in every comparison, beyond the scatter of batches; {EQUAL}"
 
 # The name and the format of a number in a sentence, and its unit in the names of values.
 NUMBERS = {
-    "contact_fraction": ("share of the time in contact", "{:.3f}", "share of time"),
-    "flight_fraction": ("share of the time in flight", "{:.3f}", "share of time"),
-    "impacts": ("onsets of contact per revolution", "{:.1f}", "onsets per revolution"),
-    "contact_us": ("mean duration of a contact", "{:.1f} µs", "us"),
     "flight_us": ("mean duration of a flight", "{:.0f} µs", "us"),
     "step_us": ("mean step", "{:.1f} µs", "us"),
-    "mean_step_contact_us": ("mean step in contact", "{:.2f} µs", "us"),
     "evaluations": ("evaluations per revolution", "{:.0f}", "evaluations"),
     "mean_force_N": ("mean force in contact", "{:.0f} N", "N"),
-    "force_p99_N": ("99th percentile of the force", "{:.0f} N", "N"),
-    "max_force_N": ("largest force of a revolution", "{:.0f} N", "N"),
     "mean_penetration_um": ("mean penetration", "{:.2f} µm", "um"),
-    "max_penetration_um": ("largest penetration of a revolution", "{:.2f} µm", "um"),
 }
 # What the numbers on both sides of an arrow are.
 ARROWS = {
@@ -196,7 +188,7 @@ def trend(
     sign: int,
     verb: str,
     number: tuple[str, str, str],
-    text: Callable[[Sequence[Change], str], str] | None = None,
+    numbers: str = "",
 ) -> Finding:
     """Judge a trend that is claimed of all changes.
 
@@ -225,11 +217,14 @@ def trend(
         holds, miss = False, f"no change above {_largest(changes)}"
     elif "open" not in kinds and 2 * showing >= total:
         holds = True
-    numbers = text(changes, form) if text else _arrows(changes, form)
+    if not numbers:
+        few = total <= FEW
+        numbers = (
+            ", ".join(c.text(form) for c in changes) if few else f"factors of {_span(changes)}"
+        )
     ours = f"{label}: {numbers}"
-    # Numbers that all show it, one by one, and numbers that are all 0 speak for themselves.
-    clear = total <= FEW and showing == total
-    if not clear and any(c.before or c.after for c in changes):
+    # Numbers that all show it, one by one, speak for themselves.
+    if total > FEW or showing < total:
         ours = f"{_counted(changes, kinds, verb)}; {ours}"
     values = {
         ", ".join(filter(None, (c.name, when, unit))): value
@@ -245,11 +240,7 @@ def _counted(changes: Sequence[Change], kinds: Sequence[Kind], verb: str) -> str
     if equal == total:
         return f"equal within {_largest(changes)}"
     text = f"{verb} in {kinds.count('shows') or 'none'} of {total} comparisons"
-    if not equal:
-        return text
-    same = [c for c, kind in zip(changes, kinds, strict=True) if kind == "equal"]
-    zero = " (0 both times)" if not any(c.before or c.after for c in same) else ""
-    return f"{text}, equal in {equal}{zero}"
+    return f"{text}, equal in {equal}" if equal else text
 
 
 def _largest(changes: Sequence[Change]) -> str:
@@ -258,18 +249,10 @@ def _largest(changes: Sequence[Change]) -> str:
     return f"{max(100 * largest, 0.1):.1f} %"
 
 
-def _arrows(changes: Sequence[Change], form: str) -> str:
-    """Return a few changes, or how far many reach."""
-    if len(changes) <= FEW:
-        return ", ".join(c.text(form) for c in changes)
-    ratios = _ratios(changes)
-    if any(ratios):
-        return f"factors of {min(ratios):.2f} to {max(ratios):.2f}"
-    return f"up to {form.format(max(c.before for c in changes))} → 0"
-
-
-def _ratios(changes: Sequence[Change]) -> list[float]:
-    return [c.after / c.before for c in changes if c.before]
+def _span(changes: Sequence[Change]) -> str:
+    """Return the least and the largest ratio of a number after a change to that before."""
+    ratios = [c.after / c.before for c in changes]
+    return f"{min(ratios):.2f} to {max(ratios):.2f}"
 
 
 def change_of(
@@ -286,26 +269,14 @@ def cylinders(column: str, sign: int, chosen: Conditions, verb: str) -> Judge:
     """Return the judgement of the cylindrical laws against the sphere."""
     sphere, *others = JOINT_LAWS
 
-    def text(changes: Sequence[Change], form: str) -> str:
-        if not any(c.before or c.after for c in changes):
-            return f"{form.format(0.0)} by all three laws"
-        if len(changes) > len(others):
-            ratios = _ratios(changes)
-            extent = f"{min(ratios):.2f} to {max(ratios):.2f}"
-            return f"with cylindrical laws {extent} times that with {JOINT_LAWS[sphere]}"
-        values = {JOINT_LAWS[sphere]: changes[0].before} | {c.name: c.after for c in changes}
-        by = {JOINT_LAWS["enhanced"]: "the enhanced law"}
-        return ", ".join(
-            f"{form.format(value)} by {by.get(name, name)}" for name, value in values.items()
-        )
-
     def judge(table: pd.DataFrame) -> Finding:
         changes = [
             replace(change, name=f"{JOINT_LAWS[law]} {change.name}".strip())
             for law in others
             for change in compare(table, column, "law", sphere, law, chosen)
         ]
-        return trend(changes, sign, verb, NUMBERS[column], text)
+        times = f"with cylindrical laws {_span(changes)} times that with {JOINT_LAWS[sphere]}"
+        return trend(changes, sign, verb, NUMBERS[column], times)
 
     return judge
 

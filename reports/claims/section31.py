@@ -95,11 +95,6 @@ def fig2_constants(contact: Contact, K: str, n: str) -> Finding:
     )
 
 
-def above(value: float, bar: float = paper.GOOD_CORRELATION) -> str:
-    """Return by how much R² misses a bar, nothing if it does not."""
-    return "" if value > bar else f"{bar - value:.4f} below {bar}"
-
-
 def r_squared_of_law(load: FloatArray, contact: Contact, dR: float) -> float:
     """Return R² of ln f of the published law against Johnson's at ΔR in mm and 207 GPa."""
     pair = reference_pair(contact, dR)

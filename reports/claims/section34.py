@@ -25,11 +25,6 @@ def elastic(E_GPa: float, nu: float) -> Material:
     return Material("", 1e3 * E_GPa, nu)
 
 
-def limit(material: Material, dR: float) -> float:
-    """Return Johnson's limit in N/mm."""
-    return float(limits.johnson_limit_load(paper.clearance_pair(dR, material)))
-
-
 def yield_load(material: Material, dR: float, R_i: float = paper.HOLE_RADIUS) -> float:
     """Return the load at yield in N/mm."""
     return float(limits.yield_load(paper.clearance_pair(dR, material, R_i), "Hertz"))
