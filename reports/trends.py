@@ -77,13 +77,7 @@ class Change:
 
     @property
     def margin(self) -> float:
-        """The half-width of the interval of `relative` (Welch); 0 where there is no interval.
-
-        Examples
-        --------
-        >>> print(f"{Change('', 10.0, 20.0, (1.0, 1.0)).margin:.4f}")
-        0.1368
-        """
+        """The half-width of the interval of `relative` (Welch); 0 where there is no interval."""
         return self._share(self._width)
 
     def _share(self, value: float) -> float:
@@ -103,14 +97,7 @@ class Change:
         return float(stdtrit(welch, share)) * math.sqrt(total)
 
     def kind(self, sign: int) -> Kind:
-        """Return whether the change has a sign, its reverse, neither, or cannot be told.
-
-        Examples
-        --------
-        >>> [Change("", 1.0, to, (w, w)).kind(1) for to, w in
-        ...  ((2, 0.1), (1.01, 0.001), (0.5, 0.1), (0.9, 0.2))]
-        ['shows', 'equal', 'reverse', 'open']
-        """
+        """Return whether the change has a sign, its reverse, neither, or cannot be told."""
         rise, width = sign * (self.after - self.before), self._width
         floor = FLOOR * abs(self.before)
         if abs(rise) + width <= floor:
@@ -194,15 +181,6 @@ def trend(
 
     It holds if every one shows it or is equal, and at least half show it; it fails if some change
     certainly goes the other way, or if all are equal; else the runs cannot tell.
-
-    Examples
-    --------
-    >>> rise, fall, wide = Change("a", 1, 2), Change("b", 2, 1), Change("c", 1, 2, (1.5, 1.5))
-    >>> number = "force, dry → wet", "{:g} N", "N"
-    >>> [trend(changes, 1, "rises", number).holds for changes in ([rise], [fall], [wide])]
-    [True, False, None]
-    >>> print(trend([rise, fall], 1, "rises", number).ours)
-    rises in 1 of 2 comparisons; force, dry → wet: a 1 → 2 N, b 2 → 1 N
     """
     label, form, unit = number
     kinds = [change.kind(sign) for change in changes]

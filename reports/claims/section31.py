@@ -26,7 +26,7 @@ from ..power_fits import (
     r_squared_at,
     reference_pair,
 )
-from ..readings import found
+from ..readings import found, reading
 from ..searched_readings import IF_MISPRINT, on_samples
 
 K_UNIT = "N/mm per mmⁿ"
@@ -44,11 +44,6 @@ FIG2_CASES = [
     }
     for contact, (K, n) in paper.FIG2_FITS.items()
 ]
-
-
-def judged(choice: str, ours: str, miss: str, missing: str = "") -> Reading:
-    """Return a reading that meets its rule if there is nothing that it misses."""
-    return Reading(choice, ours, not miss, missing, miss)
 
 
 @claim(
@@ -79,9 +74,7 @@ def fig2_constants(contact: Contact, K: str, n: str) -> Finding:
     def of(choice: str, fit: PowerFit, missing: str = WINDOW) -> Reading:
         met = agrees_as_printed(fit.K, K) and agrees_as_printed(fit.n, n)
         off = f"K {100 * (fit.K / float(K) - 1):+.3f} %, n {100 * (fit.n / float(n) - 1):+.3f} %"
-        return judged(
-            choice, f"K = {fit.K:.1f} {K_UNIT}, n = {fit.n:.5f}", "" if met else off, missing
-        )
+        return reading(choice, f"K = {fit.K:.1f} {K_UNIT}, n = {fit.n:.5f}", met, off, missing)
 
     missing = "" if internal else WINDOW
     own = of(f"{LOADS[contact]}, line through (ln δ, ln f)", fig2_fit(contact), missing)
@@ -149,8 +142,11 @@ def sensitivity(contact: Contact, bounds: Interval) -> Finding:
         choice=f"equal relative changes; {FIG3_LOADS}",
         miss=miss(equal),
         alternatives=[
-            replace(
-                judged(name, f"ratio {ratio:.2f}", miss(ratio)),
+            reading(
+                name,
+                f"ratio {ratio:.2f}",
+                not miss(ratio),
+                miss(ratio),
                 ground="Fig 3 shows the whole ranges",
             )
             for name, ratio in ratios.items()
@@ -225,7 +221,7 @@ def internal_no_single_n() -> Finding:
     n, share = served("internal")
     missed = "" if share < 100 else f"one n serves {share:.0f} %, not below 100 %"
     choice = f"{CORRELATES}, with the best K for that n; shares on logarithmic axes"
-    own = judged(choice, f"n = {n:.3f} serves {share:.0f} %", missed, WINDOW)
+    own = reading(choice, f"n = {n:.3f} serves {share:.0f} %", not missed, missed, WINDOW)
     return found(
         [own],
         f"the best single exponent, n = {n:.3f}, serves {share:.0f} % of the ranges",
@@ -247,7 +243,7 @@ def external_single_n(bench: Bench) -> Finding:
     _, share = served("external", N_EXTERNAL)
     missed = "" if share > MOST else f"{MOST - share:.0f} points below half"
     choice = f"{CORRELATES}, with the best K everywhere; shares on logarithmic axes"
-    own = judged(choice, f"serves {share:.1f} %", missed, WINDOW)
+    own = reading(choice, f"serves {share:.1f} %", not missed, missed, WINDOW)
     return found(
         [own],
         f"n = {N_EXTERNAL} serves {share:.1f} % of the ranges; a search of a, b and n ends at "

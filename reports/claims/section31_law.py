@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.optimize import brentq, linprog
 
@@ -17,7 +15,8 @@ from cylcontact.reports.claims import Finding, agrees_as_printed, claim
 from .. import paper
 from ..paper import WINDOW
 from ..power_fits import johnson_points, r_squared, reference_pair
-from .section31 import judged, r_squared_of_law
+from ..readings import reading
+from .section31 import r_squared_of_law
 
 # Not in the paper: the stiffest unfilled plastics, and diamond, the stiffest common solid.
 E_PLASTIC, E_DIAMOND = 4.0, 1150.0  # GPa
@@ -52,10 +51,13 @@ def k_star_linear(contact: Contact) -> Finding:
         choice=f"a fit at each of 61 clearances, {'n = 1.094 held, ' if external else ''}207 GPa, "
         "10 to 1000 N/mm, all logarithmic",
         missing=WINDOW,
-        miss=below_99(explained),
+        miss="" if explained > 0.99 else f"R² {0.99 - explained:.3f} below 0.99",
         alternatives=[
-            replace(
-                judged("the closest straight line, within 10 %", f"{least:.1f} %", above_10(least)),
+            reading(
+                "the closest straight line, within 10 %",
+                f"{least:.1f} %",
+                least < 10,
+                f"{least - 10:.1f} points above 10 %",
                 ground="10 % is the paper's bound for models that agree (Sects. 3.2 and 5)",
             ),
         ],
@@ -71,16 +73,6 @@ def k_star_linear(contact: Contact) -> Finding:
             "worst of the published line with n held, percent": off,
         },
     )
-
-
-def below_99(explained: float) -> str:
-    """Return by how much R² misses 0.99, nothing if it does not."""
-    return "" if explained > 0.99 else f"R² {0.99 - explained:.3f} below 0.99"
-
-
-def above_10(percent: float) -> str:
-    """Return by how much a misfit exceeds 10 %, nothing if it does not."""
-    return "" if percent < 10 else f"{percent - 10:.1f} points above 10 %"
 
 
 def k_stars(contact: Contact, dR: FloatArray, *, hold_n: bool) -> FloatArray:

@@ -18,6 +18,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim
 
 from ..paper import WINDOW
+from ..readings import reading
 from ..searched_readings import (
     BORROWED,
     IF_MISPRINT,
@@ -27,7 +28,7 @@ from ..searched_readings import (
     problem_from,
     with_axes,
 )
-from .section31 import N_EXTERNAL, judged
+from .section31 import N_EXTERNAL
 
 SEARCHED: dict[Contact, str] = {
     "internal": "only a and the factor of Y are searched, and the others follow from them as the "
@@ -125,7 +126,7 @@ def best_correlation(bench: Bench, contact: Contact) -> Finding:
         missing=WINDOW,
         miss=miss(own),
         alternatives=[
-            judged(name, f"{ratio:.3f} times", miss(ratio), WINDOW)
+            reading(name, f"{ratio:.3f} times", not miss(ratio), miss(ratio), WINDOW)
             for name, ratio in ratios.items()
             if IF_MISPRINT not in name
         ],
@@ -220,7 +221,13 @@ def recovered(bench: Bench, contact: Contact, name: str, tolerance: float, print
         ground=N_BEFORE if (contact, name) == ("external", "a") else "",
         miss=miss(own),
         alternatives=[
-            judged(key, f"{value:.4g} ({off(value):+.1f} %)", miss(value), WINDOW)
+            reading(
+                key,
+                f"{value:.4g} ({off(value):+.1f} %)",
+                not miss(value),
+                miss(value),
+                WINDOW,
+            )
             for key, value in found.items()
             if IF_MISPRINT not in key
         ],
@@ -278,7 +285,13 @@ def no_single_Y(bench: Bench) -> Finding:
         missing=WINDOW,
         miss=miss(*own),
         alternatives=[
-            judged(name, f"{values[0]:.4f} and {values[1]:.4f}", miss(*values), WINDOW)
+            reading(
+                name,
+                f"{values[0]:.4f} and {values[1]:.4f}",
+                not miss(*values),
+                miss(*values),
+                WINDOW,
+            )
             for name, values in others
             if IF_MISPRINT not in name
         ],

@@ -30,11 +30,6 @@ def yield_load(material: Material, dR: float, R_i: float = paper.HOLE_RADIUS) ->
     return float(limits.yield_load(paper.clearance_pair(dR, material, R_i), "Hertz"))
 
 
-def unless(met: bool, miss: str) -> str:
-    """Return by how much a rule is missed; nothing where it is met."""
-    return "" if met else miss
-
-
 @claim(
     "3.4-limits-in-proportion",
     "the aluminium alloy's two limits grow with the clearance as Eq 8 has it",

@@ -21,8 +21,8 @@ from ..extremes import (
     lowest_difference,
     share_below,
 )
-from ..readings import found
-from .section34 import elastic, unless
+from ..readings import found, reading
+from .section34 import elastic
 
 Extremes = Mapping[str, Extreme]
 Materials = Mapping[str, Material]
@@ -78,10 +78,10 @@ def below(bound: float, choice: str, extremes: Extremes, missing: str = "") -> R
     """Return whether the largest of the differences is below a bound in percent."""
     name = max(extremes, key=lambda each: abs(extremes[each].percent))
     excess = abs(extremes[name].percent) - bound
-    miss = unless(excess < 0, f"{excess:.1f} points above {bound:.3g} %")
+    miss = f"{excess:.1f} points above {bound:.3g} %"
     worst = extremes[name]
     text = f"{worst.percent:+.1f} % ({name}, {worst.place})"
-    return Reading(choice, text, excess < 0, missing, miss)
+    return reading(choice, text, excess < 0, miss, missing)
 
 
 def bounded(
@@ -152,7 +152,7 @@ def below_8_percent(bench: Bench) -> Finding:
 def below_4_percent(bench: Bench) -> Finding:
     """Return the largest difference at moderate loads, the maximum around 25 µm left out."""
     materials, switch = paper.five_materials(bench), float(paper.Y_SWITCH)
-    reading = partial(bounded, materials, 4.0)
+    other = partial(bounded, materials, 4.0)
     largest = largest_by_material(materials, FROM_50_UM)
     any_load = replace(FROM_50_UM, loads=paper.LOADS)
     best = {name: best_load(m, any_load) for name, m in materials.items()}
@@ -171,9 +171,9 @@ def below_4_percent(bench: Bench) -> Finding:
     return found(
         [
             replace(own, ours=f"{own.ours}; {told}"),
-            reading(f"{MIDDLE_LABEL}, R_i = 10 mm", middle, paper.WINDOW),
-            reading(f"{MIDDLE_LABEL}, R_i = 5 mm", MIDDLE_SMALL_HOLE, paper.WINDOW),
-            reading("20–100 N/mm (Sect. 3.2)", sect_32, paper.WINDOW),
+            other(f"{MIDDLE_LABEL}, R_i = 10 mm", middle, paper.WINDOW),
+            other(f"{MIDDLE_LABEL}, R_i = 5 mm", MIDDLE_SMALL_HOLE, paper.WINDOW),
+            other("20–100 N/mm (Sect. 3.2)", sect_32, paper.WINDOW),
             below(4, "the load that suits each material best", best, paper.WINDOW),
             bounded(
                 halved_strengths(materials),
@@ -192,10 +192,9 @@ def below_4_percent(bench: Bench) -> Finding:
 
 def rounds_to_8(choice: str, extremes: Extremes, missing: str = "") -> Reading:
     """Return whether the largest of the differences rounds to 8 %."""
-    reading = below(8, choice, extremes, missing)
     percent = max(abs(extreme.percent) for extreme in extremes.values())
-    holds = round(percent) == 8
-    return replace(reading, holds=holds, miss=unless(holds, f"{percent - 8:+.1f} points"))
+    ours = below(8, choice, extremes).ours
+    return reading(choice, ours, round(percent) == 8, f"{percent - 8:+.1f} points", missing)
 
 
 @claim(
@@ -299,8 +298,7 @@ def grows(choice: str, growths: Mapping[str, float], told: str) -> Reading:
     """
     name = min(growths, key=growths.__getitem__)
     text = f"{told} grows by {growths[name]:.1f} percentage points or more (least for {name})"
-    holds = growths[name] > 0
-    return Reading(choice, text, holds, miss=unless(holds, f"falls by {-growths[name]:.1f} points"))
+    return reading(choice, text, growths[name] > 0, f"falls by {-growths[name]:.1f} points")
 
 
 @claim(
@@ -367,11 +365,10 @@ def growth_below_quarter_mm_against_modulus(bench: Bench) -> Finding:
     firsts = ", ".join(f"{name} {size[0]:.1f}" for name, size in sizes.items())
     least = np.diff(list(sizes.values()), axis=0).min()
     # Materials at the same φ have the same difference but for rounding.
-    holds = bool(least > -1e-9)
-    own = Reading(
+    own = reading(
         "signed as in Eq 9, from 500 to 1000 N/mm, given at 20 µm",
         f"{firsts} points",
-        holds,
-        miss=unless(holds, f"falls by {-least:.1f} points"),
+        least > -1e-9,
+        f"falls by {-least:.1f} points",
     )
     return found([own], values=with_unit(at_tenth, "percentage points"))
