@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,16 +56,6 @@ def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:
     return result
 
 
-def own_arrays(instance: Any) -> None:
-    """Replace the arrays and lists of a frozen dataclass by read-only arrays of its own."""
-    for field in fields(instance):
-        value = getattr(instance, field.name)
-        if isinstance(value, np.ndarray | list | tuple):
-            own = np.array(value)
-            own.flags.writeable = False
-            object.__setattr__(instance, field.name, own)
-
-
 def require_positive(
     value: object, source: str, key: str, remedy: str, rule: str = "must be positive and finite"
 ) -> FloatArray:
@@ -76,9 +65,21 @@ def require_positive(
     return numbers
 
 
-def same_fields(instance: Any, other: object) -> bool:
-    """Return whether two dataclass instances are equal, arrays compared by value."""
-    names = [field.name for field in fields(instance)]
-    return type(instance) is type(other) and all(
-        np.array_equal(getattr(instance, name), getattr(other, name)) for name in names
-    )
+class OfArrays:
+    """A frozen dataclass with arrays of its own, which are read-only and compared by value."""
+
+    def own_arrays(self) -> None:
+        """Replace arrays and lists by read-only copies."""
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray | list | tuple):
+                own = np.array(value)
+                own.flags.writeable = False
+                object.__setattr__(self, name, own)
+
+    def __eq__(self, other: object) -> bool:
+        names = [field.name for field in fields(self)]  # type: ignore[arg-type]
+        return type(self) is type(other) and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in names
+        )
+
+    __hash__ = None  # type: ignore[assignment]

@@ -12,13 +12,12 @@ import numpy as np
 
 from cylcontact.arrays import (
     FloatArray,
+    OfArrays,
     as_floats,
     as_numbers,
-    own_arrays,
     require,
     require_one_shape,
     require_positive,
-    same_fields,
 )
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
@@ -51,7 +50,7 @@ _OWN = "datasets/materials.csv"
 
 
 @dataclass(frozen=True, eq=False)
-class Material:
+class Material(OfArrays):
     """A linear elastic, isotropic material with an optional yield stress.
 
     Parameters
@@ -122,7 +121,7 @@ class Material:
             rule, remedy = "is beyond any material", "give it in 1/K, 12e-6 for steel"
             expansion = require_positive(value, source, key, remedy)
             require(expansion < 1e-3, source, key, value, rule, remedy)
-        own_arrays(self)
+        self.own_arrays()
 
     @classmethod
     def named(cls, name: str) -> Material:
@@ -147,11 +146,6 @@ class Material:
         table, others = "the table that ships", ", or give Material(name, E, nu)"
         rows = shipped_materials()
         return find_material(name, rows, "Material.named", "name", table, others).material
-
-    def __eq__(self, other: object) -> bool:
-        return same_fields(self, other)
-
-    __hash__ = None  # type: ignore[assignment]
 
     def _repr_html_(self) -> str:
         rows = {"E (MPa)": self.E, "ν (-)": self.nu, "yield stress (MPa)": self.yield_stress}

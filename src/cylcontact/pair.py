@@ -12,13 +12,12 @@ from cylcontact import choices
 from cylcontact.arrays import (
     BoolArray,
     FloatArray,
+    OfArrays,
     as_floats,
     as_numbers,
-    own_arrays,
     require,
     require_one_shape,
     require_positive,
-    same_fields,
 )
 from cylcontact.errors import InputError, short
 from cylcontact.fits import Fit
@@ -44,7 +43,7 @@ _SLENDERNESS = 0.02, 100.0  # length over radius
 
 
 @dataclass(frozen=True, eq=False)
-class CylinderPair:
+class CylinderPair(OfArrays):
     """Two parallel cylinders: a pin in a hole (internal), two rollers or a roller on a plane.
 
     Build one with `internal`, `external` or `from_dR`; the constructor takes all numbers as they
@@ -113,7 +112,7 @@ class CylinderPair:
         flat = ("dR", "R_j") if is_external and len(known) == 2 else ()
         lengths = _lengths(*flat, dR=self.dR, **given)
         require_one_shape(_SOURCE, **lengths, **moduli)
-        own_arrays(self)
+        self.own_arrays()
         if len(known) == 2:
             self._require_agreement(lengths["R_i"], lengths["R_j"])
         elif known and (is_external or "R_i" in known):
@@ -129,11 +128,6 @@ class CylinderPair:
             rule = f"contradicts R_i = {short(R_i)} and R_j = {short(R_j)}, which give {short(own)}"
             remedy = "change the radii with it, or leave them out"
             raise InputError(_SOURCE, "dR", self.dR, rule, remedy)
-
-    def __eq__(self, other: object) -> bool:
-        return same_fields(self, other)
-
-    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         names = [field.name for field in fields(self)]

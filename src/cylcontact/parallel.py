@@ -47,8 +47,6 @@ class Cluster:
     address: str
 
     def __post_init__(self) -> None:
-        if not self.address:  # Dask would start a cluster of its own on this machine
-            raise self.error("is not the address of a scheduler", "give what dask scheduler prints")
         try:
             import distributed  # noqa: F401
         except ImportError:

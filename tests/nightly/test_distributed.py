@@ -11,6 +11,7 @@ import pytest
 from cylcontact import InputError, parallel
 from cylcontact.fitting import calibrate
 from cylcontact.parallel import Cluster, call, run_calls
+from cylcontact.reading import require_file
 from tests.support.dask_cluster import LoopbackCluster, kill
 from tests.support.spec_files import assert_told
 
@@ -58,10 +59,8 @@ def test_results_come_in_the_order_of_the_calls(loopback):
         worker.pid for worker in loopback.workers
     }
     with pytest.raises(InputError) as caught:  # which comes back whole
-        list(run_calls([call(Cluster, "")], Cluster(loopback.address)))
-    assert_told(
-        caught, "--scheduler", "", "", "is not the address of a scheduler", "dask scheduler"
-    )
+        list(run_calls([call(require_file, "none.csv")], Cluster(loopback.address)))
+    assert_told(caught, "none.csv", "", None, "cannot be read", "check the path")
 
 
 @pytest.mark.long

@@ -69,12 +69,7 @@ def test_workers_are_in_the_folder_of_their_parent(tmp_path, monkeypatch):
         assert list(run_calls([call(os.getcwd)] * 2, 2)) == [str(tmp_path / name)] * 2
 
 
-def test_a_cluster_needs_an_address_and_its_extra(monkeypatch):
-    with pytest.raises(InputError) as caught:
-        Cluster("")
-    assert_told(
-        caught, "--scheduler", "", "", "is not the address of a scheduler", "dask scheduler"
-    )
+def test_a_cluster_needs_its_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)  # what Python does for "not there"
     with pytest.raises(InputError) as caught:
         Cluster("tcp://127.0.0.1:8786")

@@ -325,7 +325,7 @@ def uncertainty(
     say(f"{study}\n\nwritten to {out}" if out else str(study))
 
 
-@takes("settings", SETTINGS)
+@takes("settings", SETTINGS, listed=False)
 @takes("pair", PAIR, listed=False)
 def choose(
     data: Path = DATA,
@@ -337,7 +337,7 @@ def choose(
 ) -> None:
     """Fit all laws to a table and rank them; say whether the data can tell.
 
-    What the table does not say of its pair takes the options of cylcontact laws, --pin and others.
+    The table takes the options of cylcontact fit, and its pair those of cylcontact laws.
     """
     from cylcontact.fitting.choice import choose_law
     from cylcontact.reports.fit_folder import write_choice
@@ -351,7 +351,7 @@ def choose(
     say(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
 
 
-@takes("settings", SETTINGS)
+@takes("settings", SETTINGS, listed=False)
 @takes("pair", PAIR, listed=False)
 def design(
     data: Path = DATA,
@@ -369,7 +369,7 @@ def design(
 ) -> None:
     """Say which further readings of a table would narrow its intervals most.
 
-    What the table does not say of its pair takes the options of cylcontact laws, --pin and others.
+    The table takes the options of cylcontact fit, and its pair those of cylcontact laws.
     """
     import numpy as np
 

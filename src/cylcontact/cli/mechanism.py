@@ -39,9 +39,6 @@ TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 
 SPEC = argument("A mechanism's spec, e.g. datasets/slider_crank.toml.")
 TABLE = output("The table, .csv or .parquet.", default=...)
-LAW = option("The law, e.g. johnson.", metavar="NAME")
-RESTITUTION = number("Restitution, above 0 up to 1.")
-FRICTION = number("Friction coefficient.")
 REVOLUTIONS = count(1, "Revolutions in all; the spec's by default.")
 FIRST = count(0, "First revolution that counts, from 0.")
 METHOD = option(
@@ -56,7 +53,14 @@ END = option(
     metavar="WHAT",
     default="stop",
 )
-# What replaces values of a mechanism's spec, each by one or several.
+# What replaces values of a mechanism's spec, each by one.
+CHANGE: Options = {
+    "law": (str | None, option("The law, e.g. johnson.", metavar="NAME")),
+    "restitution": (float | None, number("Restitution, above 0 up to 1.")),
+    "friction": (float | None, number("Friction coefficient.")),
+    "materials": (str | None, MATERIALS),
+}
+# The same, each by one or several.
 CHANGES: Options = {
     "law": (list[str] | None, several("Laws, e.g. johnson.", of=str, metavar="NAME")),
     "clearance": (list[float] | None, several("Radial clearances, mm.")),
@@ -83,16 +87,14 @@ def _of_fit(code: str) -> list[float]:
     return clearances
 
 
+@takes("change", CHANGE)
 def simulate(
     spec: Path = SPEC,
     *,
     out: Path | None = output("The trajectory, .parquet, or a film of the end, .gif or .mp4."),
     table: Path | None = option("The numbers by revolution, .csv or .parquet.", metavar="PATH"),
-    law: str | None = LAW,
     clearance: float | None = number("Radial clearance, mm."),
-    restitution: float | None = RESTITUTION,
-    friction: float | None = FRICTION,
-    materials: str | None = MATERIALS,
+    change: dict[str, Any],
     revolutions: int | None = count(
         1, "Revolutions in all; the spec's by default, of a film three."
     ),
@@ -118,9 +120,7 @@ def simulate(
     require_output(table, *OUTPUT_SUFFIXES)
     rule, possible = "needs a file to go on from", out is not None and not filmed
     require(possible or not resume, "simulate", "--resume", None, rule, "name it: -o run.parquet")
-    mechanism = read_mechanism(
-        spec, materials, law=law, clearance=clearance, restitution=restitution, friction=friction
-    )
+    mechanism = read_mechanism(spec, clearance=clearance, **change)
     depth = None if allowed_penetration is None else allowed_penetration * 1e-6
     settings = settings_for(mechanism, method, tolerance, beyond, allowed_penetration=depth)
     if filmed:
@@ -296,6 +296,7 @@ def tolerances(
         raise typer.Exit(1)
 
 
+@takes("change", CHANGE)
 def bifurcation(
     spec: Path = SPEC,
     *,
@@ -304,10 +305,7 @@ def bifurcation(
         "The smallest and the largest, mm; 0.01,0.5 by default.", metavar="LOW,HIGH"
     ),
     points: int = count(1, "How many clearances.", default=40),
-    law: str | None = LAW,
-    restitution: float | None = RESTITUTION,
-    friction: float | None = FRICTION,
-    materials: str | None = MATERIALS,
+    change: dict[str, Any],
     revolutions: int = count(1, "Revolutions in all.", default=200),
     last: int = count(1, "Revolutions recorded of each.", default=50),
     impact_rate: list[float] | None = several(
@@ -325,7 +323,7 @@ def bifurcation(
     from cylcontact.mechanism import read_mechanism
 
     require_output(out, *OUTPUT_SUFFIXES)
-    mechanism = read_mechanism(spec, materials, law=law, restitution=restitution, friction=friction)
+    mechanism = read_mechanism(spec, **change)
     ends = clearance or [0.01, 0.5]
     rule = "must be two positive numbers, the smallest and the largest"
     require(len(ends) == 2 and min(ends) > 0, "--clearance", "", ends, rule, "e.g. 0.01,0.5")
