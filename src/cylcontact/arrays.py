@@ -68,7 +68,7 @@ def require_positive(
 class OfArrays:
     """A frozen dataclass with arrays of its own, which are read-only and compared by value."""
 
-    def own_arrays(self) -> None:
+    def _own_arrays(self) -> None:
         """Replace arrays and lists by read-only copies."""
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray | list | tuple):

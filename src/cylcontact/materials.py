@@ -121,7 +121,7 @@ class Material(OfArrays):
             rule, remedy = "is beyond any material", "give it in 1/K, 12e-6 for steel"
             expansion = require_positive(value, source, key, remedy)
             require(expansion < 1e-3, source, key, value, rule, remedy)
-        self.own_arrays()
+        self._own_arrays()
 
     @classmethod
     def named(cls, name: str) -> Material:

@@ -112,7 +112,7 @@ class CylinderPair(OfArrays):
         flat = ("dR", "R_j") if is_external and len(known) == 2 else ()
         lengths = _lengths(*flat, dR=self.dR, **given)
         require_one_shape(_SOURCE, **lengths, **moduli)
-        self.own_arrays()
+        self._own_arrays()
         if len(known) == 2:
             self._require_agreement(lengths["R_i"], lengths["R_j"])
         elif known and (is_external or "R_i" in known):
