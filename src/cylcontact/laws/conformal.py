@@ -311,7 +311,9 @@ class Conformal(OverLength):
     datum: Datum = "johnson"
     name: ClassVar[str] = "conformal"
     contacts: ClassVar[tuple[Contact, ...]] = ("internal",)
-    _repr_html_ = law_html
+
+    def _repr_html_(self) -> str:
+        return law_html(self)
 
     def __post_init__(self) -> None:
         known = self.datum == "johnson" if isinstance(self.datum, str) else is_number(self.datum)
