@@ -204,7 +204,7 @@ class TestCommand:
     @pytest.mark.parametrize(
         ("size", "said"),
         [
-            (0.015, "base, ΔR = 0.5 mm, 20, 40 N/mm: is too coarse|2 of 4 cases have no|keeps the others"),
+            (0.015, "base, ΔR = 0.5 mm, 20, 40 N/mm: is too coarse|2 of 4 cases|keeps the others"),
             (0.1, "is too coarse|4 of 4 cases have no solution|correct the set-up"),
         ],
     )
