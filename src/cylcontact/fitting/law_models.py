@@ -107,7 +107,8 @@ def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
     if model is None or not model.on_grid:
         known = " or ".join(sorted({model.law for model in MODELS.values() if model.on_grid}))
         rule = "is not a law that can be fitted on a grid"
-        raise InputError(source, "law", law, rule, f"choose {known}")
+        remedy = f"choose {known}; for another, cylcontact sample the grid and fit that table"
+        raise InputError(source, "law", law, rule, remedy)
     return model
 
 
