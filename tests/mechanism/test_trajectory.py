@@ -131,6 +131,7 @@ def test_a_law_of_ones_own_can_be_used_and_its_run_is_saved_but_not_read_back(tm
 
 def test_files_that_hold_no_trajectory_are_told(tmp_path):
     (tmp_path / "text.parquet").write_bytes(b"hello")
+    require_package("pyarrow")
     pd.DataFrame({"x": [1.0]}).to_parquet(tmp_path / "other.parquet")
     rules = {"none": "cannot be read", "text": "cannot be read", "other": "holds no trajectory"}
     for name, rule in rules.items():
