@@ -5,7 +5,6 @@ python -m benchmarks.cluster    # prints the table of docs/how-to/cluster.md; so
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 import cloudpickle
 from distributed import LocalCluster
 
+from benchmarks.harness import Side, seconds_of
 from cylcontact.fitting import Campaign, calibrate
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.runs import searches
@@ -45,7 +45,8 @@ def main() -> None:
             n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None
         ) as local:
             where = Cluster(local.scheduler_address)
-            seconds = [min(_seconds(job, where) for _ in range(ROUNDS)) for job in jobs.values()]
+            sides = [Side(name, partial(job, where)) for name, job in jobs.items()]
+            seconds = [min(seconds_of(side) for _ in range(ROUNDS)) for side in sides]
         print(f"| {count} | " + " | ".join(f"{each:.2f} s" for each in seconds) + " |", flush=True)
     problem, _ = problem_of(campaign)
     run = searches(problem, spec.optimizer, spec.genetic, spec.seed, campaign.source)[0]
@@ -55,12 +56,6 @@ def main() -> None:
         print(
             f"{name}: {sent / 1e3:.1f} kB there, {len(cloudpickle.dumps(back)) / 1e3:.1f} kB back"
         )
-
-
-def _seconds(job: Callable[[Workers], Any], where: Workers) -> float:
-    started = time.perf_counter()
-    job(where)
-    return time.perf_counter() - started
 
 
 if __name__ == "__main__":

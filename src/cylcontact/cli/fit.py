@@ -157,8 +157,9 @@ def finite_element(
             say("\n".join(f"cylcontact: {failure}" for failure in failures), err=True)
             cases = len(study.setups) * len(study.dR) * len(study.load)
             rule = f"{cases - len(rows)} of {cases} cases have no solution, for the reasons above"
-            kept = f"{journal} keeps the others, and --resume solves only what is missing"
-            remedy = kept if len(rows) else "correct the set-up"
+            remedy = "correct the set-up"
+            if len(rows):
+                remedy = f"{journal} keeps the others, and --resume solves only what is missing"
             raise InputError(str(spec), "", None, rule, remedy)
         write_table(target, study, solver_name(), rows)
     say(f"{target}: {len(rows)} cases by {solver_name()}")
