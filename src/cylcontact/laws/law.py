@@ -20,7 +20,7 @@ from cylcontact.pair import CONTACTS, Contact, CylinderPair
 Coefficients = Mapping[str, float]
 
 # Numbers at a time: what a formula makes of them stays in the cache of a core.
-BLOCK = 16384
+BLOCK = 32768
 # Of Newton's method for a penetration: steps at most, the last one, and how far from the guess it
 # is sought.
 _STEPS, _LAST_STEP, _REACH = 200, 1e-8, 1e120
