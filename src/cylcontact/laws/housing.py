@@ -476,15 +476,11 @@ def _free_arc(
     sector: Sector, D: FloatArray, T: FloatArray, radius: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return φ and B, shape (modes, harmonics), and the stiffness A of the free arc of the rim."""
-    from scipy.special import jv
-
     F = np.pi - np.radians(sector.angle) / 2
     n, k = np.arange(1, _RIM_HARMONICS + 1), np.arange(1, _MODES + 1)
-    phi = np.zeros((_MODES, n.size + 1))
-    phi[:, 1:] = k[:, None] * jv(k[:, None], n * F) / n
-    phi[0, 0] = F / 4
+    phi = _modes(F)
     if sector.side == "near":  # the free arc is opposite to the load
-        phi[:, 1::2] *= -1
+        phi = phi * np.where(np.arange(n.size + 1) % 2 == 1, -1, 1)
     e = np.where(np.arange(n.size + 1) == 0, 2 * np.pi, np.pi)
     last = D.shape[0] - 1
     beyond = np.arange(last + 1, n.size + 1) / last
@@ -504,6 +500,15 @@ def _free_arc(
     B[odd] = phi[odd, :count] * (e[:count] * T[:, 0])
     B[even] = phi[even, :count] * (e[:count] * T[:, 1])
     return as_floats(phi), B, (A + A.T) / 2
+
+
+@lru_cache(maxsize=16)
+def _modes(F: float) -> FloatArray:
+    """Return the harmonics of the modes of a free arc of ±F, shape (modes, harmonics)."""
+    from scipy.special import jv
+
+    n, k = np.arange(1, _RIM_HARMONICS + 1), np.arange(1, _MODES + 1)[:, None]
+    return as_floats(np.hstack([F / 4 * (k == 1), k * jv(k, n * F) / n]))
 
 
 def _require_own(g: tuple[tuple[float, ...], ...]) -> None:

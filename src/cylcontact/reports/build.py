@@ -17,6 +17,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from matplotlib import rc_context
+
 from cylcontact.choices import Format
 from cylcontact.errors import InputError
 from cylcontact.files import replacing_all, require_apart, require_writable
@@ -43,6 +45,8 @@ __all__ = [
 ]
 
 DPI = 300
+# A figure without a layout engine would take the style's.
+_ARRANGED = {"figure.constrained_layout.use": False}
 # Seven significant digits: more than a figure can show, fewer than round-off affects.
 NUMBER_FORMAT = "%.7g"
 
@@ -154,7 +158,8 @@ def draw(
         drawing: Drawing = function(bench, **given)
         # Arranged once, so that each format shows the same and none does it again.
         drawing.figure.draw_without_rendering()
-        drawing.figure.set_layout_engine(None)
+        with rc_context(_ARRANGED):
+            drawing.figure.set_layout_engine(None)
         return drawing
 
 
@@ -278,7 +283,7 @@ def save_picture(drawing: Drawing, picture: Path, form: Format, style: FigureSty
     }
     # Drawn in memory first: where the disk is full, matplotlib's PDF fails with another error.
     target = io.BytesIO()
-    with figure_style(style):
+    with figure_style(style), rc_context(_ARRANGED):
         drawing.figure.savefig(target, format=form, dpi=DPI, metadata=metadata[form])
     picture.write_bytes(target.getvalue())
 
