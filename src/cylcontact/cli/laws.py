@@ -165,7 +165,8 @@ def export(
     others are of any. With --range, print the parameters of the code's own contact that follow a
     joint's law over a range.
     """
-    own_contact = {"--range": force_range, "--mass": mass, "--speed": speed}
+    forces = force_range and "{:g}:{:g}".format(*force_range)
+    own_contact = {"--range": forces, "--mass": mass, "--speed": speed}
     require_output(out)
     if target in CODES:
         _export_parameters(joint, target, force_range, mass, speed, pair.get("materials"), out)

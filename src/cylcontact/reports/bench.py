@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.results import FitResult, LawFit
+from cylcontact.fitting.results import LawFit
 from cylcontact.materials import MaterialRow, known_materials, shipped_materials
 from cylcontact.parallel import Workers
 
@@ -224,18 +224,6 @@ class Bench:
                 f"make it with: cylcontact fit fitting/{name}.toml -o {path}",
             )
         return LawFit.read(path)
-
-    def results_by_name(self) -> dict[str, FitResult]:
-        """Load every fit result of the results folder, name → result.
-
-        Raises
-        ------
-        InputError
-            If a file there is not a fit result.
-        """
-        return {
-            path.stem: FitResult.read(path) for path in sorted(self.results_folder.glob("*.json"))
-        }
 
 
 def call_in_bench(root: Path, module: str, function: str, *arguments: Any) -> Any:

@@ -46,7 +46,7 @@ __all__ = [
 
 DPI = 300
 # A figure without a layout engine would take the style's.
-_ARRANGED = {"figure.constrained_layout.use": False}
+_ARRANGED: Any = {"figure.constrained_layout.use": False}
 # Seven significant digits: more than a figure can show, fewer than round-off affects.
 NUMBER_FORMAT = "%.7g"
 

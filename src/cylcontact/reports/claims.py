@@ -49,7 +49,6 @@ __all__ = [
     "claim",
     "joined",
     "ledger",
-    "listed",
     "untestable",
     "with_unit",
     "withdrawn",
@@ -509,17 +508,6 @@ def agrees_as_printed(value: float, printed: str) -> bool:
     """
     decimals = len(printed.partition(".")[2])
     return round(value, decimals) == float(printed)
-
-
-def listed(values: Mapping[str, object], form: str, separator: str = ", ") -> str:
-    """Return "name value, name value, …" with each value formatted by `form`.
-
-    Examples
-    --------
-    >>> listed({"steel": 1.25, "titanium": 2.0}, "{:.1f} %")
-    'steel 1.2 %, titanium 2.0 %'
-    """
-    return separator.join(f"{name} {form.format(value)}" for name, value in values.items())
 
 
 def with_unit(values: Mapping[str, float], unit: str) -> dict[str, float]:

@@ -100,8 +100,8 @@ def numbers(choice: Choice) -> dict[str, float]:
     Returns
     -------
     dict of str to float
-        NaN for first yield where a material has no yield stress. The width is along the surface of
-        the hole, by conformal contact; for rollers it is Hertz's, as is the pressure.
+        NaN for first yield where a material has no yield stress. The width is that of a strip, from
+        end to end, by conformal contact; for rollers it is Hertz's, as is the pressure.
 
     Examples
     --------
@@ -109,12 +109,13 @@ def numbers(choice: Choice) -> dict[str, float]:
     >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.95, material=steel)
     >>> results = numbers(Choice(pair, 1000.0))
     >>> print(f"{results['width of the contact, mm']:.2f}, {results['first yield, N/mm']:.0f}")
-    8.95, 3599
+    8.65, 3599
     """
     pair, load = choice.pair, choice.load
     if pair.contact == "internal":
         conformal = Conformal(choice.housing or "johnson")
-        width = 2 * np.radians(conformal.contact_angle(load, pair)) * float(pair.R_i or np.nan)
+        angle = np.radians(np.minimum(conformal.contact_angle(load, pair), 90.0))
+        width = 2 * float(pair.R_i or np.nan) * np.sin(angle)
         pressure = conformal.peak_pressure(load, pair)
     else:
         width, pressure = 2 * hertz_half_width(load, pair), hertz_stress(load, pair)
