@@ -99,18 +99,18 @@ def _share(text: str) -> float:
 _COLUMN = _named(str, "load_N=Kraft")
 # By their names as settings of a fit.
 SETTINGS: Options = {
-    "objective": _text("What to minimise: rms-log-penetration, rms-load, ..."),
-    "loss": _text(f"Weight of residuals: {listed(LOSSES)}."),
+    "objective": _text("rms-log-penetration, rms-load, ..."),
+    "loss": _text(f"{listed(LOSSES)}."),
     "ignore": (list[str] | None,
-               option("A column to leave out; may be repeated.", metavar="COLUMN", **_PANEL)),
+               option("Column left out; may be repeated.", metavar="COLUMN", **_PANEL)),
     "columns": (list[str] | None,
-                option("What a column is, e.g. load_N=Kraft; may be repeated.",
+                option("What a column is; may be repeated.",
                        metavar="NAME=COLUMN", parser=_COLUMN, **_PANEL)),
-    "group": _text("The column of the groups, e.g. specimens.", "COLUMN"),
-    "branch": _text(f"Use only the rows of {listed(BRANCHES)}."),
-    "noise": _text(f"How readings scatter: {listed(NOISES)}."),
-    "drift": (bool | None, option("Allow for a drift along each series.", "--drift", **_PANEL)),
-    "load_error": _text("Standard deviation of the loads, e.g. 1%.", "SHARE",
+    "group": _text("Column of groups, e.g. specimens.", "COLUMN"),
+    "branch": _text(f"Only rows of {listed(BRANCHES)}."),
+    "noise": _text(f"{listed(NOISES)}."),
+    "drift": (bool | None, option("Allow for a drift of each series.", "--drift", **_PANEL)),
+    "load_error": _text("Standard deviation of loads, as 1%.", "SHARE",
                         reader(_share, "is not a share; write 1% or 0.01")),
     "free": _texts("Fit what is fixed by default.", "NAME"),
     "bound": _texts("Fit between two values.", "NAME=LOW:HIGH", _named(_bound, "n=1:1.5")),
@@ -168,11 +168,9 @@ def finite_element(
 @takes("settings", SETTINGS)
 @takes("pair", PAIR, listed=False)
 def fit(
-    source: Path = argument(
-        "A campaign, e.g. fitting/internal.toml, or a table.", metavar="CAMPAIGN|TABLE"
-    ),
+    source: Path = argument("A campaign, .toml, or a table.", metavar="CAMPAIGN|TABLE"),
     *,
-    out: Path | None = output("A .json, or for a table a folder; results/NAME by default."),
+    out: Path | None = output("A .json; for a table a folder, results/NAME."),
     runs: int | None = RUNS,
     seed: int | None = SEED,
     optimizer: str | None = option(f"{listed(OPTIMIZERS)}.", metavar="NAME"),
@@ -180,9 +178,7 @@ def fit(
     scheduler: Any = SCHEDULER,
     resume: bool = RESUME,
     force: bool = FORCE,
-    law: str | None = option(
-        "The law, e.g. johnson; or module:function of your own.", metavar="NAME", **_PANEL
-    ),
+    law: str | None = option("Law; module:function of your own.", metavar="NAME", **_PANEL),
     settings: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:

@@ -45,13 +45,13 @@ _WARM = option(
 def laws(
     *,
     load: str = option("N/mm; '6 kN' with --length.", metavar="LOAD", default="100"),
-    own: str | None = option("A function of your own to list as well.", metavar="MODULE:FUNCTION"),
-    fit: str | None = option("A fit, 20H7/g6, in place of the radii.", metavar="CODE"),
+    own: str | None = option("A function of your own beside them.", metavar="MODULE:FUNCTION"),
+    fit: str | None = option("A fit, 20H7/g6, instead of radii.", metavar="CODE"),
     temperature: Any = _WARM,
-    find: str | None = option("dR, E or length, for a stiffness or penetration.", metavar="WHAT"),
+    find: str | None = option("dR, E or length, for one of these:", metavar="WHAT"),
     stiffness: float | None = number("For --find, N/mm²; of a length N/mm."),
     penetration: float | None = number("For --find, µm."),
-    listing: bool = option("A line on each law, and what a fit searches.", "--list", default=False),
+    listing: bool = option("A line each, and what fits search.", "--list", default=False),
     pair: dict[str, Any],
 ) -> None:
     """Compare the laws for a pair, and say which one to use.

@@ -42,13 +42,13 @@ TABLE = output("The table, .csv or .parquet.", default=...)
 REVOLUTIONS = count(1, "Revolutions in all; the spec's by default.")
 FIRST = count(0, "First revolution that counts, from 0.")
 METHOD = option(
-    f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
+    f"{listed(METHODS)} (for any).",
     parser=str,
     metavar="METHOD",
 )
-TOLERANCE = number("Tolerance of the integrator; the spec's by default.")
+TOLERANCE = number("Of the integrator; else the spec's.")
 END = option(
-    f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
+    f"At the law's end: {listed(BEYOND)}.",
     parser=str,
     metavar="WHAT",
     default="stop",
@@ -91,20 +91,16 @@ def _of_fit(code: str) -> list[float]:
 def simulate(
     spec: Path = SPEC,
     *,
-    out: Path | None = output("The trajectory, .parquet, or a film of the end, .gif or .mp4."),
-    table: Path | None = option("The numbers by revolution, .csv or .parquet.", metavar="PATH"),
+    out: Path | None = output("A .parquet, or a film, .gif or .mp4."),
+    table: Path | None = option("By revolution, .csv or .parquet.", metavar="PATH"),
     clearance: float | None = number("Radial clearance, mm."),
     change: dict[str, Any],
-    revolutions: int | None = count(
-        1, "Revolutions in all; the spec's by default, of a film three."
-    ),
-    first: int | None = count(0, "First revolution that counts, or that a film shows, from 0."),
+    revolutions: int | None = count(1, "In all; the spec's, of a film three."),
+    first: int | None = count(0, "First that counts, or shows, from 0."),
     method: choices.Method | None = METHOD,
     tolerance: float | None = TOLERANCE,
     beyond: choices.Beyond = END,
-    allowed_penetration: float | None = number(
-        "The paper's step control: how deep contact may begin, µm."
-    ),
+    allowed_penetration: float | None = number("How deep contact may begin, µm."),
     resume: bool = RESUME,
 ) -> None:
     """Simulate a mechanism with a clearance joint: its statistics, or a film.

@@ -210,4 +210,4 @@ SCHEDULER = option(
 )
 MATERIALS = option("Your own materials; datasets/materials.csv by default.", metavar="TABLE")
 FORCE = option("Replace an output that came from other inputs.", "--force", default=False)
-RESUME = option("Go on from what an interrupted command left.", "--resume", default=False)
+RESUME = option("Go on after an interruption.", "--resume", default=False)

@@ -64,26 +64,26 @@ _LAYER = reader(_layer, "is no material with an inner radius; write e.g. bronze:
 # By their names as constants of a table, where they have one.
 PAIR: Options = {
     "contact": _text(f"{listed(CONTACTS)}.", "--contact"),
-    "pin": _text("The pin's material: its name, or E and ν, '207 GPa, 0.3'.", "--pin", read=_NAMED),
+    "pin": _text("The pin's material, or e.g. '207 GPa, 0.3'.", "--pin", read=_NAMED),
     "hole": _text("The hole's material, in the same way.", "--hole", read=_NAMED),
     "material": _text("Material of both bodies.", "--material", read=_NAMED),
     "material_i": _text("Material of the first of two rollers.", "--material-i", read=_NAMED),
     "material_j": _text("Material of the second of two rollers.", "--material-j", read=_NAMED),
-    "materials": _text("Your own materials; datasets/materials.csv by default.", "--materials"),
-    "E_MPa": _text("Young's modulus of both bodies, MPa or e.g. '207 GPa'.", "--E",
+    "materials": _text("Your own; datasets/materials.csv by default.", "--materials"),
+    "E_MPa": _text("Young's modulus of both, MPa or '207 GPa'.", "--E",
                    read=reader(_modulus, "is no modulus")),
     "nu": (float | None, number("Poisson's ratio of both bodies.", "--nu", **_PANEL)),
-    "dR_mm": _length("ΔR: the radial clearance, or the sum of two rollers' radii.", "--dR"),
-    "R_i_mm": _length("Radius R_i of the hole, or of the first roller.", "--Ri"),
-    "R_j_mm": _length("Radius R_j of the pin, or of the second roller.", "--Rj"),
+    "dR_mm": _length("ΔR: the clearance, or rollers' R_i + R_j.", "--dR"),
+    "R_i_mm": _length("Radius R_i of the hole or the first roller.", "--Ri"),
+    "R_j_mm": _length("Radius R_j of the pin or the second roller.", "--Rj"),
     "hole_diameter": _length("Diameter of the hole.", "--hole-diameter"),
     "pin_diameter": _length("Diameter of the pin.", "--pin-diameter"),
     "length_mm": _length("Axial length.", "--length"),
-    "R_o": _length("Radius of the housing's rim; laws that know it take it.", "--R-o"),
-    "clamp": _text("What is clamped: rim (all of it, by default), near:60 or far:60.", "--clamp",
+    "R_o": _length("Radius of the housing's rim.", "--R-o"),
+    "clamp": _text("rim (by default), near:60 or far:60.", "--clamp",
                    read=_CLAMP),
-    "layer": (list[str] | None, option("A bonded ring, its material and inner radius; may be "
-              "repeated.", "--layer", metavar="NAME:MM", parser=_LAYER, **_PANEL)),
+    "layer": (list[str] | None, option("Bonded ring, from a radius; may be repeated.",
+              "--layer", metavar="NAME:MM", parser=_LAYER, **_PANEL)),
 }  # fmt: skip
 # What stands for a constant under another name, which rollers do not have, and a factor to it.
 OF_PIN_AND_HOLE = {
