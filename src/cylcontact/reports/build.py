@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 from matplotlib import rc_context
-from matplotlib.figure import Figure
 
 from cylcontact.choices import Format
 from cylcontact.errors import InputError
@@ -157,18 +156,11 @@ def draw(
     _require_arguments(name, function, given)
     with figure_style(style):
         drawing: Drawing = function(bench, **given)
-        _arrange(drawing.figure)
+        # Arranged once, so that each format shows the same and none does it again.
+        drawing.figure.draw_without_rendering()
+        with rc_context(_ARRANGED):
+            drawing.figure.set_layout_engine(None)
         return drawing
-
-
-def _arrange(figure: Figure) -> None:
-    """Arrange a figure once, so that each format shows the same and none does it again."""
-    shown = figure.dpi
-    figure.set_dpi(DPI)  # texts have other widths at another
-    figure.draw_without_rendering()
-    figure.set_dpi(shown)
-    with rc_context(_ARRANGED):
-        figure.set_layout_engine(None)
 
 
 def build(
