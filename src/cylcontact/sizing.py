@@ -183,9 +183,12 @@ def bands(
     return Bands(fit, load, distribution, each)
 
 
-def half_width(load: float, pair: CylinderPair) -> FloatArray:
-    """Return half the width of contact in mm, R·sin ε of `laws.Conformal`, R beyond 90°."""
-    angle = np.radians(np.minimum(Conformal().contact_angle(load, pair), 90.0))
+def half_width(load: float, pair: CylinderPair, law: Conformal | None = None) -> FloatArray:
+    """Return half the width of contact in mm, R·sin ε of `laws.Conformal`, R beyond 90°.
+
+    The law may be one with a housing.
+    """
+    angle = np.radians(np.minimum((law or Conformal()).contact_angle(load, pair), 90.0))
     return as_floats(pair.radii("the width")[0] * np.sin(angle))
 
 

@@ -41,18 +41,9 @@ SPEC = argument("A mechanism's spec, e.g. datasets/slider_crank.toml.")
 TABLE = output("The table, .csv or .parquet.", default=...)
 REVOLUTIONS = count(1, "Revolutions in all; the spec's by default.")
 FIRST = count(0, "First revolution that counts, from 0.")
-METHOD = option(
-    f"{listed(METHODS)} (for any).",
-    parser=str,
-    metavar="METHOD",
-)
+METHOD = option(f"{listed(METHODS)} (for any).", parser=str, metavar="METHOD")
 TOLERANCE = number("Of the integrator; else the spec's.")
-END = option(
-    f"At the law's end: {listed(BEYOND)}.",
-    parser=str,
-    metavar="WHAT",
-    default="stop",
-)
+END = option(f"At the law's end: {listed(BEYOND)}.", parser=str, metavar="WHAT", default="stop")
 # What replaces values of a mechanism's spec, each by one.
 CHANGE: Options = {
     "law": (str | None, option("The law, e.g. johnson.", metavar="NAME")),

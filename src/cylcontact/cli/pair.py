@@ -80,8 +80,7 @@ PAIR: Options = {
     "pin_diameter": _length("Diameter of the pin.", "--pin-diameter"),
     "length_mm": _length("Axial length.", "--length"),
     "R_o": _length("Radius of the housing's rim.", "--R-o"),
-    "clamp": _text("rim (by default), near:60 or far:60.", "--clamp",
-                   read=_CLAMP),
+    "clamp": _text("rim (by default), near:60 or far:60.", "--clamp", read=_CLAMP),
     "layer": (list[str] | None, option("Bonded ring, from a radius; may be repeated.",
               "--layer", metavar="NAME:MM", parser=_LAYER, **_PANEL)),
 }  # fmt: skip

@@ -476,11 +476,8 @@ def _free_arc(
     sector: Sector, D: FloatArray, T: FloatArray, radius: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return φ and B, shape (modes, harmonics), and the stiffness A of the free arc of the rim."""
-    F = np.pi - np.radians(sector.angle) / 2
+    F, phi = _modes(sector)
     n, k = np.arange(1, _RIM_HARMONICS + 1), np.arange(1, _MODES + 1)
-    phi = _modes(F)
-    if sector.side == "near":  # the free arc is opposite to the load
-        phi = phi * np.where(np.arange(n.size + 1) % 2 == 1, -1, 1)
     e = np.where(np.arange(n.size + 1) == 0, 2 * np.pi, np.pi)
     last = D.shape[0] - 1
     beyond = np.arange(last + 1, n.size + 1) / last
@@ -499,16 +496,20 @@ def _free_arc(
     B = np.zeros((_MODES, count))
     B[odd] = phi[odd, :count] * (e[:count] * T[:, 0])
     B[even] = phi[even, :count] * (e[:count] * T[:, 1])
-    return as_floats(phi), B, (A + A.T) / 2
+    return phi, B, (A + A.T) / 2
 
 
 @lru_cache(maxsize=16)
-def _modes(F: float) -> FloatArray:
-    """Return the harmonics of the modes of a free arc of ±F, shape (modes, harmonics)."""
+def _modes(sector: Sector) -> tuple[float, FloatArray]:
+    """Return half the free arc, and the harmonics of its modes, shape (modes, harmonics)."""
     from scipy.special import jv
 
+    F = np.pi - np.radians(sector.angle) / 2
     n, k = np.arange(1, _RIM_HARMONICS + 1), np.arange(1, _MODES + 1)[:, None]
-    return as_floats(np.hstack([F / 4 * (k == 1), k * jv(k, n * F) / n]))
+    phi = np.hstack([F / 4 * (k == 1), k * jv(k, n * F) / n])
+    if sector.side == "near":  # the free arc is opposite to the load
+        phi[:, 1::2] *= -1
+    return F, phi
 
 
 def _require_own(g: tuple[tuple[float, ...], ...]) -> None:

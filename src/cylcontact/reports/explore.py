@@ -33,6 +33,7 @@ from cylcontact.plots.style import ACCENT, QUIET, figure_style
 from cylcontact.reports.laws_bounds import truth_of
 from cylcontact.reports.laws_table import comparison
 from cylcontact.reports.notebook import require_extra
+from cylcontact.sizing import half_width
 
 # The ends of the curves, relative to the chosen load.
 _SPAN = (0.02, 5.0)
@@ -114,8 +115,7 @@ def numbers(choice: Choice) -> dict[str, float]:
     pair, load = choice.pair, choice.load
     if pair.contact == "internal":
         conformal = Conformal(choice.housing or "johnson")
-        angle = np.radians(np.minimum(conformal.contact_angle(load, pair), 90.0))
-        width = 2 * float(pair.R_i or np.nan) * np.sin(angle)
+        width = np.nan if pair.R_i is None else 2 * half_width(load, pair, conformal)
         pressure = conformal.peak_pressure(load, pair)
     else:
         width, pressure = 2 * hertz_half_width(load, pair), hertz_stress(load, pair)
