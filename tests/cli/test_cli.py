@@ -167,7 +167,7 @@ BAD_INPUT = [
     (("verify",), "fitting/results: has no results; name some, or lay out a bench with"),
     # files of another kind
     (("fit", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a campaign; name a"),
-    (("fit", "good.json", "--runs", "2"), "good.json: is a fit result; study its uncertainty with"),
+    (("fit", "good.json", "--runs", "2"), "good.json: is a fit result; print it with: cylcontact"),
     (("verify", "table.csv"), "table.csv: is a table, not a fit result; name a fit result"),
     (("claims", "--results", "no"), "--results: 'no': is not a folder; name one that holds fit"),
     # what is written

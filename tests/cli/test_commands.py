@@ -19,7 +19,7 @@ SPEC = ROOT / "datasets/slider_crank.toml"
 COMMANDS = typer.main.get_command(program).commands
 EXAMPLES = {name: command.epilog.removeprefix("Example: ") for name, command in COMMANDS.items()}
 # Of these commands the example takes a second or two.
-QUICK = ("sample", "fit", "uncertainty", "choose", "compare", "laws", "export", "init")
+QUICK = ("sample", "fit", "choose", "compare", "laws", "export", "init")
 
 
 # --- help --------------------------------------------------------------------------------------

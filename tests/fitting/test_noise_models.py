@@ -537,11 +537,10 @@ def series():
 
 
 @pytest.mark.slow
-def test_series_are_resampled_and_left_out_whole(series):
+def test_series_are_resampled_whole(series):
     _, result = series
     with pytest.raises(InputError, match="'rows': would tear apart the series of the noise model"):
         study_noise(result, replicates=20)
-    study = study_noise(result, replicates=60, over="group", leave_out="group")
+    study = study_noise(result, replicates=60, over="group")
     errors = {name: e.standard_error for name, e in result.uncertainty.estimates.items()}
     assert study.bootstrap.standard_errors == pytest.approx(errors, rel=0.5)
-    assert [left.rows for left in study.left_out] == [8] * 6

@@ -12,7 +12,7 @@ from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.measured import Fit, Loss
 from cylcontact.fitting.optimum import Optimum, half_width
-from cylcontact.fitting.study import bootstrap, leave_one_out, study_noise
+from cylcontact.fitting.study import bootstrap, study_noise
 from cylcontact.fitting.table_campaign import campaign_of_table
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.fitting.words import noise_verdicts
@@ -239,21 +239,7 @@ def test_coverage_of_every_law(tmp_path, law, contact):
     assert all(0.90 <= share <= 0.98 for share in shares.values()), shares
 
 
-# --- profiles and maps of pairs ---------------------------------------------------------------
-
-
-def test_a_map_of_a_pair_is_the_sum_of_squares_refitted(noisy):
-    problem = noisy.fit
-    actual = {n: noisy.interval(n, LEVEL) for n in ("kappa", "c")}
-    mapped = noisy.map_of_pair(("kappa", "c"), actual, (0.68, LEVEL), points=7)
-    assert noisy.pairs == [("kappa", "c")]
-    k, m = 2, 4
-    value = problem.value(np.array([mapped.x[m], mapped.y[k]]))
-    expected = (noisy.r.size * value**2 - noisy.sum_of_squares) / noisy.unit
-    assert mapped.ratio[k][m] == pytest.approx(expected, rel=1e-9)
-    quantile = 2 * stats.f.ppf(LEVEL, 2, noisy.degrees)
-    assert mapped.thresholds["95"] == pytest.approx(quantile, rel=1e-9)
-    assert mapped.thresholds["68"] < mapped.thresholds["95"]
+# --- profiles ---------------------------------------------------------------------------------
 
 
 def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
@@ -290,9 +276,7 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
     assert {e.verdict for e in actual.estimates.values()} == {"not"}
     assert actual.correlation == {}
     assert "c and Lambda_factor are not identifiable" in noise_verdicts(actual)[1]
-    study = study_noise(result, with_pairs=True)
-    assert (study.bands, study.pairs) == ([], [])
-    assert "not identifiable" in str(study)
+    assert "not identifiable" in str(study_noise(result))
     noise = result.optimum
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
     with pytest.raises(InputError, match="are not identifiable one by one"):
@@ -329,36 +313,18 @@ def test_refits_that_cannot_start_are_left_out_and_counted(noisy):
     assert 120 - actual.undefined == pytest.approx(120 * (1 - 1 / 36) ** 36, abs=20)
 
 
-def test_leaving_a_clearance_out_is_fitting_the_others(noisy):
-    problem, best = noisy.fit, noisy.best
-    actual = leave_one_out(noisy, "dR")
-    assert [left.group for left in actual] == ["ΔR = 0.1 mm", "ΔR = 0.3 mm", "ΔR = 1 mm"]
-    data = problem.data
-    elsewhere = data.columns["dR"] != 0.3
-    alone = on_data(problem, data.take(np.flatnonzero(elsewhere)))
-    point, _ = descended(alone, alone.point(best))
-    assert actual[1].coefficients == pytest.approx(alone.coefficients(point), rel=1e-9)
-    judged = on_data(problem, data.take(np.flatnonzero(~elsewhere)))
-    assert actual[1].own_rms == pytest.approx(judged.value(point), rel=1e-9)
-
-
 # --- bands ------------------------------------------------------------------------------------
 
 
-def test_bands_of_load_and_penetration_are_each_others_inverse(noisy):
-    best = noisy.best
+def test_a_band_of_a_new_reading_is_that_of_students_t(noisy):
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
-    depth = noisy.band(pair, LEVEL, load=[50.0])
-    force = noisy.band(pair, LEVEL, penetration=[depth.value[0]])
-    assert force.value[0] == pytest.approx(50.0)
-    law = johnson_of(best)
-    n = law.stiffness(depth.value[0], pair) * depth.value[0] / 50.0
-    for ends, others in (("high", "low"), ("new_high", "new_low")):
-        of_depth = np.log(getattr(depth, ends)[0] / getattr(depth, others)[0])
-        of_force = np.log(getattr(force, ends)[0] / getattr(force, others)[0])
-        assert of_force == pytest.approx(n * of_depth, rel=1e-4)
-    assert np.log(depth.new_high[0] / depth.value[0]) == pytest.approx(
-        stats.t.ppf(0.975, noisy.degrees) * noisy.sigma, rel=0.05
+    band = noisy.band(pair, LEVEL, load=[50.0])
+    reach = stats.t.ppf(0.975, noisy.degrees)
+    value = johnson_of(noisy.best).penetration(50.0, pair)
+    assert band.value == pytest.approx(value, rel=1e-12)
+    curve = np.log(band.high / band.low) / (2 * reach)
+    assert np.log(band.new_high / band.value) == pytest.approx(
+        reach * np.hypot(curve, noisy.sigma), rel=1e-9
     )
 
 
@@ -498,18 +464,16 @@ def saved(tmp_path):
 def test_the_command_reports_noise(saved, tmp_path, run):
     out = tmp_path / "study.json"
     code, said, errors = run(
-        *("uncertainty", saved, "--bootstrap", 30, "--over", "dR", "--leave-out", "dR"),
-        *("--pairs", "--level", 0.9, "--seed", 3, "-j", 1, "-o", out),
+        *("uncertainty", saved, "--bootstrap", 30, "--over", "dR"),
+        *("--level", 0.9, "--seed", 3, "-j", 1, "-o", out),
     )
     assert (code, errors) == (0, "")
     few = "30 refits give standard errors, and 90 % intervals from 40"
-    for part in ("from the noise", "90 %, bootstrap", few, "3 are few", "ΔR = 0.3 mm", "new ±%"):
+    for part in ("from the noise", "90 %, bootstrap", few, "3 are few"):
         assert part in " ".join(said.split()), part
     study = json.loads(out.read_text("utf-8"))
-    assert study["pairs"][0]["names"] == ["kappa", "c"]
     assert study["bootstrap"]["seed"] == 3
     assert study["uncertainty"]["level"] == 0.9
-    assert len(study["bands"]) == 6
     said = run("uncertainty", saved, "--bootstrap", 40, "-j", 1)[1]
     assert "40 refits are few for 95 % intervals, take 1000 or more" in " ".join(said.split())
 

@@ -144,29 +144,6 @@ def test_every_factor_of_restitution_obeys_the_energy_balance(figures):
     assert (worst > 0.03).all()
 
 
-def huber(kappa, c, scale=0.04597):
-    """Sum of Huber's loss of ln(δ_law/δ) over the example's table, from its text."""
-    total = 0.0
-    text = (BENCH.root / "datasets/examples/pin-in-hole.csv").read_text("utf-8")
-    for name, *numbers in re.findall(r"^(?!#|material)(.+?),(.+),(.+),(.+)$", text, re.MULTILINE):
-        material = shipped_materials()[name].material
-        E_star, (dR, f, depth) = e_star(material.E, material.nu), map(float, numbers)
-        law = kappa * f / (np.pi * E_star) * (np.log(4e-3 * np.pi * dR * E_star / f) + c)
-        r = abs(np.log(1e3 * law / depth)) / scale
-        total += scale**2 * (r**2 if r <= 1 else 2 * r - 1)
-    return total
-
-
-@pytest.mark.slow
-def test_a_map_of_noise_is_the_rise_of_the_loss_over_the_table(figures):
-    drawing = figures["fig_uncertainty"].drawing
-    noise = drawing.table[drawing.table.panel == "noise"].iloc[::40]
-    optimum = huber(*(drawing.headline[f"fitted {name}"] for name in ("kappa", "c")))
-    rises = [huber(row.x, row.y) - optimum for row in noise.itertuples()]
-    ratio = noise.height.to_numpy() / np.array(rises)
-    assert ratio == pytest.approx(ratio.mean(), rel=2e-3)
-
-
 @pytest.mark.slow
 def test_the_finite_elements_of_the_housing_come_out_again():
     rows = pd.read_csv(BENCH.root / fig_housing.ELEMENTS).set_index(["clamp", "ratio"])

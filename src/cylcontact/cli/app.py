@@ -39,7 +39,7 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         fit.sample: "sample datasets/internal.toml -o build/internal.parquet",
         fit.fit: "fit fitting/external-E1000.toml",
         fit.choose: "choose datasets/examples/pin-in-hole.csv --contact internal",
-        fit.uncertainty: "uncertainty fitting/results/external-E1000.json --leave-out dR",
+        fit.uncertainty: "uncertainty build/data/result.json --bootstrap 500",
         fit.predict: 'predict build/data/result.json --load "4500 N"',
         fit.design: "design datasets/examples/specimens.csv --law explicit --add 5 --loads 5:400",
         fit.optimizers: "optimizers fitting/external-E1000.toml genetic descents",

@@ -191,7 +191,7 @@ def fit(
 
     where, given = scheduler or jobs, pair | settings | ({} if law is None else {"law": law})
     if source.suffix.lower() == ".json":
-        remedy = f"study its uncertainty with: cylcontact uncertainty {source}"
+        remedy = f"print it with: cylcontact compare {source}"
         raise InputError(str(source), "", None, "is a fit result", remedy)
     planned: Campaign | TableCampaign
     if is_table(source):
@@ -275,23 +275,14 @@ def uncertainty(
     over: str | None = option(
         "What to resample: rows (default), material, dR, pair or group.", metavar="WHAT"
     ),
-    leave_out: str | None = option(
-        "What to leave out in turn: material, dR, pair, group; E, nu, load.", metavar="WHAT"
-    ),
-    pairs: bool = option("Map each pair of parameters, into the output.", "--pairs", default=False),
     level: float = LEVEL,
     law: str | None = OWN_LAW,
     seed: int | None = SEED,
     jobs: int = JOBS,
     scheduler: Any = SCHEDULER,
 ) -> None:
-    """Study how certain a fit is.
-
-    A fit to measurements has their noise, a fit to a law the differences between the two laws.
-    Samples of a law carry no noise: --bootstrap, --over, --level and --law are for measurements.
-    """
-    from cylcontact.fitting import DataFit, FitResult, LawFit
-    from cylcontact.fitting.discrepancy import study_discrepancy
+    """Study how certain a fit to measurements is, by covariance, profile and bootstrap."""
+    from cylcontact.fitting import DataFit
     from cylcontact.fitting.study import study_noise
 
     source, where = str(result), scheduler or jobs
@@ -300,21 +291,12 @@ def uncertainty(
     rule, remedy = "is for the bootstrap", "add --bootstrap 500"
     require(over is None or bootstrap is not None, source, "--over", over, rule, remedy)
     require_output(out, ".json")
-    fitted = FitResult.read(result)
-    study: Any = None
+    fitted = DataFit.read(result)
     with progress_bars() as progress:
-        if isinstance(fitted, DataFit):
-            study = study_noise(
-                fitted, level=level, replicates=bootstrap, over=over or "rows", seed=seed,
-                leave_out=leave_out, with_pairs=pairs, law=law, jobs=where, progress=progress,
-            )  # fmt: skip
-        elif isinstance(fitted, LawFit):
-            rule = "is for measurements: samples of a law carry no noise to resample"
-            remedy = "use --leave-out dR or --leave-out material"
-            require(bootstrap is None, source, "--bootstrap", bootstrap, rule, remedy)
-            study = study_discrepancy(
-                fitted, leave_out=leave_out, with_pairs=pairs, jobs=where, progress=progress
-            )
+        study = study_noise(
+            fitted, level=level, replicates=bootstrap, over=over or "rows", seed=seed, law=law,
+            jobs=where, progress=progress,
+        )  # fmt: skip
     if out is not None:
         contents = marked(study.model_dump(mode="json"))
         text = json.dumps(contents, indent=1, ensure_ascii=False)

@@ -16,17 +16,16 @@ the covariance it follows the curvature of the law.
 Bands are from the delta method in ln f, and in ln δ if the noise is proportional, since contact
 laws are nearly linear there; in δ otherwise, where readings may be negative. The variance of the
 curve is gᵀCg with g the derivatives by the free parameters and C their covariance. A new reading
-adds the noise, with random effects that of a series not yet measured. Noise of a penetration
-becomes noise of the load, and vice versa, through the local exponent n = d ln f/d ln δ.
+adds the noise, with random effects that of a series not yet measured. Noise of a load becomes
+noise of the penetration through the local exponent n = d ln f/d ln δ.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,7 +36,7 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.fitting.measured import MEDIAN_TO_SIGMA, Fit
 from cylcontact.fitting.noise import Degrees, Likelihood
-from cylcontact.fitting.records import Band, Interval, PairMap
+from cylcontact.fitting.records import Interval
 from cylcontact.laws.law import Coefficients, ContactLaw
 from cylcontact.pair import CylinderPair
 
@@ -59,13 +58,20 @@ _NOT_CURVED = (
 _EDGE_PRECISION, _FIRST_STEP, _FAR = 1e-4, 1e-6, 1e6
 # Closer to a bound than this, relative to its interval, a parameter is at it.
 _AT_BOUND = 1e-9
-# Half-widths of the intervals on either side of the optimum in a profile or a map of a pair, and
-# the values of each parameter there.
+# Half-widths of the interval on either side of the optimum in a profile, and the values there.
 _REACH, _POINTS = 1.6, 21
 # In place of a predicted reading of 0 mm, to which an error is relative.
 _NO_DEPTH = 1e-12
-# Points of each band of the data, and the largest number of pairs with bands.
-_BAND_POINTS, _PAIRS = 25, 8
+
+
+class Band(NamedTuple):
+    """A predicted curve in mm, with the bands of the curve and of a new reading, shape (m,)."""
+
+    value: FloatArray
+    low: FloatArray
+    high: FloatArray
+    new_low: FloatArray
+    new_high: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -380,10 +386,6 @@ class Optimum:
             for p in self.fit.free
         )
 
-    def _around(self, name: str, ends: Interval, points: int) -> FloatArray:
-        parameter = self.fit.free[self.fit.names.index(name)]
-        return ends.around(parameter, self.best[name], _REACH, points)
-
     def profile(
         self, name: str, ends: Interval, level: float
     ) -> tuple[FloatArray, FloatArray, float]:
@@ -392,38 +394,17 @@ class Optimum:
         For a linear law the root is the distance in standard errors. Each refit starts from that
         nearer the best.
         """
-        values = np.union1d(self._around(name, ends, _POINTS), [self.best[name]])
-        rise, middle = np.empty(values.size), int(np.searchsorted(values, self.best[name]))
+        best, parameter = self.best[name], self.fit.free[self.fit.names.index(name)]
+        low = max(parameter.low, best - _REACH * (best - ends.low))
+        high = min(parameter.high, best + _REACH * (ends.high - best))
+        values = np.union1d(np.linspace(low, high, _POINTS), [best])
+        rise, middle = np.empty(values.size), int(np.searchsorted(values, best))
         for order in (range(middle, values.size), range(middle - 1, -1, -1)):
             start: Coefficients = self.best
             for index in order:
                 ratio, start = self.ratio({name: float(values[index])}, start)
                 rise[index] = np.sqrt(max(ratio, 0.0))
         return values, rise, float(np.sqrt(self.threshold(level, [name])))
-
-    @property
-    def pairs(self) -> list[tuple[str, str]]:
-        """The pairs of free parameters."""
-        return list(combinations(self.fit.names, 2))
-
-    def map_of_pair(
-        self,
-        names: tuple[str, str],
-        intervals: Mapping[str, Interval],
-        levels: tuple[float, ...],
-        points: int = _POINTS,
-    ) -> PairMap:
-        """Return the likelihood ratio over two parameters, whose intervals set the extent."""
-        x, y = (self._around(name, intervals[name], points).tolist() for name in names)
-        rows: list[list[float | None]] = []
-        for second in y:
-            start: Coefficients = self.best
-            rows.append([])
-            for first in x:
-                ratio, start = self.ratio({names[0]: first, names[1]: second}, start)
-                rows[-1].append(ratio if np.isfinite(ratio) else None)
-        thresholds = {f"{100 * level:g}": self.threshold(level, names) for level in levels}
-        return PairMap(names=names, x=x, y=y, ratio=rows, thresholds=thresholds)
 
     # --- predictions --------------------------------------------------------------------------
 
@@ -454,100 +435,47 @@ class Optimum:
         variance = ((slopes @ self.covariance) * slopes).sum(axis=1)
         return centre, as_floats(variance), half_width(level, self.degrees_of(slopes))
 
-    def band(
-        self,
-        pair: CylinderPair,
-        level: float,
-        *,
-        load: ArrayLike | None = None,
-        penetration: ArrayLike | None = None,
-        name: str = "",
-    ) -> Band:
-        """Return the prediction for a pair at loads in N/mm or penetrations in mm, with bands."""
-        of_load = penetration is not None
-        at = np.atleast_1d(as_floats(penetration if of_load else load))
-        is_log = of_load or self.fit.is_log
+    def band(self, pair: CylinderPair, level: float, load: ArrayLike) -> Band:
+        """Return the prediction for a pair at m loads in N/mm, with bands."""
+        force, is_log = np.atleast_1d(as_floats(load)), self.fit.is_log
 
         def predicted(law: ContactLaw) -> FloatArray:
             with np.errstate(divide="ignore", invalid="ignore"):
-                value = law.load(at, pair) if of_load else law.penetration(at, pair)
+                value = law.penetration(force, pair)
                 return as_floats(np.log(value)) if is_log else value
 
         centre, variance, reach = self.propagated(predicted, level)
         if not np.isfinite(centre).all():
-            key = "penetration" if of_load else "load"
             rule = "leaves the domain of the fitted law, or is not positive"
-            raise InputError("prediction", key, at, rule, "stay within it")
-        depth = at if of_load else self.law.penetration(at, pair)
+            raise InputError("prediction", "load", force, rule, "stay within it")
+        depth = self.law.penetration(force, pair)
         depth = as_floats(np.where(depth == 0, _NO_DEPTH, depth))
-        force = self.law.load(at, pair) if of_load else at
-        added = self._noise_of_reading(depth, force, pair, of_load)
-        if not is_log:
-            added = as_floats(added * depth**2)
+        added = self.variance_of_reading(depth, force, pair)
+        if is_log:
+            added = as_floats(added / depth**2)
         spread, wider = reach * np.sqrt(variance), reach * np.sqrt(variance + added)
         ends = (centre, centre - spread, centre + spread, centre - wider, centre + wider)
-        curves = ((np.exp(end) if is_log else end).tolist() for end in ends)
-        value, low, high, new_low, new_high = curves
-        return Band(
-            name=name,
-            quantity="load_N_per_mm" if of_load else "penetration_mm",
-            at=at.tolist(),
-            value=value,
-            low=low,
-            high=high,
-            new_low=new_low,
-            new_high=new_high,
-        )
+        return Band(*(as_floats(np.exp(end)) if is_log else as_floats(end) for end in ends))
 
     def variance_of_reading(
         self, depth: FloatArray, force: FloatArray, pair: CylinderPair
     ) -> FloatArray:
-        """Return the variance of new readings of the penetration in mm²."""
-        return as_floats(self._noise_of_reading(depth, force, pair, False) * depth**2)
-
-    def _noise_of_reading(
-        self, depth: FloatArray, force: FloatArray, pair: CylinderPair, of_load: bool
-    ) -> FloatArray:
-        """Return the variance of a new reading relative to f or δ.
+        """Return the variance of new readings of the penetration in mm².
 
         With given standard deviations, a new reading has their median, or with a noise model that
         of the loads measured.
         """
         fit = self.fit
         sigma = 1.0 if self.known else self.sigma
-        size = np.full_like(force, sigma)
         if fit.noise is not None:
-            of_contact = as_floats(depth - self.best.get("offset", 0.0))
-            size = as_floats(np.sqrt(fit.noise.new_variance(of_contact, force)) / depth)
-        elif not fit.is_log:
+            return fit.noise.new_variance(depth - self.best.get("offset", 0.0), force)
+        # Relative to f or δ.
+        size = np.full_like(force, sigma)
+        if not fit.is_log:
             size = sigma * float(np.median(fit.sigma)) / (force if fit.of_load else depth)
-        if fit.of_load != of_load:
-            exponent = self.law.stiffness(depth, pair) * depth / force
-            size = size * exponent if of_load else size / exponent
-        return as_floats(size**2)
-
-    def bands_of_data(self, level: float) -> list[Band]:
-        """Return bands of load and penetration of the first 8 pairs, where the law is defined."""
-        if self.covariance is None:
-            return []
-        data = self.fit.data
-        names, group = data.groups("pair")
-        bands = []
-        for number, name in enumerate(names[:_PAIRS]):
-            rows = np.flatnonzero(group == number)
-            part = data.take(rows)
-            pair = data.take(np.full(_BAND_POINTS, rows[0])).pair
-            loads = np.geomspace(part.load.min(), part.load.max(), _BAND_POINTS)
-            # Of readings about zero only those beyond the first touch have a load.
-            touching = part.penetration[part.penetration > max(self.best.get("offset", 0.0), 0.0)]
-            every = [{"load": loads}]
-            if touching.size:
-                depths = np.geomspace(touching.min(), touching.max(), _BAND_POINTS)
-                every.append({"penetration": depths})
-            for points in every:
-                with suppress(InputError):  # a fitted law may end before the data do
-                    bands.append(self.band(pair, level, name=name, **points))
-        return bands
+        if fit.of_load:
+            size = size / (self.law.stiffness(depth, pair) * depth / force)
+        return as_floats((size * depth) ** 2)
 
 
 def half_width(level: float, degrees: ArrayLike) -> FloatArray:

@@ -147,6 +147,5 @@ def _curves(optimum: Optimum, law: str, level: float) -> list[Curve]:
             curves.append(Curve(at, optimum.law.penetration(at, pair), label=label))
             continue
         band = optimum.band(pair, level, load=at)
-        low, high = np.array(band.new_low), np.array(band.new_high)
-        curves.append(Curve(at, np.array(band.value), low, high, label))
+        curves.append(Curve(at, band.value, band.new_low, band.new_high, label))
     return curves

@@ -17,16 +17,11 @@ from scipy.optimize import elementwise
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
 from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.polish import affordable_starts, climb_down, descend
-from cylcontact.fitting.records import TOLERANCE, DiscrepancyPair, Profile
+from cylcontact.fitting.records import TOLERANCE, Profile
 from cylcontact.laws.law import Coefficients
 
 # Values of a coefficient in a profile.
 _CURVE_POINTS = 41
-# And of each coefficient in a map of a pair.
-_PAIR_POINTS = 21
-# Half-widths of the intervals on either side of the optimum in a map of a pair: the contour of 10 %
-# is at about 3.2.
-_REACH = 4.0
 _FAR = 1e6
 # Precision of an interval's ends, relative to the distance from the optimum.
 _EDGE_PRECISION = 1e-4
@@ -183,23 +178,3 @@ def _ends(
         # Where the refit at the outer place gains a little more, the end is there.
         ends[number, side] = np.where(root.success, middle + root.x, values[outer])
     return ends
-
-
-def discrepancy_pair(
-    problem: Problem, names: tuple[str, str], best: Coefficients, profiles: Mapping[str, Profile]
-) -> DiscrepancyPair:
-    """Map the objective over two coefficients, as far as their profiles reach."""
-    columns = [problem.names.index(name) for name in names]
-    x, y = (
-        profiles[name].around(problem.free[k], best[name], _REACH, _PAIR_POINTS).tolist()
-        for name, k in zip(names, columns, strict=True)
-    )
-    places = np.arange(len(y) * len(x)).reshape(len(y), len(x))
-    points = np.tile(problem.point(best), (places.size, 1))
-    points[:, columns] = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    held = np.zeros(points.shape, dtype=bool)
-    held[:, columns] = True
-    minima = _Minima(problem, problem.point(best), points, held, _neighbours(places))
-    rise = minima.values.reshape(places.shape) / problem.value_of(best) - 1
-    rows = [[float(v) if np.isfinite(v) else None for v in row] for row in rise]
-    return DiscrepancyPair(names=names, x=x, y=y, rise=rows)

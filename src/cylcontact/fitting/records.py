@@ -76,12 +76,6 @@ class Ends(Spec):
             self.high_is_bound and self.high - value <= margin
         )
 
-    def around(self, parameter: Parameter, best: float, reach: float, points: int) -> FloatArray:
-        """Return values within the bounds, up to so many half-widths of the interval away."""
-        low = max(parameter.low, best - reach * (best - self.low))
-        high = min(parameter.high, best + reach * (self.high - best))
-        return np.linspace(low, high, points)
-
     @property
     def cut(self) -> str:
         """What an interval in words ends with if a bound cuts it off."""
@@ -115,42 +109,6 @@ class Profile(Ends):
         if self.low_is_bound or self.high_is_bound or half_width > FAIRLY * abs(value):
             return "poorly"
         return "well" if half_width <= WELL * abs(value) else "fairly"
-
-
-class DiscrepancyPair(Spec):
-    """The relative rise of the objective over two coefficients, a row for each y."""
-
-    names: tuple[str, str] = Field(strict=False)
-    x: list[float]
-    y: list[float]
-    # None where the law is undefined.
-    rise: list[list[float | None]]
-
-
-class PairMap(Spec):
-    """The likelihood ratio (S(θ) − S)/τ over two parameters, a row for each y."""
-
-    names: tuple[str, str] = Field(strict=False)
-    x: list[float]
-    y: list[float]
-    # None where the law is undefined; below 0 there is a better optimum.
-    ratio: list[list[float | None]]
-    # The contour of each level in percent.
-    thresholds: dict[str, float]
-
-
-class Band(Spec):
-    """A predicted curve of a pair, with the bands of the curve and of a new reading."""
-
-    name: str
-    # "penetration_mm" at loads in N/mm, or "load_N_per_mm" at penetrations in mm.
-    quantity: str
-    at: list[float]
-    value: list[float]
-    low: list[float]
-    high: list[float]
-    new_low: list[float]
-    new_high: list[float]
 
 
 class Estimate(Spec):
@@ -252,21 +210,6 @@ class Bootstrap(Spec):
     seed: int
     intervals: dict[str, Interval]
     standard_errors: dict[str, float]
-
-
-class LeftOut(Spec):
-    """A fit without one group, and its objective on the rows of that; None if undefined."""
-
-    group: str
-    rows: int
-    coefficients: dict[str, float]
-    own_rms: float | None
-
-    @classmethod
-    def of(cls, group: str, rows: int, coefficients: dict[str, float], rms: float) -> LeftOut:
-        """Return the record; an objective that is not finite is none."""
-        own_rms = rms if np.isfinite(rms) else None
-        return cls(group=group, rows=rows, coefficients=coefficients, own_rms=own_rms)
 
 
 # Runs whose objectives are this close, relatively, ended in the same basin.

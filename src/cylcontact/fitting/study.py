@@ -1,13 +1,11 @@
-"""Study the uncertainty of a fit to readings: intervals, maps of pairs, the bootstrap, bands.
+"""Study the uncertainty of a fit to readings: intervals by covariance, profile and bootstrap.
 
 Rows of one specimen share its errors. Resampling whole groups (materials, clearances, pairs)
-preserves this. Leaving one out shows its influence on the coefficients, and how well the others
-predict it.
+preserves this.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import closing
 
 import numpy as np
@@ -17,17 +15,14 @@ from cylcontact.datasets.measurements import Indices
 from cylcontact.errors import InputError
 from cylcontact.fitting.diagnose import LEVEL, uncertainty_of
 from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.records import Band, Bootstrap, Interval, LeftOut, PairMap, Uncertainty
+from cylcontact.fitting.records import Bootstrap, Interval, Uncertainty
 from cylcontact.fitting.results import DataFit
-from cylcontact.fitting.words import Rows, item, left_out_table, noise_verdicts, noise_warnings
-from cylcontact.parallel import Workers, call, collect, run_calls
+from cylcontact.fitting.words import Rows, item, noise_verdicts, noise_warnings
+from cylcontact.parallel import Workers, call, run_calls
 from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 from cylcontact.text_tables import Table
-
-# Levels of the contours of pairs.
-_CONTOURS = (0.68, 0.95)
 
 
 class NoiseStudy(Spec):
@@ -35,10 +30,7 @@ class NoiseStudy(Spec):
 
     name: str
     uncertainty: Uncertainty
-    pairs: list[PairMap]
     bootstrap: Bootstrap | None
-    left_out: list[LeftOut]
-    bands: list[Band]
 
     def __str__(self) -> str:
         uncertainty, bootstrap = self.uncertainty, self.bootstrap
@@ -68,8 +60,6 @@ class NoiseStudy(Spec):
             "\n".join([title, *(item(sentence, "! ") for sentence in warned)]),
             str(Table(("", "fitted", "std. error", *intervals), rows)),
             "\n".join(map(item, sentences)),
-            *left_out_table(self.left_out, list(uncertainty.estimates)),
-            *_on_bands(self.bands, level),
         ]
         return "\n\n".join(parts)
 
@@ -81,8 +71,6 @@ def study_noise(
     replicates: int | None = None,
     over: str = "rows",
     seed: int | None = None,
-    leave_out: str | None = None,
-    with_pairs: bool = False,
     law: str | None = None,
     jobs: Workers = 1,
     progress: Progress = silent,
@@ -94,24 +82,11 @@ def study_noise(
     """
     optimum = (result if law is None else result.with_law(law)).optimum
     uncertainty = uncertainty_of(optimum, level, jobs)
-    pairs: list[PairMap] = []
-    if with_pairs:
-        ends = {n: e.profile for n, e in uncertainty.estimates.items() if e.profile is not None}
-        names = [pair for pair in optimum.pairs if {*pair} <= {*ends}]
-        calls = [call(optimum.map_of_pair, pair, ends, _CONTOURS) for pair in names]
-        pairs = collect(calls, jobs, progress, "mapping")
     resampled = None
     if replicates is not None:
         seed = int(result.settings["campaign"]["seed"]) if seed is None else seed
         resampled = bootstrap(optimum, over, replicates, seed, level, jobs, progress)
-    return NoiseStudy(
-        name=result.name,
-        uncertainty=uncertainty,
-        pairs=pairs,
-        bootstrap=resampled,
-        left_out=leave_one_out(optimum, leave_out, jobs, progress) if leave_out else [],
-        bands=optimum.bands_of_data(level),
-    )
+    return NoiseStudy(name=result.name, uncertainty=uncertainty, bootstrap=resampled)
 
 
 def _interval(low: float | None, high: float | None) -> str:
@@ -133,25 +108,6 @@ def _on_bootstrap(bootstrap: Bootstrap, level: str) -> str:
     if bootstrap.groups < FEW_GROUPS:
         sentence += f"; {bootstrap.groups} are few, and their intervals too narrow as a rule"
     return sentence
-
-
-def _on_bands(bands: Sequence[Band], level: str) -> list[str]:
-    if not bands:
-        return []
-    rows = [
-        (band.name, band.quantity, *_half_widths(band, 0), *_half_widths(band, -1))
-        for band in bands
-    ]
-    end = ("at", "curve ±%", "new ±%")
-    table = Table(("pair", "predicted", *end, *end), rows)
-    return [f"Bands at the ends of the range ({level}):\n{table}"]
-
-
-def _half_widths(band: Band, k: int) -> tuple[str, str, str]:
-    value = abs(band.value[k])  # a predicted reading may be 0 or below
-    widths = (band.high[k] - band.low[k], band.new_high[k] - band.new_low[k])
-    curve, new = (f"{50 * width / value:.2g}" if value > 0 else "-" for width in widths)
-    return f"{band.at[k]:.4g}", curve, new
 
 
 # Replicates per call of a worker.
@@ -218,21 +174,6 @@ def bootstrap(
     )
 
 
-def leave_one_out(
-    optimum: Optimum, over: str, jobs: Workers = 1, progress: Progress = silent
-) -> list[LeftOut]:
-    """Fit without each group in turn, and evaluate that fit on the group."""
-    names, group = _groups(optimum, over)
-    for number, name in enumerate(names):
-        left = int((group != number).sum())
-        if left <= optimum.point.size:
-            rule = f"without {name} only {left} rows remain for {optimum.point.size} parameters"
-            remedy = "choose another grouping, or fix parameters"
-            raise InputError(optimum.fit.data.data.source, "over", over, rule, remedy)
-    calls = [call(_without, optimum, over, number) for number in range(len(names))]
-    return collect(calls, jobs, progress, "leaving out")
-
-
 def _groups(optimum: Optimum, over: str) -> tuple[list[str], Indices]:
     """Return the names of the groups, at least two, and the group of each row."""
     data = optimum.fit.data
@@ -257,12 +198,3 @@ def _replicates(
         point, value, _ = optimum.fit.take(rows, copies).minimise(optimum.point)
         points.append(point if np.isfinite(value) else None)
     return points
-
-
-def _without(optimum: Optimum, over: str, number: int) -> LeftOut:
-    names, group = optimum.fit.data.groups(over)
-    own = np.flatnonzero(group == number)
-    rest = optimum.fit.take(np.flatnonzero(group != number))
-    coefficients = rest.coefficients(rest.minimise(optimum.point).point)
-    rms = optimum.fit.take(own).value_of(coefficients)
-    return LeftOut.of(names[number], own.size, coefficients, rms)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from textwrap import fill
 
 from cylcontact.fitting.diagnose import OUTLYING, STRONG_CORRELATION, SURPRISING
 from cylcontact.fitting.optimum import ROUNDING
-from cylcontact.fitting.records import FAIRLY, WELL, FittedDeviations, LeftOut, Uncertainty
-from cylcontact.text_tables import Table
+from cylcontact.fitting.records import FAIRLY, WELL, FittedDeviations, Uncertainty
 
 # A law that describes less than this share of the variance of readings is not theirs; nor is one
 # that misses them by more than a share of them, and by several times their scatter.
@@ -296,23 +295,6 @@ def label_of(name: str, units: Mapping[str, str]) -> str:
 def item(sentence: str, mark: str = "- ") -> str:
     """Return a sentence as an item of a list, wrapped."""
     return fill(sentence, WIDTH, initial_indent=mark, subsequent_indent="  ")
-
-
-def left_out_table(fits: Sequence[LeftOut], names: Sequence[str]) -> list[str]:
-    """Return the table of fits without one group; nothing if there are none."""
-    if not fits:
-        return []
-    rows = [
-        (
-            fit.group,
-            f"{fit.rows:,}",
-            *(f"{fit.coefficients[name]:.5g}" for name in names),
-            "-" if fit.own_rms is None else f"{fit.own_rms:.4g}",
-        )
-        for fit in fits
-    ]
-    table = Table(("without", "samples", *names, "RMS on that group"), rows)
-    return [f"Fits without one group, and how well they predict it:\n{table}"]
 
 
 def or_dash(value: float | None, style: str = ".5g", none: str = "-") -> str:
