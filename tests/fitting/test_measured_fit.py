@@ -1,7 +1,6 @@
 """Fits to measurements: every law gives its own coefficients back, and every way to go wrong."""
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,6 @@ from cylcontact.fitting import DataFit, FitResult, compare
 from cylcontact.fitting.comparison import verify
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.measured import LOSSES, Loss
-from cylcontact.fitting.study import study_noise
 from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw

@@ -4,7 +4,6 @@ Nothing below calls a law of the package: paper_equations.py has the paper's onc
 """
 
 import math
-import re
 
 import numpy as np
 import pandas as pd
@@ -15,7 +14,6 @@ from mpmath import mp
 from scipy.optimize import brentq
 
 from cylcontact.impact import FACTORS
-from cylcontact.materials import shipped_materials
 from cylcontact.reports.build import chosen_recipes
 from tests.support.drawn_figures import BENCH, each_figure
 from tests.support.figure_files import GOLDEN

@@ -7,7 +7,7 @@ coefficient holds the values for which the objective, with all others re-optimis
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice, product
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
 from pydantic import Field
 
-from cylcontact.arrays import FloatArray
-from cylcontact.laws.law import Parameter
 from cylcontact.spec import Spec
 
 # Half-widths of an interval, relative to the value, up to which a parameter is well or fairly
