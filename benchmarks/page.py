@@ -32,9 +32,11 @@ SHOWN = (
 HEAD = """# Speed
 
 How fast the package is, beside what one would use instead: `make bench` measures it and writes this
-page. All sides of a comparison give the same answer, which is checked first, and then take turns.
-Times are medians, ratios to the first line of each task, which is ours. Those computed are the
-evaluations that were needed on the small grid times the cost of one; others had not arrived there.
+page. All sides of a comparison give the same answer, for a calibration the same objective of the
+same coefficients; this is checked first, and then they take turns. Times are medians, ratios to the
+first line of each task, which is ours. Those computed are the evaluations that were needed on the
+small grid times the cost of one. Searches that had not arrived within 0.1 % of the best when their
+budget ended are left out; the aim for PyGAD, one of them, has that budget, a lower bound.
 
 Measured on {cores} cores of {processor} ({system}), with {libraries}.
 """
@@ -94,7 +96,7 @@ AIMS = (
         "Calibration at 1e6 samples, in s", measured("calibration", MILLION, "genetic search"), 0.1
     ),
     Aim(
-        "Calibration at 1e6 samples: times as fast as PyGAD used plainly",
+        "Calibration at 1e6 samples: times as fast as PyGAD used plainly, which did not arrive",
         over("calibration", MILLION, "PyGAD", "genetic search"),
         2000,
         at_least=True,
@@ -102,6 +104,12 @@ AIMS = (
     Aim(
         "Calibration at 1e6 samples: times as fast as scipy's least squares on rows",
         over("calibration", MILLION, "scipy least_squares", "genetic search"),
+        50,
+        at_least=True,
+    ),
+    Aim(
+        "The same by descents from random starts alone, as it makes them",
+        over("calibration", MILLION, "scipy least_squares", "descents alone"),
         50,
         at_least=True,
     ),

@@ -78,9 +78,10 @@ choice = cc.choose(table, pair, group="specimen")
 print(choice)
 
 # %% [markdown]
-# The forms of conformal contact cannot be told apart. With a compliance of their own the two power
-# laws follow the readings as well, so these data do not decide between the law and the datum. In a
-# picture even laws that are clearly worse pass through the readings, so do not choose by eye.
+# The forms of conformal contact cannot be told apart. With a compliance of their own the enhanced
+# law, the power law and two laws for steel rollers follow the readings as well, so these data do
+# not decide between the law and the datum. In a picture even laws that are clearly worse pass
+# through the readings, so do not choose by eye.
 
 # %%
 choice.plot().figure
@@ -88,8 +89,8 @@ choice.plot().figure
 # %% [markdown]
 # ## The datum known
 #
-# Here the readings are by the datum of the law. Said so, of the laws that were left the power laws
-# fall behind.
+# Here the readings are by the datum of the law. Said so, of the laws that were left those that are
+# not of conformal contact fall behind.
 
 # %%
 known = cc.choose(table, pair, group="specimen", laws=choice.undecided, fixed={"compliance": 0.0})
@@ -145,7 +146,10 @@ print(cc.choose(low, pair, group="specimen", laws=names))
 # %%
 best = known.fit()
 prediction = best.predict([50.0, 200.0, 800.0, 2000.0])
-(1e3 * prediction.set_index("load_N_per_mm")).rename(columns=lambda name: name[:-2] + "um").round(3)
+curve = 1e3 * prediction[["curve_low_mm", "curve_high_mm"]].to_numpy()
+prediction[["load_kN", "penetration_um", "low_um", "high_um"]].assign(
+    curve_low_um=curve[:, 0], curve_high_um=curve[:, 1]
+).round(3)
 
 # %%
 best.plot().figure

@@ -48,7 +48,7 @@ METHOD = (
     "fit is least squares in ln δ and ln f over 41 loads from 10 to 1000 N/mm spaced "
     "logarithmically; loads beyond Johnson's limit (Eq 8) are left out. The spacing of the loads, "
     "the values of E and the fit are our choice, as the paper names none. The published exponent "
-    "for internal contact is defined below ΔR = 10 mm, so its line ends there."
+    "for internal contact is defined below ΔR = 10 mm; its line ends at the last ΔR before."
 )
 EXPONENTS = (0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5)  # n - 1 on the vertical axis
 

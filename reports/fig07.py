@@ -16,7 +16,8 @@ CAPTION = (
     "Load per unit length (N/mm) at first yield by von Mises, against radial clearance (mm), for a "
     "pin in a hole of radius R_i, both of one material. Fine: the paper's estimate, at which "
     "Hertz's peak pressure (Eq 7) equals the yield stress; it is unsafe where the fine line is "
-    "above. Yield stresses assumed."
+    "above. Yield stresses assumed. "
+    "In (a) high-strength steel and titanium first yield above 10⁵ N/mm."
 )
 METHOD = (
     "Internal contact in plane strain. First yield is by the stress below Persson's conformal "

@@ -57,7 +57,7 @@ METHOD = (
 LAWS = {
     "explicit": ("explicit", COLOURS[0], "-"),
     "johnson": ("Johnson", COLOURS[2], "--"),
-    "enhanced": ("law of 2015, three clearances", COLOURS[1], "-"),
+    "enhanced": (r"law of 2015, by $\Delta R$", COLOURS[1], "-"),
     "liu": ("Liu et al.", COLOURS[3], "-."),
     "winkler": ("Winkler", COLOURS[4], ":"),
 }
@@ -154,7 +154,7 @@ def _draw_errors(table: pd.DataFrame) -> Figure:
     axes = figure.subplots()
     inside = table[table["contact"] == "internal"]
     for law, (label, colour, line) in LAWS.items():
-        for number, (_, curve) in enumerate(inside[inside["law"] == law].groupby("pair")):
+        for number, (pair, curve) in enumerate(inside[inside["law"] == law].groupby("pair")):
             error = curve.set_index("phi")["penetration_error_percent"].abs().dropna()
             axes.plot(
                 error.index,
@@ -164,6 +164,9 @@ def _draw_errors(table: pd.DataFrame) -> Figure:
                 marker="",
                 label="" if number else label,
             )
+            if law == "enhanced":
+                at, text = (error.index[0], error.iloc[0]), str(pair).rpartition("=")[2]
+                axes.annotate(text, at, (0, 3), textcoords="offset points", color=colour)
     low, high = (
         rows["penetration_error_percent"].to_numpy()
         for _, rows in inside[inside["law"].str.startswith("conformal, ")].groupby("law")

@@ -55,7 +55,7 @@ def yield_by_hertz_pressure(bench: Bench) -> Finding:
         practical.append(
             replace(
                 at_least_1(choice, f"{load:.0f} N/mm or more wherever below the curve", load / top),
-                ground="the loads of the study end at 1000 N/mm",
+                ground=f"the loads of the study end at {top:g} N/mm" if name == CRITERIA[0] else "",
             )
         )
         least[name] = load

@@ -92,7 +92,8 @@ class Bands:
         columns = ["", "least", "middle", "largest", "mean", "5 %", "95 %"]
         rows = [
             [f"{band.name}, {band.unit}", *(f"{value:.5g}" for value in
-             (band.least, band.middle, band.largest, band.mean, *band.central))]
+             (band.least, band.middle, band.largest)),
+             *(f"{value:.4g}" for value in (band.mean, *band.central))]
             for band in self.each.values()
         ]  # fmt: skip
         what = f"under {self.load:g} N/mm; mean and percentiles for diameters that are {drawn}:"

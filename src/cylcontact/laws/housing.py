@@ -304,6 +304,19 @@ class Housing:
         known = self.pin in ("body-force", "diametral")
         require(known, "Housing", "pin", self.pin, rule, remedy)
 
+    def __str__(self) -> str:
+        if self.g is not None:
+            return "a housing of given compliances"
+        rings = "".join(
+            f", bonded at {radius:g} mm to one of E = {1e-3 * material.E:g} GPa"
+            for material, radius in self.layers
+        )
+        where = "all round"
+        if isinstance(self.clamp, Sector):
+            side = {"near": "near the contact", "far": "opposite to it"}[self.clamp.side]
+            where = f"on {self.clamp.angle:g}° {side}"
+        return f"a ring clamped at {self.R_o:g} mm {where}{rings}"
+
     @classmethod
     def from_compliances(cls, g: ArrayLike | str | Path, pin: PinDatum = "body-force") -> Housing:
         """Return a housing of known coefficients g_nm, as from one's own finite elements.
@@ -358,7 +371,7 @@ class Housing:
             return np.array(0), [_own_kernel(self.g)]
         R_i, _ = pair.radii(f"the datum {self!r}")
         inner = min([*(radius for _, radius in self.layers), self.R_o])
-        key, given = ("layers", self.layers) if self.layers else ("R_o", self.R_o)
+        key, given = ("layers" if self.layers else "R_o"), float(inner)
         rule = f"must be larger than the hole (R_i = {np.max(R_i):g} mm)"
         remedy = "the housing is clamped outside the hole"
         require(inner > R_i, "Housing", key, given, rule, remedy)

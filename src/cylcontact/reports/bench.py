@@ -180,7 +180,7 @@ class Bench:
         return known_materials(own if own.is_file() else None)
 
     def material(self, name: str) -> MaterialRow:
-        """Return a material that ships, or one of the bench's own.
+        """Return a row of the materials that ship, or of the bench's own; it has a `material`.
 
         Raises
         ------

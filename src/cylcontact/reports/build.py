@@ -217,7 +217,7 @@ def build(
     >>> _ = (bench.recipes_folder / "fig99.py").write_text(recipe)
     >>> (figure,) = build(bench)
     >>> [path.name for path in figure.paths], figure.headline
-    (['fig99.png', 'fig99.pdf', 'fig99.csv'], {'load, N/mm': 10.0})
+    (['fig99.png', 'fig99.pdf', 'fig99.csv', 'fig99.txt'], {'load, N/mm': 10.0})
     """
     target, chosen, given = folder or bench.figures_folder, chosen_recipes(bench, names), arguments
     outputs = [
@@ -251,20 +251,14 @@ def write(
     drawing: Drawing, name: str, folder: Path, options: FigureOptions = DEFAULT_OPTIONS
 ) -> tuple[Path, ...]:
     """Write a drawing's pictures, the CSV of its numbers and its note, all of them or none."""
-    paths = [folder / f"{name}.{ending}" for ending in (*options.formats, "csv")]
-    paths += [folder / f"{name}.txt"] if drawing.method else []
-    with replacing_all(paths) as files:
-        for form, picture in zip(options.formats, files, strict=False):
+    paths = tuple(folder / f"{name}.{ending}" for ending in (*options.formats, "csv", "txt"))
+    with replacing_all(paths) as (*pictures, table, note):
+        for form, picture in zip(options.formats, pictures, strict=True):
             save_picture(drawing, picture, form, options.style)
-        drawing.table.to_csv(
-            files[len(options.formats)],
-            index=False,
-            float_format=NUMBER_FORMAT,
-            lineterminator="\n",
-        )
-        for note in files[len(options.formats) + 1 :]:
-            note.write_text(f"{drawing.caption}\n\n{drawing.method}\n", encoding="utf-8")
-    return tuple(paths)
+        drawing.table.to_csv(table, index=False, float_format=NUMBER_FORMAT, lineterminator="\n")
+        text = "\n\n".join(filter(None, (drawing.caption, drawing.method)))
+        note.write_text(f"{text}\n", encoding="utf-8")
+    return paths
 
 
 def save_picture(drawing: Drawing, picture: Path, form: Format, style: FigureStyle) -> None:

@@ -338,6 +338,9 @@ class ClaimFunction:
             finding = self.function(**{k: v for k, v in available.items() if k in parameters})
         except MissingInputError as error:
             finding = untestable(str(error))
+        except InputError as error:
+            where = f"claim {self.texts[0]}: {error.source}"
+            raise InputError(where, error.key, error.value, error.rule, error.remedy) from error
         *texts, rule = self.texts
         # Without a case, braces in the texts are left alone.
         id, statement, paper, rule = (

@@ -224,13 +224,16 @@ def to_text(
     """
     contact = pair.contact
     truth = truth_of(pair).name
+    datum = "" if housing is None else "all by Johnson's datum, "
     side_by_side, errors = comparison(pair, load, own, housing), deviations(pair)
+    sizes = {"ΔR": pair.dR, "R_i": pair.R_i, "length": pair.length}
+    given = (f"{name} = {value:g} mm" for name, value in sizes.items() if value is not None)
     parts = [
-        f"{contact} contact, ΔR = {float(pair.dR):g} mm, E* = {float(pair.E_star):.2f} MPa, "
+        f"{contact} contact, {', '.join(given)}, E* = {float(pair.E_star):.2f} MPa, "
         f"f = {load:g} N/mm, φ = f/(E*·ΔR) = {load / float(pair.E_star * pair.dR):.6g}\n"
-        f"{_contact(load, pair)}",
+        f"{_contact(load, pair, housing)}",
         _comparison(side_by_side),
-        f"penetration against {truth}'s at equal load, percent, at φ =",
+        f"penetration against {truth}'s at equal load, {datum}percent, at φ =",
         _deviations(errors),
     ]
     if housing is not None:
@@ -255,10 +258,12 @@ def listing(contact: Contact) -> str:
     return "\n\n".join([_each_law(contact), _parameters(contact), _explicit()])
 
 
-def _contact(load: float, pair: CylinderPair) -> str:
-    """Return the half-width and the largest pressure of the contact, without a housing."""
+def _contact(load: float, pair: CylinderPair, housing: Housing | None) -> str:
+    """Return the half-width and the largest pressure of the contact."""
     if pair.contact == "internal":
-        width, peak, source = half_width(load, pair), Conformal().peak_pressure(load, pair), ""
+        law = Conformal() if housing is None else Conformal(housing)
+        width, peak = half_width(load, pair, law), law.peak_pressure(load, pair)
+        source = "" if housing is None else " (in this housing)"
     else:
         width, peak, source = hertz_half_width(load, pair), hertz_stress(load, pair), " (Hertz)"
     return f"half-width {float(width):.4g} mm, peak pressure {float(peak):.4g} MPa{source}"
@@ -359,7 +364,10 @@ def _each_law(contact: Contact) -> str:
     width = max(len(name) for name in LAWS)
     lines = ["the laws; sources and conventions are in the documentation of each:"]
     for law in known:
-        name = law.name if isinstance(law.name, str) else law.__name__
+        # A power law has names by what its factor is; the plain one is the shortest.
+        name = (
+            law.name if isinstance(law.name, str) else min((m.law for m in law.models()), key=len)
+        )
         lines.append(f"  {name:<{width}}  {(inspect.getdoc(law) or '').splitlines()[0]}")
     return "\n".join(lines)
 
