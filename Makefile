@@ -157,7 +157,7 @@ test-all: $(VENV)/.extras ## Run what make test leaves out or has skipped; none 
 test-long: $(VENV)/.extras ## Run killed commands, clusters, large grids and studies of many minutes
 	$(PYTEST) -m long
 
-lint: $(VENV)/.lint ## Check style, formatting and types
+lint: $(VENV)/.lint $(VENV)/.extras ## Check style, formatting and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy

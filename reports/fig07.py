@@ -14,10 +14,9 @@ hertz_yield_load = partial(yield_load, criterion="Hertz")
 HEADLINE_DR_MM = 0.1
 CAPTION = (
     "Load per unit length (N/mm) at first yield by von Mises, against radial clearance (mm), for a "
-    "pin in a hole of radius R_i, both of one material. Fine: the paper's estimate, at which "
-    "Hertz's peak pressure (Eq 7) equals the yield stress; it is unsafe where the fine line is "
-    "above. Yield stresses assumed. "
-    "In (a) high-strength steel and titanium first yield above 10⁵ N/mm."
+    "pin in a hole of radius R_i, both of one material. Fine: the paper's estimate, where Hertz's "
+    "peak pressure (Eq 7) is the yield stress; unsafe where it is above. Yield stresses assumed. "
+    "In (a) two materials yield above 10⁵ N/mm."
 )
 METHOD = (
     "Internal contact in plane strain. First yield is by the stress below Persson's conformal "

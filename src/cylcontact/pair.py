@@ -396,6 +396,9 @@ class CylinderPair(OfArrays):
             strict=True,
         ):
             warmer = 0.0 if T is None else T - reference
+            sound = np.isfinite(warmer) and (T is None or T > -273.15)
+            rule, remedy = "must be a temperature above -273.15 °C", "e.g. 80"
+            require(bool(sound), source, "temperature", T, rule, remedy)
             key, rule = f"{body.name}.thermal_expansion", "is not known"
             known = body.thermal_expansion is not None or warmer == 0
             require(known, source, key, None, rule, "give the material one in 1/K")

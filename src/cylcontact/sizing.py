@@ -14,7 +14,7 @@ from scipy.stats import truncnorm
 from cylcontact.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.errors import InputError
 from cylcontact.fits import Fit, apart
-from cylcontact.laws import Conformal, ContactLaw, Johnson, Parametric
+from cylcontact.laws import Conformal, ContactLaw, Housing, Johnson, Parametric
 from cylcontact.limits import johnson_limit_load, yield_load
 from cylcontact.materials import material_in_MPa
 from cylcontact.pair import CylinderPair
@@ -123,7 +123,7 @@ def bands(
     load : float
         Load per unit length in N/mm.
     law : ContactLaw, optional
-        For penetration and stiffness; `laws.Parametric()` by default.
+        For penetration and stiffness, without a housing; `laws.Parametric()` by default.
     distribution : {"normal", "uniform"}
         How hole and pin are drawn, apart from each other: normal about the middle of the tolerance
         with a sixth of it as standard deviation, cut off at its limits, or evenly within them.
@@ -152,6 +152,11 @@ def bands(
     rule, remedy = "must be 'normal' or 'uniform'", "see the documentation of bands"
     require(distribution in DISTRIBUTIONS, "bands", "distribution", distribution, rule, remedy)
     law = Parametric() if law is None else law
+    rule, remedy = (
+        "has a housing",
+        "each radius would need its own: take the pairs of the fit's ends",
+    )
+    require(not isinstance(getattr(law, "datum", None), Housing), "bands", "law", law, rule, remedy)
     warm = pin_temperature is not None or hole_temperature is not None
 
     def pair_of(R_i: FloatArray, R_j: FloatArray) -> CylinderPair:
@@ -229,6 +234,11 @@ def find(
     law : ContactLaw, optional
         `laws.Parametric()` by default for a pin in a hole, `laws.Johnson()` for rollers.
 
+    Returns
+    -------
+    float
+        The largest value that will do: a law may meet a stiffness again next to its end.
+
     Raises
     ------
     InputError
@@ -275,7 +285,7 @@ def find(
         of = "mm" if stiffness is None else "N/mm" if unknown == "length" else "N/mm²"
         rule += f", which give {reach} {of}" if reach else f", where {law.name} has no value"
         raise InputError(_SOURCE, key, target, rule, "change the load, the materials or the target")
-    k = crossings[0]
+    k = crossings[-1]  # of several that of the smallest f/(E*·ΔR): others are next to a law's end
     low, high = (float(np.log(end)) for end in grid[known][[k, k + 1]])
 
     def miss_at(log: float) -> float:

@@ -64,10 +64,14 @@ def test_laws_finds_a_clearance(run):
     pair = cc.CylinderPair.from_dR("internal", 0.05, cc.Material("", 207e3, 0.3), R_i=10.0)
     dR = cc.sizing.find("dR", pair, 500.0, stiffness=2e5)
     assert (code, err) == (0, "")
-    assert out == f"dR = {dR:.6g} mm gives 200000 N/mm² under 500 N/mm\n"
+    assert out == f"dR = {dR:.6g} mm gives 200000 N/mm² under 500 N/mm, by Johnson's datum\n"
+    code, out, err = run(*shlex.split("laws --find dR --stiffness 2e5 --load 500 --R-o 20"))
+    law = cc.laws.Parametric(cc.laws.Housing(20.0))
+    dR = cc.sizing.find("dR", pair, 500.0, stiffness=2e5, law=law)
+    assert out.startswith(f"dR = {dR:.6g} mm gives 200000 N/mm² under 500 N/mm, in a ring clamped")
     code, out, err = run("laws", "--find", "length", "--penetration", "3", "--load", "1e4")
     assert (code, err) == (0, "")
-    assert out.endswith(" mm gives 3 µm under 10000 N\n")
+    assert out.endswith(" mm gives 3 µm under 10000 N, by Johnson's datum\n")
 
 
 REFUSED = [

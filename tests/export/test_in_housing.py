@@ -87,7 +87,7 @@ def test_the_command_prints_the_error_and_the_file_says_what_it_is_for(run, tmp_
     assert code == 0
     assert errors.startswith(f"explicit in this housing: {words[0]}")
     text = " ".join(out.read_text(encoding="ascii").replace("#", " ").split())
-    for word in (*words, "R_o/R_i = 2", "E = 110000 MPa", "% of the load by the series"):
+    for word in (*words, "R_o/R_i = 2", "E = 110000 MPa", "percent of the load by the series"):
         assert word in text
     assert ("is for no other direction" in text) == (clamp == "far:60")
     scope = {}

@@ -40,6 +40,24 @@ def test_the_curve_of_a_joint_is_the_reference_within_a_percent(pin, hole, rho, 
     np.testing.assert_allclose(fast.penetration(fast.load(delta, pair), pair), delta, rtol=1e-12)
 
 
+def test_a_joint_of_next_to_no_clearance_is_the_series_too():
+    pair = CylinderPair.internal(R_i=10.0, R_j=10.0 - 1e-6, pin=STEEL, hole=BRONZE)
+    for clamp in CLAMPS.values():
+        law, exact = (kind(Housing(20.0, clamp)) for kind in (laws.Parametric, laws.Conformal))
+        f = np.array([1.0, 100.0, 5000.0])
+        np.testing.assert_allclose(law.penetration(f, pair), exact.penetration(f, pair), rtol=0.01)
+
+
+@pytest.mark.parametrize("datum", ["johnson", Housing(20.0)], ids=["plate", "ring"])
+def test_the_energy_of_the_parametric_law_is_the_integral_of_its_load(datum):
+    law, pair = laws.Parametric(datum), pair_of(STEEL, PEEK)
+    deepest = law.penetration(1000.0, pair)
+    x, weights = np.polynomial.legendre.leggauss(400)
+    s = (1 + x) / 2
+    wanted = deepest * (weights * s * law.load(deepest * s**2, pair)).sum()
+    assert law.energy(deepest, pair) == pytest.approx(wanted, rel=1e-8)
+
+
 @pytest.mark.parametrize("clamp", CLAMPS)
 @pytest.mark.parametrize("rho", [1.5, 2.0, 5.0])
 def test_five_constants_follow_the_curve_as_they_say_or_give_way_to_it(rho, clamp):

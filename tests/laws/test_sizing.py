@@ -108,6 +108,8 @@ def test_a_temperature_needs_expansions_radii_and_a_hole():
         CylinderPair.from_dR("internal", 0.1, STEEL).at_temperature(50, 50)
     with pytest.raises(InputError, match="no pin and no hole"):
         CylinderPair.external(10.0, 9.9, STEEL).at_temperature(50, 50)
+    with pytest.raises(InputError, match="temperature = nan: must be a temperature above"):
+        PAIR.at_temperature(np.nan, 20)
     with pytest.raises(InputError, match=r"thermal_expansion = 12\.0: is beyond any material"):
         Material("steel", 207e3, 0.3, thermal_expansion=12.0)
 
@@ -130,6 +132,21 @@ def test_modulus_and_length_come_back():
     assert find("E", PAIR, 500.0, penetration=depth) == pytest.approx(207e3, rel=1e-10)
     total = 10.0 * LAW.stiffness(depth, PAIR)
     assert find("length", PAIR, 5000.0, stiffness=total) == pytest.approx(10.0, rel=1e-10)
+
+
+def test_next_to_the_end_of_a_law_a_stiffness_is_met_again_and_not_found():
+    law, soft = laws.Johnson(), Material("gel", 5.0, 0.5)
+    rollers = CylinderPair.external(20.0, 20.0, soft)
+    length = find("length", rollers, 500.0, stiffness=300.0)
+    assert 300.0 == pytest.approx(
+        length * law.stiffness(law.penetration(500.0 / length, rollers), rollers), rel=1e-9
+    )
+    assert law.penetration(500.0 / length, rollers) < 0.5  # 22 mm at the other length, 2.4 mm
+
+
+def test_a_band_has_no_housing():
+    with pytest.raises(InputError, match="has a housing; each radius"):
+        bands("20H7/g6", PAIR, 100.0, law=laws.Parametric(laws.Housing(20.0)))
 
 
 @pytest.mark.parametrize(

@@ -61,7 +61,7 @@ class TestFormats:
         assert actual == (0, "1 figure in reports/figures\n", "")
         folder = small / "reports" / "figures"
         assert sorted(path.name for path in folder.iterdir()) == [
-            *("fig99.csv", "fig99.png", "fig99.svg"),
+            *("fig99.csv", "fig99.png", "fig99.svg", "fig99.txt"),
         ]
         svg = (folder / "fig99.svg").read_text(encoding="utf-8")
         assert "A line, 100 % of it" in svg

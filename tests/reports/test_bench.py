@@ -146,7 +146,7 @@ def test_recipes_are_listed_without_being_run_and_a_file_may_list_several(bench)
     assert list(find_recipes(bench)) == ["fig96", "fig97", "fig98", "fig99"]
     assert find_recipes(bench)["fig97"] == several
     (figure,) = build(bench, ["fig98"], options=SVG)
-    assert [path.name for path in figure.paths] == ["fig98.svg", "fig98.csv"]
+    assert [path.name for path in figure.paths] == ["fig98.svg", "fig98.csv", "fig98.txt"]
 
 
 @pytest.mark.parametrize(
@@ -162,7 +162,7 @@ def test_a_broken_file_is_a_problem_of_its_own(bench, run, text, problem):
     file = put(bench, "fig98.py", text)
     broken, sound = sorted(build(bench, options=SVG), key=lambda figure: not figure.problem)
     assert str(broken.problem).startswith(f"{file}: {problem}")
-    assert [path.name for path in sound.paths] == ["fig99.svg", "fig99.csv"]
+    assert [path.name for path in sound.paths] == ["fig99.svg", "fig99.csv", "fig99.txt"]
     code, _, errors = run("figure", "--jobs", 1)
     assert (code, errors.count("\n")) == (2, 1)
     assert problem in errors
@@ -226,7 +226,12 @@ def test_a_build_returns_and_reports_what_it_wrote(bench):
     stages = []
     (figure,) = build(bench, progress=lambda *stage: stages.append(stage))
     assert stages == [("drawing", 0, 1), ("drawing", 1, 1)]
-    assert [path.name for path in figure.paths] == ["fig99.png", "fig99.pdf", "fig99.csv"]
+    assert [path.name for path in figure.paths] == [
+        "fig99.png",
+        "fig99.pdf",
+        "fig99.csv",
+        "fig99.txt",
+    ]
     assert sorted(figure.paths) == sorted(bench.figures_folder.iterdir())
     assert figure.headline == {"largest load, N/mm": 1000 / 3}
     assert figure.size_mm == pytest.approx((84.0, 60.0))

@@ -93,7 +93,7 @@ def test_a_manuscript_is_typeset(bench, run):
     assert sorted(name for name in tree(made) if (made / name).is_file()) == [
         "a.pdf",
         "latex/a.tex",
-        *(f"latex/figures/fig99.{ending}" for ending in ("csv", "pdf")),
+        *(f"latex/figures/fig99.{ending}" for ending in ("csv", "pdf", "txt")),
         "latex/references.bib",
     ]
     latex = " ".join((made / "latex/a.tex").read_text("utf-8").split())

@@ -26,6 +26,7 @@ from cylcontact.files import replacing_all, require_suffix, shipped_bench
 from cylcontact.reading import plain_number
 
 if TYPE_CHECKING:
+    from cylcontact.laws import Housing
     from cylcontact.pair import CylinderPair
 
 
@@ -83,7 +84,7 @@ def laws(
     if warm:
         cylinders = cylinders.at_temperature(**warm)
     if find is not None:
-        _find(find, cylinders, force, stiffness, penetration)
+        _find(find, cylinders, force, stiffness, penetration, around)
         return
     for name, value in (("--stiffness", stiffness), ("--penetration", penetration)):
         require(value is None, "laws", name, value, "is for --find", "add --find dR")
@@ -124,18 +125,26 @@ def _of_fit(
 
 
 def _find(
-    what: str, pair: CylinderPair, load: float, stiffness: float | None, penetration: float | None
+    what: str,
+    pair: CylinderPair,
+    load: float,
+    stiffness: float | None,
+    penetration: float | None,
+    housing: Housing | None,
 ) -> None:
     """Print the clearance, modulus or length that meets a stiffness or a penetration."""
+    from cylcontact.laws import Parametric
     from cylcontact.sizing import UNKNOWNS
     from cylcontact.sizing import find as found
 
     with blaming_options({"stiffness": "--stiffness", "load": "--load", "": "--find"}, "laws"):
         depth = None if penetration is None else 1e-3 * penetration
-        value = found(what, pair, load, stiffness=stiffness, penetration=depth)  # type: ignore[arg-type]
+        law = None if housing is None else Parametric(housing)
+        value = found(what, pair, load, stiffness=stiffness, penetration=depth, law=law)  # type: ignore[arg-type]
     per, rate = ("N", "N/mm") if what == "length" else ("N/mm", "N/mm²")
     wanted = f"{penetration:g} µm" if stiffness is None else f"{stiffness:g} {rate}"
-    say(f"{what} = {value:.6g} {UNKNOWNS[what][0]} gives {wanted} under {load:g} {per}")  # type: ignore[index]
+    datum = "by Johnson's datum" if housing is None else f"in {housing}"
+    say(f"{what} = {value:.6g} {UNKNOWNS[what][0]} gives {wanted} under {load:g} {per}, {datum}")  # type: ignore[index]
 
 
 @takes("pair", PAIR, listed=False)

@@ -97,11 +97,13 @@ def law_in_housing(law: ContactLaw, pair: CylinderPair) -> tuple[InHousing, str]
         stated = InHousing(replace(formula, equation=_FIVE), law.five_constants(pair))
         error = _error(stated, series, pair)
         if error <= _FEW:
-            return _remarked(stated, remark, f"five constants, within {100 * error:.2g} %")
+            return _remarked(stated, remark, f"five constants, within {100 * error:.2g} percent")
     nodes = tuple(zip(*(each.tolist() for each in _thinned(series)), strict=True))
     stated = InHousing(Table(_function, end=_function, equation=_TABLE, nodes=nodes))
     error = _error(stated, series, pair)
-    return _remarked(stated, remark, f"a table of {len(nodes)} nodes, within {100 * error:.2g} %")
+    return _remarked(
+        stated, remark, f"a table of {len(nodes)} nodes, within {100 * error:.2g} percent"
+    )
 
 
 def _error(law: InHousing, series: Curve, pair: CylinderPair) -> float:
@@ -114,7 +116,7 @@ def _error(law: InHousing, series: Curve, pair: CylinderPair) -> float:
 
 def _remarked(law: InHousing, remark: str, words: str) -> tuple[InHousing, str]:
     """Return a law whose formula says what it is for and how exact it is."""
-    words += " of the load by the series for f/(E_star*dR) from 1e-4 to 10"
+    words += " of the load by the series, for f over E_star dR from 1e-4 to 10"
     return replace(law, stated=replace(law.stated, remark=f"{remark}. It is {words}")), words
 
 

@@ -29,8 +29,8 @@ from cylcontact.laws.tabulated import cubic
 from cylcontact.pair import CylinderPair
 
 # The nodes in t, and their largest d.
-_T = np.arange(80.0, -9.0, -0.15)
-_DEEPEST = 1e3
+_T = np.arange(80.0, -16.0, -0.15)
+_DEEPEST = 1e6
 # Relative error in the load up to which five constants stand for a curve.
 _CLOSE = 0.01
 # Eyes of up to this R_o/R_i are thin.
@@ -207,7 +207,7 @@ def _five(joint: _Joint) -> FiveConstants:
 
     def miss(p: FloatArray) -> FloatArray:
         c, ln_B, ln_A, G, D = p
-        with np.errstate(invalid="ignore", divide="ignore"):
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             inner = np.log(1 + np.exp(ln_A) / d + G / np.sqrt(d)) + D
             form = c + np.log1p(np.exp(ln_B) / d * inner)
             return as_floats(np.nan_to_num(np.log(form / L), nan=1.0, posinf=1.0, neginf=1.0))

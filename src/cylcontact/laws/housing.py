@@ -58,8 +58,6 @@ from cylcontact.errors import InputError
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 
-PinDatum = Literal["body-force", "diametral"]
-
 # g is cut off where its terms, which fall like ρ^(−2n), are below this.
 _LEAST_TERM = 1e-11
 # Thinner rings need more harmonics than the series has.
@@ -238,9 +236,6 @@ class Housing:
         The radius of the rim in mm, larger than the hole.
     clamp : "rim" or Sector
         What is clamped of the rim.
-    pin : {"body-force", "diametral"}
-        How the pin is loaded: by a force spread evenly over its section, or by a line load
-        opposite the contact.
     layers : sequence of (Material, float)
         Rings bonded around the hole's own, from within, each with its inner radius in mm: a bush
         of the pair's material for the hole, in a lug of another.
@@ -248,13 +243,14 @@ class Housing:
     Raises
     ------
     InputError
-        If a radius is not one positive and finite number, or the clamp, the loading of the pin or a
-        layer is none; when it is used, if the rim is not outside the hole, or the ring is thinner
+        If a radius is not one positive and finite number, or the clamp or a layer is
+        none; when it is used, if the rim is not outside the hole, or the ring is thinner
         than 5 % of the hole's radius.
 
     Notes
     -----
-    Linear elasticity of plane rings without friction, of one material for the whole housing or one
+    Linear elasticity of plane rings without friction, the pin under a force spread evenly over its
+    section, of one material for the whole housing or one
     for each layer. The coefficients of a whole rim are exact, those of a sector within 5e-4. A
     sector has a direction: the load acts along its middle. Terms of the order of ΔR/R are left out.
     The derivation is in `cylcontact.laws.housing`.
@@ -275,7 +271,6 @@ class Housing:
 
     R_o: float
     clamp: Literal["rim"] | Sector = "rim"
-    pin: PinDatum = "body-force"
     layers: Sequence[tuple[Material, float]] = ()
     g: tuple[tuple[float, ...], ...] | None = field(default=None, repr=False)
 
@@ -300,9 +295,6 @@ class Housing:
         known = isinstance(self.clamp, Sector) or self.clamp == "rim"
         rule, remedy = "must be 'rim' or a Sector", 'e.g. clamp=laws.Sector(60, side="far")'
         require(known, "Housing", "clamp", self.clamp, rule, remedy)
-        rule, remedy = "must be 'body-force' or 'diametral'", "say how the pin is loaded"
-        known = self.pin in ("body-force", "diametral")
-        require(known, "Housing", "pin", self.pin, rule, remedy)
 
     def __str__(self) -> str:
         if self.g is not None:
@@ -318,7 +310,7 @@ class Housing:
         return f"a ring clamped at {self.R_o:g} mm {where}{rings}"
 
     @classmethod
-    def from_compliances(cls, g: ArrayLike | str | Path, pin: PinDatum = "body-force") -> Housing:
+    def from_compliances(cls, g: ArrayLike | str | Path) -> Housing:
         """Return a housing of known coefficients g_nm, as from one's own finite elements.
 
         Parameters
@@ -329,8 +321,6 @@ class Housing:
             in cos nθ: the amplitudes over π, over 2π for m = 0, are g_nm. For n = m = 1 that of
             the plate is w_i·π/(2(κ_i + 1)). One row is the diagonal, which is all that a whole rim
             has. A file has numbers with commas between them, a line for each n.
-        pin : {"body-force", "diametral"}
-            As for `Housing`.
 
         Returns
         -------
@@ -357,13 +347,12 @@ class Housing:
                 raise InputError(str(g), "g", None, rule, remedy) from None
         table = as_numbers(g, "Housing", "g")
         table = np.diag(table) if table.ndim == 1 else np.atleast_2d(table)
-        return cls(math.inf, pin=pin, g=tuple(map(tuple, table.tolist())))
+        return cls(math.inf, g=tuple(map(tuple, table.tolist())))
 
     def constant(self, pair: CylinderPair) -> FloatArray:
         """Return C, which is the pin's part alone: the rest depends on the arc."""
         (_, w_j), (_, kappa_j) = pair.shares, pair.kolosov
-        part = -1 / (kappa_j + 1) if self.pin == "body-force" else 2 * np.log(2) - 1
-        return as_floats(w_j * part)
+        return as_floats(-w_j / (kappa_j + 1))
 
     def kernels(self, pair: CylinderPair) -> tuple[IndexArray, list[Kernel]]:
         """Return which of the kernels that follow each element of a pair has, and the kernels."""

@@ -139,7 +139,7 @@ def _of_all_kinds(result: str, table: Any) -> Callable[[int, FloatArray, float],
     lines = ["def function(kind, numbers, penetration):"]
     for kind, formula in enumerate(_KINDS.values()):
         steps = needed(formula.scalar_steps, result)
-        if not steps:
+        if result == "energy" and formula.energy is None:
             continue
         used = {*formula.numbers_of(result), *(("last",) if formula.end else ())}
         lines += [f"  if kind == {kind}:"]
