@@ -312,7 +312,6 @@ def test_contact_by_calculix_is_the_same(rho, clamp):
     [
         (lambda: Housing("20"), "Housing: R_o = '20': must be a number"),
         (lambda: Housing(20.0, "half"), "Housing: clamp = 'half': must be 'rim' or a Sector"),
-        (lambda: Housing(20.0, pin="bolt"), "Housing: pin = 'bolt': must be 'body-force'"),
         (lambda: Housing(20.0, layers=[(STEEL, 30.0)]), "Housing: layers"),
         (lambda: Housing(20.0, layers=[15.0]), "Housing: layers"),
         (lambda: Sector(351), "Sector: angle = 351: must be from 10 to 350 degrees"),
