@@ -57,7 +57,7 @@ METHOD = (
 LAWS = {
     "explicit": ("explicit", COLOURS[0], "-"),
     "johnson": ("Johnson", COLOURS[2], "--"),
-    "enhanced": (r"law of 2015, by $\Delta R$", COLOURS[1], "-"),
+    "enhanced": ("law of 2015,{}", COLOURS[1], "-"),
     "liu": ("Liu et al.", COLOURS[3], "-."),
     "winkler": ("Winkler", COLOURS[4], ":"),
 }
@@ -161,12 +161,10 @@ def _draw_errors(table: pd.DataFrame) -> Figure:
                 error.rolling(ROWS_PER_DECADE // 2 + 1, center=True, min_periods=1).max(),
                 color=colour,
                 linestyle=line,
-                marker="",
-                label="" if number else label,
+                marker="os^"[number] if law == "enhanced" else "",
+                markevery=(3, 12),
+                label=label.format(str(pair).rpartition("=")[2]),
             )
-            if law == "enhanced":
-                at, text = (error.index[0], error.iloc[0]), str(pair).rpartition("=")[2]
-                axes.annotate(text, at, (0, 3), textcoords="offset points", color=colour)
     low, high = (
         rows["penetration_error_percent"].to_numpy()
         for _, rows in inside[inside["law"].str.startswith("conformal, ")].groupby("law")

@@ -235,7 +235,7 @@ def test_a_build_returns_and_reports_what_it_wrote(bench):
     assert sorted(figure.paths) == sorted(bench.figures_folder.iterdir())
     assert figure.headline == {"largest load, N/mm": 1000 / 3}
     assert figure.size_mm == pytest.approx((84.0, 60.0))
-    png, pdf, csv = figure.paths
+    png, pdf, csv, _note = figure.paths
     assert csv.read_bytes() == b"load_N_per_mm\n10\n333.3333\n"
     with Image.open(png) as image:
         assert image.info["Description"] == figure.caption == "A line of loads, N/mm."
