@@ -146,10 +146,10 @@ def shown(run, *options):
 
 def test_a_pair_may_be_given_in_several_ways(run, tmp_path, monkeypatch):
     own = tmp_path / "own.csv"
-    own.write_text("name;E_GPa;nu\nbrass;102,5;0,34\n", encoding="utf-8")
+    own.write_text("name;E_GPa;nu\npewter;102,5;0,34\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     by_name = shown(
-        *(run, "--pin", "Brass", "--hole", "brass", "--materials", own),
+        *(run, "--pin", "Pewter", "--hole", "pewter", "--materials", own),
         *("--hole-diameter", "20", "--pin-diameter", "19.9"),
     )
     of_both = ("--E", "102.5 GPa", "--nu", "0.34")
@@ -157,7 +157,7 @@ def test_a_pair_may_be_given_in_several_ways(run, tmp_path, monkeypatch):
         assert shown(run, *of_both, *radii) == by_name
     (tmp_path / "datasets").mkdir()
     own.rename(tmp_path / "datasets/materials.csv")
-    assert shown(run, "--material", "brass") == by_name
+    assert shown(run, "--material", "pewter") == by_name
     apart = shown(run, "--pin", "207 GPa, 0.3", "--hole", "110e3,0.34", "--load", "50")
     bronze = cc.Material("bronze", 110e3, 0.34)
     pair = cc.CylinderPair.internal(

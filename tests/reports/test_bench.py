@@ -201,7 +201,7 @@ def test_the_papers_maps_are_among_those_by_argument(figures, maps_bench, run):
     ("words", "message"),
     [
         (["maps"], "material: is needed; write: cylcontact figure maps material=…"),
-        (["maps", "material=brass"], "name = 'brass': no material has this name"),
+        (["maps", "material=soap"], "name = 'soap': no material has this name"),
         (["maps", "material=ceramics", "law=no-such"], "is neither a law nor a fit result in"),
         (["maps", "material=ceramics", "law=external"], "is not a fit on a grid of internal"),
         (["maps", "material=ceramics", "reference=liu"], "is not a reference of the maps; choose"),
