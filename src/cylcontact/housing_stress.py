@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -70,7 +70,7 @@ class HousingStress:
         given = compliances(self.kernel.rings, self.kernel.sector)
         kappa = self.kernel.rings[0].kappa
         count = given.moved.shape[2]
-        x, weights = np.polynomial.legendre.leggauss(2 * self.coefficients.size + count)
+        x, weights = _rule(2 * self.coefficients.size + count)
         v = np.pi / 4 * (1 + x)
         y = self.b * np.cos(v)
         p = np.sin(np.outer(v, 2 * np.arange(self.coefficients.size) + 1)) @ self.coefficients
@@ -145,6 +145,12 @@ class HousingStress:
                 for x, k in ((r, i), (theta, j))
             )
         return at
+
+
+@lru_cache(maxsize=64)
+def _rule(least: int) -> tuple[FloatArray, FloatArray]:
+    """Return nodes and weights of Gauss's rule."""
+    return np.polynomial.legendre.leggauss(least)
 
 
 def _eta(w: ComplexArray) -> ComplexArray:

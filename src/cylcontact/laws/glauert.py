@@ -236,6 +236,14 @@ def remainder(beta: float) -> Remainder | None:
 @lru_cache(maxsize=256)
 def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
     """Return the remainder of a β and a housing, for holes of at least the share w_i."""
+    from threadpoolctl import threadpool_limits
+
+    # Matrices this small are slower on several threads.
+    with threadpool_limits(limits=1):
+        return _housed(beta, w_i, kernel)
+
+
+def _housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
     top = _end(beta, w_i, kernel.g)
     for nodes in range(32 if len(kernel.g) < 30 else 48, _MOST_NODES + 1, 16):
         series, solution, b = _series(top, beta, nodes, kernel)
