@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -178,10 +178,6 @@ class Campaign(CampaignBase):
         parameters = parameters_of(model, spec.parameters, spec.ties, source)
         spec = completed(spec, parameters)
         return cls(name, spec, model, parameters, spec.objective, source, grid, grid_data)
-
-    def on(self, grid: AnyGrid) -> Campaign:
-        """Return the campaign on another grid; its settings remain those of its file."""
-        return replace(self, grid=grid)
 
 
 def _require_range(grid: AnyGrid, model: LawModel, source: str) -> None:
