@@ -178,6 +178,7 @@ class Explicit(Law):
         """Return the law at a pair."""
         if not isinstance(self.datum, Housing):
             return super().at_pair(pair)
+        require_hole("Explicit", pair)
         parametric = Parametric(self.datum).at_pair(pair)
         has_formula = parametric.is_single and self.five_constants(pair).is_close
         return super().at_pair(pair) if has_formula else parametric
