@@ -188,8 +188,8 @@ def _run(
         remedy = "restore them, or run without --resume to start anew"
         rule = "is of another mechanism or other options"
         require(same, str(out), "", None, rule, remedy)
-        if earlier.revolutions > given["revolutions"]:
-            say(f"cylcontact: {out} has {earlier.revolutions} revolutions, all of them kept", err=True)
+        if (has := earlier.revolutions) > given["revolutions"]:
+            say(f"cylcontact: {out} has {has} revolutions, all of them kept", err=True)
     elif resume:
         say(f"cylcontact: there is no {out} yet; the run starts anew", err=True)
     try:

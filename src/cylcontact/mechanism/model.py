@@ -175,12 +175,10 @@ class MechanismSpec(Spec):
         for load in self.load:
             self._check_end("load.at", load.at, whole_body=False)
         period, turns = self.integration.period, any(joint.speed for joint in self.joint)
-        if period is None and not turns:
-            rule = "is required without a driver of a given speed"
-            raise broken("integration.period", None, rule, "add what counts as one revolution, s")
-        if period is not None and turns:
-            rule = "is given beside a driver of a given speed"
-            raise broken("integration.period", period, rule, "remove it")
+        if turns == (period is not None):
+            rule = f"is {'given beside' if turns else 'required without'} a driver of a given speed"
+            remedy = "remove it" if turns else "add what counts as one revolution, s"
+            raise broken("integration.period", period, rule, remedy)
         return self
 
     def _check_end(self, key: str, end: str, whole_body: bool) -> None:

@@ -331,9 +331,11 @@ class Statistics:
 
     def _grazing(self) -> str:
         count, total = (int(self.revolutions[name].sum()) for name in ("grazing", "impacts"))
+        if not count:
+            return ""
         floor = f"{self._limits.floor * 1e3:g} mm/s an impact counts as one of that speed"
-        slower = f"{count:,} of {total:,} impacts begin slower ({_percent(count / max(total, 1))})"
-        return f"grazing starts: below {floor}; {slower}, {self._passed('grazing')}" if count else ""
+        slower = f"{count:,} of {total:,} impacts begin slower ({_percent(count / total)})"
+        return f"grazing starts: below {floor}; {slower}, {self._passed('grazing')}"
 
     @property
     def continuation(self) -> str:
