@@ -32,7 +32,7 @@ def test_an_exported_law_is_as_near_to_the_series_as_it_says(law, pin, hole, rho
     is_table = isinstance(stated.stated, Table)
     assert words.startswith("a table of" if is_table else "five constants")
     assert error < (0.001 if is_table else 0.01)
-    said = float(words.split("within ")[1].split(" %")[0])
+    said = float(words.split("within ")[1].split(" percent")[0])
     assert 100 * error == pytest.approx(said, rel=0.15, abs=0.01)
     stiffness = series.stiffness(delta, pair)
     np.testing.assert_allclose(

@@ -313,8 +313,7 @@ def test_exports_flag_and_start_as_the_library(language, law, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "target"),
-    [("wrench", "cpp"), ("std", "cpp"), ("evaluate", "fortran"), ("Forces", "fortran")],
+    ("name", "target"), [("wrench", "cpp"), ("std", "cpp"), ("Forces", "fortran")]
 )
 def test_a_name_that_the_language_needs_is_refused(name, target):
     with pytest.raises(InputError, match=f"name = '{name}': is taken by something else in"):

@@ -10,7 +10,7 @@ from tests.support.mechanism_cases import FOUR_BAR, ROOT, SLIDER_CRANK
 from tests.support.spec_files import DROP, changed
 
 PIN = "joint.wrist-pin"
-IDEAL = {"between": ["coupler.rocker", "rocker.pin"]}
+IDEAL = {"name": "rocker-pin", "between": ["coupler.rocker", "rocker.pin"]}
 MISTAKES = [
     ({f"{PIN}.clearance": 10.0}, f"{PIN}.clearance = 10.0: leaves no pin"),
     ({f"{PIN}.pin.R": 9.0}, f"{PIN}.pin.R = 9.0: is given twice"),
