@@ -65,7 +65,7 @@ def test_the_quick_examples_run(run, tmp_path, monkeypatch, name):
         ((SPEC, "--clearance", "0.5,0.02"), "'0.5,0.02' is not a number; see cylcontact simulate"),
         ((SPEC, "--study", "cases"), "No such option: --study; see cylcontact simulate --help"),
         ((SPEC, "-o", "x.gif", "--resume"), "simulate: --resume: needs a file to go on from; name"),
-        ((SPEC, "-o", "x.gif", "--revolutions", 2), "--first = 2: leaves none of 2 revolutions;"),
+        ((SPEC, "-o", "x.gif", "--first", 2, "--revolutions", 2), "--first = 2: leaves none of 2"),
     ],
 )
 def test_what_is_for_another_command_is_refused(run, tmp_path, monkeypatch, arguments, line):

@@ -120,6 +120,8 @@ def test_export_prints_a_law_and_writes_a_refit_to_a_file(run, tmp_path):
     message = f"{result} written to {out}\n"
     assert run("export", result, "--to", "c", "-o", out) == (0, message, "")
     assert "double cylcontact_enhanced_external" in out.read_text(encoding="ascii")
+    code, _, err = run("export", "johnson", "--to", "matlab", "-o", tmp_path / "bad-name.m")
+    assert (code, "'bad-name': cannot be called by its name" in err) == (2, True)
 
 
 def test_a_modulus_is_in_mpa_or_has_a_unit(run):

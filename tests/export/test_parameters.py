@@ -260,7 +260,7 @@ def test_the_command_prints_the_parameters(run, tmp_path):
 
 REFUSALS = {
     "no range": (("--to", "adams"), "--range: is missing for adams; give total forces in N"),
-    "reversed": (("--to", "adams", "--range", "9:1"), "'9:1' must be two positive numbers"),
+    "reversed": (("--to", "adams", "--range", "9:1"), "'9:1' must be two positive numbers, the "),
     "not finite": (("--to", "drake", "--range", "1:inf"), "'1:inf' must be two positive numbers"),
     "no mass": (("--to", "mujoco", "--range", "1:9", "--mass", "0"), "--mass = 0.0: must be posit"),
     "source": (("--to", "c", "--range", "1:9"), "is for a code's own contact; leave it out"),

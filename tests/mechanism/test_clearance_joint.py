@@ -253,6 +253,14 @@ def test_centres_that_coincide_have_a_normal():
     assert (wrench.force_bearing == 0).all()
 
 
+@pytest.mark.parametrize("language", RUNNERS)
+def test_a_motion_that_is_not_a_number_has_no_force(language, tmp_path):
+    joint = joint_for("explicit", 0.05)
+    row = np.array([[0.0] * 7 + [np.nan] + [0.0] * 5])
+    for answers in (run_library(joint, row), RUNNERS[language](joint, row, tmp_path)):
+        assert np.isnan(answers[0, :6]).all()
+
+
 def test_states_may_be_arrays():
     joint = joint_for("parametric", 0.05)
     bearing, pin = motion(joint, DEEP, 0.1, spin=30.0)
@@ -302,6 +310,14 @@ def test_exports_flag_and_start_as_the_library(language, law, tmp_path):
 
 
 # --- what it says ---
+
+
+@pytest.mark.parametrize(
+    ("name", "target"), [("wrench", "cpp"), ("std", "cpp"), ("Forces", "fortran")]
+)
+def test_a_name_that_the_language_needs_is_refused(name, target):
+    with pytest.raises(InputError, match=f"name = '{name}': is taken by something else in"):
+        export_joint(joint_for("explicit", 0.05, name=name), target)
 
 
 @pytest.mark.parametrize("target", RUNNERS)

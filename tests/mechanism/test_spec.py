@@ -10,6 +10,7 @@ from tests.support.mechanism_cases import FOUR_BAR, ROOT, SLIDER_CRANK
 from tests.support.spec_files import DROP, changed
 
 PIN = "joint.wrist-pin"
+IDEAL = {"name": "rocker-pin", "between": ["coupler.rocker", "rocker.pin"]}
 MISTAKES = [
     ({f"{PIN}.clearance": 10.0}, f"{PIN}.clearance = 10.0: leaves no pin"),
     ({f"{PIN}.pin.R": 9.0}, f"{PIN}.pin.R = 9.0: is given twice"),
@@ -21,7 +22,9 @@ MISTAKES = [
     ({f"{PIN}.pin.point": [1.0, 0.0]}, f"{PIN}.pin.point: is where `between` says; remove it"),
     ({f"{PIN}.housing": {"R_o": 30.0}}, f"{PIN}.law = 'enhanced': knows no housing; choose"),
     ({f"{PIN}.wear": 1.0}, "joint.2.wear = 1.0: is not a known key; known keys here: name, type"),
-    ({"joint.slide.law": "explicit"}, "joint.slide.type = 'prismatic': has no clearance; give it"),
+    ({"joint.slide.clearance": 0.2}, "joint.slide.type = 'prismatic': has no clearance; give it"),
+    ({"joint.main.clearance": 0.2, "joint.main.length": 10.0}, "joint.main.law: is required"),
+    ({"joint.main.fit": "20H7/g6"}, "joint.main.length: is required"),
     ({"joint.main.name": "slide"}, "joint = 'slide': is the name of two joints; give each a name"),
     ({"joint.drive.speed": 0.0}, "speed = 0.0: must not be zero"),
     ({"joint.drive.torque": 1.0}, "speed = -5000.0: is given beside a torque"),
@@ -29,6 +32,10 @@ MISTAKES = [
     ({"joint.main.between": ["ground.pivot", "wheel.hub"]}, "'wheel.hub': names no body"),
     ({"joint.drive.between": ["ground", "crank.pin"]}, "'crank.pin': names a point"),
     ({"spring": [{"between": ["ground", "crank.pin"]}]}, "'ground': names no point"),
+    ({"spring": [{"between": ["ground", "crank"], "length": 0.1}]},
+     "spring.0.length = 0.1: is not for a spring between bodies; remove it"),
+    ({"spring": [{"between": ["ground.pivot", "crank.pin"], "angle": 3.0}]}, "angle = 3.0: is not"),
+    ({"integration.period": 0.1}, "integration.period = 0.1: is given beside a driver"),
     ({"load": [{"at": "crank"}]}, "load.at = 'crank': names no point"),
     ({"joint.drive.speed": DROP, "joint.drive.torque": 1.0},
      "integration.period: is required without a driver of a given speed; add what counts as one"),
@@ -84,7 +91,17 @@ def test_a_clearance_may_have_what_a_joint_has():
     assert fitted.clearance.contact.origin.startswith("fit result 'internal'")
 
 
+def test_a_law_is_read_where_the_clearance_is_0():
+    with pytest.raises(InputError, match="'nonsense': is neither a law nor a fit result"):
+        mechanism_from(FOUR_BAR, law="nonsense", clearance=0.0)
+
+
 def test_what_cannot_be_changed_is_told():
+    ideal = mechanism_from(changed(FOUR_BAR, {"joint.rocker-pin": IDEAL}))
+    assert not ideal.clearances
+    assert not ideal.assumptions
+    with pytest.raises(InputError, match=r"clearance = 0\.2: is for joints with clearance, and th"):
+        mechanism_from(ideal.data, clearance=0.2)
     with pytest.raises(InputError, match="speed = 3: cannot be set; choose law, clearance"):
         mechanism_from(FOUR_BAR, speed=3)
 

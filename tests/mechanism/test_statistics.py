@@ -149,6 +149,12 @@ class TestStatistics:
         assert "nothing dissipates" in repr(statistics)
         assert np.isfinite(statistics.mean["impacts"])
 
+    def test_a_short_run_shows_what_it_has(self):
+        statistics = long_run(slider_crank("enhanced", 0.1 + 0.2), revolutions=2)
+        assert "too short" not in repr(statistics)
+        assert "too few revolutions for intervals" in repr(statistics)
+        assert statistics.summary["clearance (mm)"] == 0.3
+
     def test_a_contact_without_end_says_what_rate_it_carries(self):
         statistics = long_run(slider_crank("johnson"), revolutions=60)
         rate = statistics.carried

@@ -166,6 +166,8 @@ def test_simulate_writes_what_a_later_one_goes_on_from(run, tmp_path):
     whole = simulate(slider_crank(friction=0.0), tolerance=1e-7, revolutions=2)
     assert resumed.revolutions == 2
     assert np.array_equal(resumed.rows.values, whole.rows.values)
+    err = run("simulate", SPEC, *options, "--revolutions", 1, "--resume")[2]
+    assert f"{out} has 2 revolutions, all of them kept" in err
     code, _, err = run("simulate", SPEC, "-o", out, "--revolutions", 2, "--resume")
     assert code == 2
     assert "is of another mechanism or other options" in err
@@ -201,6 +203,7 @@ def test_a_run_that_cannot_go_on_keeps_its_revolutions(run, tmp_path):
         ((*SWEEP, "--law", "hooke"), "'hooke': is neither a law nor a fit result"),
         ((*SWEEP, "--fit", "20H7/k6"), "--fit = '20H7/k6': is a transition fit"),
         ((*SWEEP, "--fit", "20H7/f7", "--clearance", 1), "conflicts with --clearance"),
+        ((*SWEEP, "--fit", "40H7/f7"), "is of another size than the hole of wrist-pin, of 20 mm"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_two(run, tmp_path, monkeypatch, arguments, message):

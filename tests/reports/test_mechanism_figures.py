@@ -100,7 +100,8 @@ def test_a_film_has_its_frames_and_is_the_same_again(run, tmp_path, monkeypatch)
     pictures = []
     for name in ("a.gif", "b.gif"):
         out = tmp_path / name
-        code, _, errors = run("simulate", ROOT / "datasets/four_bar.toml", "-o", out, "--first", 0)
+        spec = ROOT / "datasets/four_bar.toml"
+        code, _, errors = run("simulate", spec, "-o", out, "--revolutions", 1)
         assert (code, errors) == (0, "")
         pictures.append(out.read_bytes())
         with Image.open(out) as picture:

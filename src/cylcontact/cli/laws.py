@@ -202,8 +202,11 @@ def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) 
     from cylcontact.export import export as exported
     from cylcontact.export import export_named
     from cylcontact.export.in_housing import law_in_housing
+    from cylcontact.export.language import require_callable
     from cylcontact.housing_spec import in_housing
 
+    if out is not None:
+        require_callable(target, out.stem)
     housing = read_housing(pair, "export")
     source: str | bytes
     if housing is not None:

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 # The tolerances of `tolerances`, if none is given.
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
+# How much a fit's diameter and a hole's may differ, as a part of it.
+_SAME_SIZE = 0.01
 
 SPEC = argument("A mechanism's spec, e.g. datasets/slider_crank.toml.")
 TABLE = output("The table, .csv or .parquet.", default=...)
@@ -67,12 +69,17 @@ def _combined(changes: Mapping[str, Any]) -> list[Case]:
     return cases(*(changes.get(name, [None]) for name in CHANGES))
 
 
-def _of_fit(code: str) -> list[float]:
+def _of_fit(code: str, mechanism: Mechanism) -> list[float]:
     """Return the radial clearances of the tightest, the middle and the loosest pair in mm."""
     from cylcontact.fits import Fit
 
     fit = Fit.read(code, "sweep", "--fit")
     fit.require_clearance("sweep", "--fit")
+    for joint in mechanism.clearances:
+        hole = 2 * float(joint.contact.pair.radii(joint.name)[0])
+        rule = f"is of another size than the hole of {joint.name}, of {hole:g} mm"
+        good = abs(hole - fit.nominal) < _SAME_SIZE * fit.nominal
+        require(good, "sweep", "--fit", code, rule, "name a fit of that diameter")
     R_i, R_j = fit.radii([0.0, 0.5, 1.0])
     clearances: list[float] = (R_i - R_j).round(9).tolist()
     return clearances
@@ -111,8 +118,8 @@ def simulate(
     depth = None if allowed_penetration is None else allowed_penetration * 1e-6
     settings = settings_for(mechanism, method, tolerance, beyond, allowed_penetration=depth)
     if filmed:
-        first = 2 if first is None else first
-        total = revolutions or first + 1
+        total = revolutions or (2 if first is None else first) + 1
+        first = min(2, total - 1) if first is None else first
     else:
         total = revolutions or mechanism.integration.revolutions
         first = first_of(total) if first is None else first
@@ -181,6 +188,8 @@ def _run(
         remedy = "restore them, or run without --resume to start anew"
         rule = "is of another mechanism or other options"
         require(same, str(out), "", None, rule, remedy)
+        if (has := earlier.revolutions) > given["revolutions"]:
+            say(f"cylcontact: {out} has {has} revolutions, all of them kept", err=True)
     elif resume:
         say(f"cylcontact: there is no {out} yet; the run starts anew", err=True)
     try:
@@ -223,11 +232,11 @@ def sweep(
     from cylcontact.mechanism.study import first_of
 
     require_output(out, *OUTPUT_SUFFIXES)
+    mechanism = read_mechanism(spec, materials)
     if fit is not None:
         rule = "conflicts with --clearance"
         require("clearance" not in changes, "sweep", "--fit", fit, rule, "keep one of them")
-        changes["clearance"] = _of_fit(fit)
-    mechanism = read_mechanism(spec, materials)
+        changes["clearance"] = _of_fit(fit, mechanism)
     total = revolutions or mechanism.integration.revolutions
     first = first_of(total) if first is None else first
     plan = Plan(total, first, method, tolerance, beyond, against)

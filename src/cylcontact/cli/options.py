@@ -94,7 +94,7 @@ def interval(help: str, *names: str, default: Any = None) -> Any:
             raise ValueError
         return low, high
 
-    parse = reader(read, "must be two positive numbers, e.g. 5:400")
+    parse = reader(read, "must be two positive numbers, the lower first, e.g. 5:400")
     return option(help, *names, default=default, parser=parse, metavar="LOW:HIGH")
 
 

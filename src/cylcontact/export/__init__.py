@@ -158,7 +158,7 @@ def export_joint(
     ------
     InputError
         If the target is unknown, the file's name is not one that the language can import, the
-        joint's name is that of a function in its Fortran, or an FMU finds no C compiler.
+        joint's name is taken in its Fortran or C++, or an FMU finds no C compiler.
 
     Examples
     --------

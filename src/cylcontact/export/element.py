@@ -19,13 +19,19 @@ import numpy as np
 from cylcontact.arrays import require
 from cylcontact.choices import JOINT_TARGETS
 from cylcontact.export.exported_law import MEANINGS, paragraph, renamed, safe_names
-from cylcontact.export.language import LANGUAGES, WIDTH, filled_template, statements_of
+from cylcontact.export.language import (
+    LANGUAGES,
+    WIDTH,
+    filled_template,
+    require_callable,
+    statements_of,
+)
 from cylcontact.export.program import Program
 from cylcontact.laws.formula import FUNCTIONS, flat, names_in, needed
 from cylcontact.laws.kernels import TABLE, Kernel
 from cylcontact.laws.law import ContactLaw, Law
 from cylcontact.pair import CylinderPair
-from cylcontact.plain_text import RESERVED, comment
+from cylcontact.plain_text import comment
 
 BODIES = {"bearing": "of the body with the hole", "pin": "of the body with the pin"}
 
@@ -255,23 +261,22 @@ _VALUES = {
 }
 
 
+# What a class cannot be called: its own members, and names of the standard headers.
+_CPP = {"accept", "evaluate", "start", "state", "wrench", "main", "std", "gamma"}
+_CPP |= {"j0", "j1", "jn", "y0", "y1", "yn"}
+
+
 def source(element: Element, target: str, stem: str) -> dict[str, str]:
     """Return the texts of the files of an element in a language, by their names.
 
     Raises `InputError` if the language cannot have a file or a module of that name.
     """
     stem = stem or element.name
-    if target in ("matlab", "python"):
-        require(
-            stem.isascii() and stem.isidentifier() and stem not in RESERVED, "export", "--out",
-            stem, "cannot be called by its name",
-            "name the file with letters, digits and underscores",
-        )  # fmt: skip
-    if target == "fortran":
-        require(
-            element.name.lower() not in element.program.names, "export", "name", element.name,
-            "is that of a function in the module", "give the joint another name",
-        )  # fmt: skip
+    require_callable(target, stem)
+    taken = {"fortran": element.program.names, "cpp": _CPP}.get(target, ())
+    name = element.name.lower() if target == "fortran" else element.name
+    rule, remedy = f"is taken by something else in {target}", "give the joint another name"
+    require(name not in taken, "export", "name", element.name, rule, remedy)
     parts = _parts(element, target, stem)
     if target in ("c", "cpp"):
         for key, shared in (("records", "types"), ("functions", "functions")):

@@ -69,7 +69,8 @@ def element_of(joint: ClearanceJoint) -> Element:
     if joint.kernel.kind == TABLE:
         form = "a table, cubic in ln f over ln d"
     origin = f"; {comment(joint.origin)}" if joint.origin else ""
-    bodies = {"hole": (pair.material_i, pair.R_i), "pin": (pair.material_j, pair.R_j)}
+    R_i, R_j = map(float, pair.radii("the joint"))
+    bodies = {"hole": (pair.material_i, R_i), "pin": (pair.material_j, R_j)}
     law, numbers = law_function(joint.law, pair, joint.kernel)
     return Element(
         name=joint.identifier,
@@ -128,7 +129,7 @@ def _checks(joint: ClearanceJoint) -> list[tuple[float, list[float], list[float]
     return checks
 
 
-def _body_text(name: str, material: Material, radius: object) -> str:
+def _body_text(name: str, material: Material, radius: float) -> str:
     """Return radius and material of a body on one line."""
     stress = "unknown" if material.yield_stress is None else f"{material.yield_stress!r} MPa"
     return (

@@ -17,7 +17,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from cylcontact.arrays import require
 from cylcontact.laws.formula import Step, lines_of
+from cylcontact.plain_text import RESERVED
 
 WIDTH = 90
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -672,6 +674,14 @@ def filled(frame: str, parts: Mapping[str, str]) -> str:
         elif used:
             lines.append(Template(line).substitute(parts))
     return "".join(lines)
+
+
+def require_callable(target: str, stem: str) -> None:
+    """Refuse the name of a file that its language calls or imports by that name, and cannot."""
+    good = stem.isascii() and stem.isidentifier() and stem not in RESERVED
+    rule, remedy = "cannot be called by its name", "name it with letters, digits and underscores"
+    by_name = target in ("matlab", "python", "jax")
+    require(good or not by_name, "export", "--out", stem, rule, remedy)
 
 
 def filled_template(name: str, parts: Mapping[str, str]) -> str:

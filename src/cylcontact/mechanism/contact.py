@@ -163,7 +163,9 @@ def forces(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray) ->
     n_x, n_y, delta, rate, v_t = relative_motion(motion, joint)
     elastic = elastic_at(delta, joint, law)
     damping = joint.chi * bounded_ratio(rate / impact_rate)
-    normal = max(elastic * (1.0 + damping), 0.0)
+    normal = elastic * (1.0 + damping)
+    if normal < 0.0:  # noqa: PLR1730 - in C the larger of 0 and NaN is 0
+        normal = 0.0
     tangential = friction_force(normal, v_t, joint)
     force_x = -normal * n_x + tangential * n_y
     force_y = -normal * n_y - tangential * n_x
@@ -212,7 +214,7 @@ def evaluate(
     w.tangential_velocity = v_t / joint.metres
     f_x, f_y, moment_i, moment_j = 0.0, 0.0, 0.0, 0.0
     normal, lost, rubbed, elastic = 0.0, 0.0, 0.0, 0.0
-    if delta > 0.0:
+    if not delta <= 0.0:  # NaN too
         onset = state[0] * joint.metres if state[0] > 0.0 else max(rate, joint.rate_floor)
         f_x, f_y, moment_i, moment_j, normal, lost, rubbed, _, elastic = forces(
             motion, onset, joint, law

@@ -490,7 +490,7 @@ def build_joint(
         housing = spec.housing.with_numbers(own, source)
         law, origin = _in_housing(spec.law, housing, pair, source)
     elif law is None:
-        law, origin = _law(spec.law, source)
+        law, origin = named_law(spec.law, source)
     damping = spec.dissipation
     chi = float(hysteresis_factor(damping.factor)(damping.restitution))
     require(
@@ -524,7 +524,7 @@ def _in_housing(
     return law, origin
 
 
-def _law(what: str, source: str) -> tuple[ContactLaw, str]:
+def named_law(what: str, source: str) -> tuple[ContactLaw, str]:
     """Return the law with a name, or of a fit result, and the origin of its coefficients."""
     if what in LAWS:
         return LAWS[what](), ""

@@ -18,7 +18,7 @@ from cylcontact.errors import InputError
 from cylcontact.fits import Fit
 from cylcontact.impact import IMPACT_RATE_FLOOR
 from cylcontact.materials import own_table, shipped_materials
-from cylcontact.mechanism.joint import ClearanceJoint, ClearanceJointSpec, build_joint
+from cylcontact.mechanism.joint import ClearanceJoint, ClearanceJointSpec, build_joint, named_law
 from cylcontact.pair import unusual_lengths
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
@@ -107,6 +107,18 @@ class SpringSpec(Spec):
     length: float = Field(0.0, ge=0, description="the length without force in m")
     angle: float = Field(0.0, description="the angle without moment in degrees")
 
+    @model_validator(mode="after")
+    def _check(self) -> SpringSpec:
+        key, of = ("length", "bodies") if self.turning else ("angle", "points")
+        if key in self.model_fields_set:
+            raise broken(key, getattr(self, key), f"is not for a spring between {of}", "remove it")
+        return self
+
+    @property
+    def turning(self) -> bool:
+        """Whether it is between two bodies, not points."""
+        return all("." not in end for end in self.between)
+
 
 class LoadSpec(Spec):
     """A constant force at a point, in the axes of the ground, and a moment."""
@@ -119,9 +131,9 @@ class LoadSpec(Spec):
 class IntegrationSpec(Spec):
     """How to integrate."""
 
-    alpha: float = Field(ge=0, description="Baumgarte's α in 1/s")
-    beta: float = Field(ge=0, description="Baumgarte's β in 1/s")
-    max_step: float = Field(gt=0, description="the longest step in s")
+    alpha: float = Field(0.5, ge=0, description="Baumgarte's α in 1/s")
+    beta: float = Field(0.5, ge=0, description="Baumgarte's β in 1/s")
+    max_step: float = Field(1e-4, gt=0, description="the longest step in s")
     tolerance: float = Field(gt=0, lt=1, description="the tolerance, e.g. 1e-8")
     revolutions: int = Field(ge=1, description="revolutions of the drive, at least 1")
     period: float | None = Field(
@@ -158,14 +170,15 @@ class MechanismSpec(Spec):
             for end in joint.between:
                 self._check_end(f"joint.{joint.name}.between", end, joint.type == "driver")
         for spring in self.spring:
-            turning = all("." not in end for end in spring.between)
             for end in spring.between:
-                self._check_end("spring.between", end, turning)
+                self._check_end("spring.between", end, spring.turning)
         for load in self.load:
             self._check_end("load.at", load.at, whole_body=False)
-        if self.integration.period is None and not any(joint.speed for joint in self.joint):
-            rule = "is required without a driver of a given speed"
-            raise broken("integration.period", None, rule, "add what counts as one revolution, s")
+        period, turns = self.integration.period, any(joint.speed for joint in self.joint)
+        if turns == (period is not None):
+            rule = f"is {'given beside' if turns else 'required without'} a driver of a given speed"
+            remedy = "remove it" if turns else "add what counts as one revolution, s"
+            raise broken("integration.period", period, rule, remedy)
         return self
 
     def _check_end(self, key: str, end: str, whole_body: bool) -> None:
@@ -306,7 +319,7 @@ class Mechanism:
     @property
     def assumptions(self) -> tuple[str, ...]:
         """What every simulation assumes, in words."""
-        return _ASSUMED
+        return _ASSUMED if self.clearances else ()
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -385,9 +398,12 @@ def mechanism_from(
     given = changed.get("joint")
     entries = given if isinstance(given, list) and all(isinstance(e, dict) for e in given) else []
     _change(changed, entries, source, changes)
-    kinematic = [{k: entry[k] for k in entry if k == "name" or k not in _OF_CONTACT}
-                 for entry in entries]  # fmt: skip
+    kinematic = [{k: entry[k] for k in entry if k not in _OF_CONTACT} for entry in entries]
     spec = parse_spec(MechanismSpec, changed | ({"joint": kinematic} if entries else {}), source)
+    for key in _OF_JOINTS:
+        good = changes.get(key) is None or any(map(_has_clearance, entries))
+        rule = "is for joints with clearance, and there is none"
+        require(good, source, key, changes.get(key), rule, "leave it out, or give one a clearance")
     points = {f"ground.{name}": at for name, at in spec.ground.points.items()}
     for body, its in spec.bodies.items():
         points |= {f"{body}.{name}": at for name, at in its.points.items()}
@@ -409,10 +425,9 @@ def mechanism_from(
         bodies.append(Body(name, its.mass, its.inertia, (x, y, math.radians(degrees))))
     springs = []
     for of in spec.spring:
-        turning = all("." not in point for point in of.between)
         (i, point_i), (j, point_j) = map(end, of.between)
-        rest = math.radians(of.angle) if turning else of.length
-        springs.append(Spring(turning, i, j, point_i, point_j, of.stiffness, of.damping, rest))
+        rest = math.radians(of.angle) if of.turning else of.length
+        springs.append(Spring(of.turning, i, j, point_i, point_j, of.stiffness, of.damping, rest))
     loads = tuple(Load(*end(about.at), about.force, about.moment) for about in spec.load)
     parts = tuple(bodies), tuple(joints), tuple(springs), loads, spec.gravity
     return Mechanism(spec.name, *parts, spec.integration, changed, source)
@@ -422,7 +437,7 @@ _ENTRY = (
     'write [[joint]] with name = "wrist-pin", between = ["slider.pin", "rod.eye"], '
     "clearance = 0.5, length = 10.0, law, bearing, pin, dissipation, friction"
 )
-_OF_CONTACT = frozenset(ClearanceJointSpec.model_fields)
+_OF_CONTACT = ClearanceJointSpec.model_fields.keys() - {"name"}
 # The values that commands may set, with their places in an entry of a joint or in a table.
 _OF_JOINTS = {
     "law": ("law",),
@@ -434,7 +449,7 @@ _OF_INTEGRATION = ("revolutions", "tolerance")
 
 
 def _has_clearance(entry: dict[str, Any]) -> bool:
-    return bool({"bearing", "pin", "law"} & entry.keys())
+    return bool(_OF_CONTACT & entry.keys())
 
 
 def _change(
@@ -472,8 +487,10 @@ def _with_contact(
 ) -> Joint:
     """Return a joint with the contact of its entry, if it has a clearance."""
     if not _has_clearance(entry) or entry.get("clearance") == 0:
+        if isinstance(law, str):
+            named_law(law, source)  # refuses one that is not known
         return joint
-    data = {key: value for key, value in entry.items() if key in _OF_CONTACT}
+    data = {key: value for key, value in entry.items() if key == "name" or key in _OF_CONTACT}
     try:
         rule, remedy = "has no clearance", "give it to a revolute"
         require(joint.kind == "revolute", source, "type", joint.kind, rule, remedy)

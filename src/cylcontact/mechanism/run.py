@@ -272,7 +272,8 @@ class Run:
             f"leaves its domain at t = {self.state.time:.6g} s, where the penetration reaches "
             f"{self.penetration(number) * 1e6:.4g} µm and the limit is "
             f"{record['stop_penetration'] * 1e6:.4g} µm{of_table}",
-            'choose another law, or let it go on along its tangent, beyond = "tangent"',
+            'choose another law, or let it go on along its tangent, beyond = "tangent" '
+            "(--beyond tangent)",
         )
 
     def _error(self, what: str, remedy: str) -> RunError:

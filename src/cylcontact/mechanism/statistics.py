@@ -317,28 +317,25 @@ class Statistics:
                 texts += [f"{name}{text}"] if text else []
         return (*texts, *filter(None, [self._balance()]))
 
-    def _counted(self, column: str, among: str, text: str) -> str:
-        """Return how many contacts are of a kind, their share, and the first one; "" if none is."""
+    def _passed(self, column: str) -> str:
+        """Return in how many revolutions contacts are of a kind, and when first; "" if none is."""
         table = self.revolutions
-        count, total = int(table[column].sum()), int(table[among].sum())
-        if not count:
-            return ""
         rows, first = int((table[column] > 0).sum()), float(table[f"{column}_s"].min())
-        return (
-            f"{count:,} of {total:,} {text} ({_percent(count / total)}), in {rows:,} of "
-            f"{len(table):,} revolutions, first at {first:.4g} s"
-        )
+        text = f"in {rows:,} of {len(table):,} revolutions, first at {first:.4g} s"
+        return text if rows else ""
 
     def _yield(self) -> str:
         load = self.revolutions["max_load_N_per_mm"].max()
         text = yield_warning(load, self._contact.pair, self._contact.housing)
-        counted = self._counted("above_yield", "contacts", "contacts pass it")
-        return f"{text}; {counted}" if text else ""
+        return f"{text}; {self._passed('above_yield')}" if text else ""
 
     def _grazing(self) -> str:
-        counted = self._counted("grazing", "impacts", "impacts begin slower")
+        count, total = (int(self.revolutions[name].sum()) for name in ("grazing", "impacts"))
+        if not count:
+            return ""
         floor = f"{self._limits.floor * 1e3:g} mm/s an impact counts as one of that speed"
-        return f"grazing starts: below {floor}; {counted}" if counted else ""
+        slower = f"{count:,} of {total:,} impacts begin slower ({_percent(count / total)})"
+        return f"grazing starts: below {floor}; {slower}, {self._passed('grazing')}"
 
     @property
     def continuation(self) -> str:
@@ -347,10 +344,10 @@ class Statistics:
         return "; ".join(f"{name}{text}" for name, text in texts if text)
 
     def _continuation(self) -> str:
-        counted = self._counted("beyond_law", "contacts", "contacts")
+        passed = self._passed("beyond_law")
         law, deepest = self._limits.law * 1e6, self.revolutions["max_penetration_um"].max()
         text = f"beyond {law:.4g} µm the law goes on along its tangent, up to {deepest:.4g} µm"
-        return f"{text}: {counted}" if counted else ""
+        return f"{text}: {passed}" if passed else ""
 
     def _balance(self) -> str:
         error, total = self.revolutions["energy_error_J"].abs(), len(self.revolutions)
@@ -374,7 +371,7 @@ class Statistics:
         for name, joint in joints:
             contact = joint._contact
             rows[f"{name}law"] = contact.data["law"]
-            rows[f"{name}clearance (mm)"] = contact.radial
+            rows[f"{name}clearance (mm)"] = float(f"{contact.radial:.9g}")
             rows[f"{name}restitution"] = contact.data["dissipation"]["restitution"]
             rows[f"{name}friction"] = contact.friction
         rows["method"], rows["tolerance"] = self.settings.method, self.settings.tolerance
@@ -462,12 +459,13 @@ class Statistics:
         return "" if np.isnan(self.carried) else text
 
     def _table(self) -> pd.DataFrame:
-        """Return what `repr` shows."""
+        """Return what `repr` shows; without batches there are no intervals and verdicts."""
         counted = self.by_revolution[self.quantities]
-        table = self.interval().rename(columns={"half_width": "±"})
-        return table.assign(
+        table = self.interval().rename(columns={"half_width": "±"}).assign(
             std=counted.std(), min=counted.min(), max=counted.max(), stationary=self.stationary
-        )
+        )  # fmt: skip
+        judged = self._batches.batches and not self.lossless
+        return table if judged else table.drop(columns=["±", "stationary"])
 
     def __repr__(self) -> str:
         table = self._table().to_string(float_format="{:.5g}".format, na_rep="-")
@@ -487,7 +485,8 @@ class Statistics:
         lines = [described(f"Run of {self.mechanism.name!r}", self.summary), "", repr(self), ""]
         if milliseconds > 0:  # a file has no times
             lines += [speed, ""]
-        return "\n".join([*lines, f"Assumed: {'; '.join(self.assumptions)}"])
+        lines += [f"Assumed: {'; '.join(self.assumptions)}"] if self.assumptions else []
+        return "\n".join(lines)
 
     @property
     def assumptions(self) -> tuple[str, ...]:
