@@ -448,7 +448,7 @@ def _objective_of(spec: MeasuredSpec, data: Measurements, source: str, compared:
 
 
 def table_of(
-    data: pd.DataFrame | Path | str,
+    data: object,
     law: str,
     pair: CylinderPair | None,
     contact: Contact | None,

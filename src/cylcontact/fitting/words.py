@@ -181,8 +181,8 @@ def _on_chi_square(uncertainty: Uncertainty) -> str:
     if p is None or p >= SURPRISING:
         return ""
     return (
-        f"the residuals are larger than the given standard deviations allow (p = {p:.3g}): the law "
-        "is wrong, or these are too small, and so are the intervals"
+        "the residuals are larger than the given standard deviations allow: the law is wrong, or "
+        f"they are too small; the intervals are then too narrow (p = {p:.3g})"
     )
 
 
