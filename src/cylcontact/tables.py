@@ -207,10 +207,8 @@ def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
     try:
         with warnings.catch_warnings():  # of styles and extensions, which do not matter here
             warnings.simplefilter("ignore")
-            sheets = pd.read_excel(
-                *(io.BytesIO(content), None), header=None, na_filter=False, dtype=object,
-                engine="openpyxl",
-            )  # fmt: skip
+            cells: Any = {"header": None, "na_filter": False, "dtype": object}
+            sheets = pd.read_excel(io.BytesIO(content), None, engine="openpyxl", **cells)
     except Exception as error:  # openpyxl raises whatever a damaged file makes it stumble over
         reason = (str(error) or type(error).__name__)[:80]  # they may quote the file
         rule = f"is not an Excel workbook ({reason})"
