@@ -47,6 +47,13 @@ class Table:
     separator: str = ""
     steps: list[str] = field(default_factory=list)
 
+    @property
+    def on_names(self) -> str:
+        """Where the names of a workbook's columns are, for errors; empty for other tables."""
+        if Path(self.source).suffix.lower() != ".xlsx":
+            return ""
+        return " (the first sheet with cells is read, and its first row must hold the names)"
+
 
 def read_table(path: Path | str) -> Table:
     """Read an Excel workbook, a Parquet file or, under any other name, a table in text.
@@ -200,9 +207,8 @@ def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
     try:
         with warnings.catch_warnings():  # of styles and extensions, which do not matter here
             warnings.simplefilter("ignore")
-            sheets = pd.read_excel(
-                io.BytesIO(content), sheet_name=None, header=None, na_filter=False, dtype=object
-            )
+            cells: Any = {"header": None, "na_filter": False, "dtype": object}
+            sheets = pd.read_excel(io.BytesIO(content), None, engine="openpyxl", **cells)
     except Exception as error:  # openpyxl raises whatever a damaged file makes it stumble over
         reason = (str(error) or type(error).__name__)[:80]  # they may quote the file
         rule = f"is not an Excel workbook ({reason})"

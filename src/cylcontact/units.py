@@ -121,7 +121,7 @@ def load_in_N_per_mm(text: str, length: float | None) -> float:
             "load", "", text, "is not a load with its unit", 'e.g. "4500 N", "225 N/mm"'
         )
     if column.is_total and length is None:
-        rule = "is a total force, and the axial length is not known"
+        rule = "is a total force, and no single axial length is known"
         remedy = "give the length, or the load in N/mm"
         raise InputError("load", "", text, rule, remedy)
     return value * column.factor / (length if column.is_total and length is not None else 1.0)

@@ -175,7 +175,7 @@ def test_lengths_and_total_loads_may_have_units(run):
     assert shown(run, *total, "6 kN") == shown(run, *total, "6000")
     for wrong, why in (
         (("--dR", "40 um/mm"), "'40 um/mm' is not a length"),
-        (("--load", "6 kN"), "the axial length is not known; give the length"),
+        (("--load", "6 kN"), "no single axial length is known; give the length"),
         (("--load", "6 km"), "is not a load with its unit"),
     ):
         code, out, err = run("laws", *wrong)

@@ -241,12 +241,14 @@ def test_what_is_no_table_is_refused(tmp_path):
         ("t.json", b"{}", "is not a table"),
         ("t.XLS", b"x", "is a workbook of Excel before 2007"),
         ("t.ods", b"PK\x03\x04\x00", "is not a CSV table"),
-        ("t.xlsx", b"", "is not an Excel workbook"),
+        ("t.xlsx", b"load_N\n", r"is not an Excel workbook (File is not a zip file)"),
         ("t.xlsx", good[:400], "is not an Excel workbook"),
         ("t.xlsx", good[:-30], "is not an Excel workbook"),
         ("t.xlsx", empty, "is empty"),
         ("t.xlsx", workbook(tmp_path / "f.xlsx", {"one": formula}).read_bytes(),
          "row 3: penetration_um: is empty, or a formula without a stored value|save the workbook"),
+        ("t.xlsx", workbook(tmp_path / "c.xlsx", {"cover": [["Info"], ["x"]]}).read_bytes(),
+         "its first row must hold the names"),
         ("t.parquet", b"not parquet", "is not a Parquet table"),
     ]  # fmt: skip
     for name, content, said in cases:

@@ -7,6 +7,7 @@ import pytest
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.choices import CHOICE_FILES
+from cylcontact.fitting import FitResult
 from cylcontact.fitting.choice import laws_for
 from tests.support.measured_files import STEEL
 from tests.support.noisy_series import PAIR, readings
@@ -95,6 +96,44 @@ def test_a_law_that_ends_before_the_data_is_left_out_with_the_reason():
     assert {*choice.table.index} | {*choice.left_out} == {*laws_for("internal", 1)}
     with pytest.raises(InputError, match="lies outside the domain"):
         cc.choose(data, pair, laws=["hertz-cylinder"])
+
+
+def test_a_law_of_ones_own_is_compared_like_the_packages(tmp_path, monkeypatch, frame, choice):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own_laws.py").write_text(
+        "import numpy as np\n\ndef explicit(penetration, pair, c=1.427, A=0.3602, B=3.84):\n"
+        "    d = penetration / pair.dR\n"
+        "    inner = c + np.log(1 + A / d * np.log(B / d))\n"
+        "    return np.pi * pair.E_star * penetration / (c + np.log(1 + A / d * inner))\n"
+    )
+    own = cc.choose(frame, PAIR, laws="own_laws:explicit")
+    columns = ["parameters", "aicc", "cv_error", "compliance"]
+    expected = choice.table.loc["explicit", columns].tolist()
+    assert own.table.loc["own_laws:explicit", columns].tolist() == pytest.approx(expected, rel=1e-4)
+    assert own.best.optimum.fit.objective == "rms-log-penetration"
+
+
+HOUSING = {"R_o": 20.0}
+
+
+@pytest.mark.parametrize(
+    "named",
+    [
+        ["conformal", "johnson"],
+        pytest.param(["johnson", "conformal"], marks=pytest.mark.slow),
+        pytest.param([], marks=pytest.mark.slow),
+    ],
+)
+def test_laws_that_know_no_housing_have_a_compliance_in_any_order(tmp_path, frame, choice, named):
+    alone = choice.table.loc["johnson", "aicc"]
+    choice = cc.choose(frame, PAIR, laws=named, housing=HOUSING)
+    if not named:  # the laws in the housing are one curve
+        assert not {"explicit", "parametric"} & {*choice.table.index, *choice.left_out}
+    assert choice.table.loc["johnson", "aicc"] == pytest.approx(alone, rel=1e-9)
+    housed = choice.table.loc["conformal"]
+    assert (housed["compliance"], housed["parameters"]) == (0.0, 3)
+    choice.fit("johnson").save(tmp_path / "r.json")
+    assert FitResult.read(tmp_path / "r.json").to_law().name == "johnson"
 
 
 PEEK = cc.Material("PEEK", E=3600.0, nu=0.38)

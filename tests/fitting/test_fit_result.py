@@ -188,6 +188,21 @@ def test_a_prediction_for_a_pair_of_many(pairs):
     assert both[both["pair"] == names[1]]["low_mm"].to_list() == alone["low_mm"].to_list()
 
 
+def test_a_prediction_is_for_the_contact_of_the_fit(plain):
+    rollers = CylinderPair.external(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
+    with pytest.raises(InputError, match="'external': is not internal, as the fit is"):
+        plain[1].predict(100.0, pair=rollers)
+
+
+def test_a_total_load_has_no_prediction_for_rows_of_several_lengths(plain):
+    frame = plain[0].assign(length_mm=[10.0, 20.0] * 12 + [20.0])
+    alone = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL)
+    result = cc.fit(frame, "explicit", alone, starts=2)
+    with pytest.raises(InputError, match="no single axial length is known"):
+        result.predict("4500 N")
+    assert result.predict("225 N/mm")["load_N_per_mm"].tolist() == [225.0]
+
+
 @pytest.mark.parametrize("level", [0.0, 1.0, 95.0, np.nan])
 def test_a_band_has_a_level_between_zero_and_one(plain, level):
     with pytest.raises(InputError, match=r"band = .*: must lie between 0 and 1; 0\.95 is common"):
@@ -195,8 +210,8 @@ def test_a_band_has_a_level_between_zero_and_one(plain, level):
 
 
 def test_a_load_without_a_penetration_is_refused(plain):
-    with pytest.raises(InputError, match="prediction: load"):
-        plain[1].predict([-1.0])
+    with pytest.raises(InputError, match=r"load in N/mm = -1\.0: leaves the domain"):
+        plain[1].predict([10.0, -1.0])
 
 
 SIMULATED = {

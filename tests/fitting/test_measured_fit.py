@@ -250,6 +250,47 @@ def test_a_damaged_result_is_told(tmp_path, example, changes, key, rule):
     assert rule in caught.value.rule
 
 
+LOAD = np.geomspace(10.0, 1000.0, 15)
+ONE = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
+
+
+def table(**columns):
+    """Readings of the explicit law with 1 % of noise, and further columns."""
+    depth = 1e3 * laws.Explicit().penetration(LOAD, ONE) * (1 + 0.01 * np.cos(7 * LOAD))
+    return pd.DataFrame({"load_N_per_mm": LOAD, "penetration_um": depth, **columns})
+
+
+@pytest.mark.parametrize("given", [{}, {"load_std_N": 1e-6}], ids=["one", "both"])
+def test_residuals_beyond_given_deviations_are_a_warning_in_their_unit(given):
+    result = cc.fit(table(penetration_std_um=1e-4, **given), "explicit", ONE, starts=2)
+    assert any("larger than the given standard deviations" in text for text in result.warnings)
+    assert result.objective_unit == "std. dev."
+    assert f"{result.objective.name}, std. dev." in compare([result])
+
+
+def test_one_series_alone_is_said_to_be_one():
+    result = cc.fit(table(run="A"), "explicit", ONE, group="run", starts=2)
+    assert "there is one series" in str(result)
+
+
+def test_readings_that_are_all_equal_are_fitted_and_not_described():
+    result = cc.fit(table(penetration_um=1.0), "explicit", ONE, starts=2)
+    assert result.uncertainty.r_squared is None
+    assert "the law does not describe these readings" in result.warnings[0]
+
+
+@pytest.mark.parametrize("law", ["conformal", "palmgren"])
+def test_a_law_without_constants_has_none_published(law):
+    assert cc.fit(table(), law, ONE, starts=2).published is None
+
+
+def test_one_name_may_stand_alone_and_an_array_is_no_table():
+    assert "compliance" in cc.fit(table(), "explicit", ONE, free="compliance", starts=2).free
+    for data in (table().to_numpy(), table().to_dict()):
+        with pytest.raises(InputError, match="give a DataFrame, or the path of a table"):
+            cc.fit(data, "explicit", ONE)
+
+
 # --- campaign files ---------------------------------------------------------------------------
 
 
@@ -258,6 +299,7 @@ BAD_CAMPAIGNS = [
     ({"dataset": "x.toml"}, "data", "conflicts with dataset"),
     ({"data": "absent.csv"}, "data", "no such file beside the campaign"),
     ({"law": "hooke"}, "law", "is not a law that can be fitted"),
+    ({"law": "conformal", "contact": "external"}, "law", "is for internal contact only"),
     ({"law": "liu", "contact": "external"}, "law", "is for internal contact only"),
     ({"loss_scale": 1.0}, "loss_scale", "is used only with a robust loss"),
     ({"objective": "rms-luck"}, "objective", "is not an objective for measurements"),

@@ -78,7 +78,8 @@ def require_found(found: Mapped, quantity: str) -> None:
         f"{option_for(quantity, found.left_out)}"
     )
     remedy = f"add {spellings(quantity)}{others if found.left_out else ''}"
-    raise InputError(found.table.source, quantity, None, "is required", remedy)
+    rule = f"is required{found.table.on_names}"
+    raise InputError(found.table.source, quantity, None, rule, remedy)
 
 
 def _units_below(table: Table) -> tuple[list[str], Table]:

@@ -1,9 +1,12 @@
 """Which law describes measurements: all that apply, ranked, and whether the data can tell.
 
 Each law is fitted as `cylcontact fit` does, with one parameter of stiffness, the offset and the
-compliance free and the constants of its shape held. The compliance has either sign: what the
+compliance free and the constants of its shape held; penetrations are compared, unless an objective
+or a column says otherwise, also of a law of one's own. The compliance has either sign: what the
 readings yield beyond the law's own datum, for the points between which they are taken, the housing
-and the rig. A law would else be ranked by its datum, not by its shape. Two criteria rank them:
+and the rig. A law would else be ranked by its datum, not by its shape. If the housing is known,
+the laws that know it have no compliance; the others are fitted without the housing. Two criteria
+rank the laws:
 
 - AICc, Akaike's information criterion with the correction for few readings (Hurvich and Tsai 1989);
 - the cross-validated error: each part of the data is predicted by a fit to the rest. Parts are the
@@ -35,6 +38,7 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Constants, Indices
 from cylcontact.errors import InputError
 from cylcontact.fitting.diagnose import uncertainty_of
+from cylcontact.fitting.law_models import RIG_NAMES, is_user_law
 from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.noise import Covariance
 from cylcontact.fitting.optimum import Optimum
@@ -61,7 +65,6 @@ _PARTS, _FEWEST_SERIES = 10, 3
 _AICC, _STANDARD_ERRORS = 7.0, 1.0
 # Names that a sentence lists.
 _LISTED = 5
-_FREED = ("offset", "compliance")
 # Laws that are compared if they are named, and those that are the same for a single pair.
 _IF_NAMED = ("power-one-pair", "power-clearance")
 _SAME_FOR_ONE = (*_IF_NAMED, "power-dimensionless")
@@ -79,9 +82,9 @@ class RankedLaw:
 
     @property
     def compliance(self) -> tuple[float, float]:
-        """The compliance in mm/(N/mm) and its standard error, NaN where it has none."""
+        """The compliance in mm/(N/mm) and its standard error, NaN where it is held."""
         errors = dict(zip(self.optimum.fit.names, self.optimum.errors.tolist(), strict=True))
-        value = self.optimum.best.get("compliance", np.nan)
+        value = self.optimum.best.get("compliance", 0.0)
         return value, errors.get("compliance", np.nan)
 
     @property
@@ -304,9 +307,10 @@ def choose_law(
 ) -> Choice:
     """Fit all laws that apply to measurements, and rank them."""
     data, spec = table.measurements, table.spec
-    # Without names the laws that know the housing are one curve: the reference stands for them.
-    known = ["conformal"] if spec.housing is not None else []
-    chosen = list(names) or known + laws_for(data.contact, len(data.groups("pair")[0]))
+    chosen = list(names) or laws_for(data.contact, len(data.groups("pair")[0]))
+    if spec.housing is not None and not names:
+        # The laws that know the housing are one curve: the reference stands for them.
+        chosen = ["conformal", *(name for name in chosen if not takes_housing(name))]
     fitted: dict[str, Optimum] = {}
     left_out: dict[str, str] = {}
     for number, name in enumerate(chosen):
@@ -371,12 +375,19 @@ def _require_some(
 
 
 def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> TableCampaign:
-    """Return the campaign of a law with offset and, in an unknown housing, compliance free."""
-    if starts is not None:
-        table = replace(table, spec=table.spec.model_copy(update={"starts": starts}))
-    known = table.spec.housing is not None and takes_housing(law)
-    freed = _FREED[:1] if known else _FREED
-    return table.campaign(law, [name for name in freed if name not in table.spec.named])
+    """Return the campaign of a law with offset and, in an unknown housing, compliance free.
+
+    The housing is only for laws that know it, and a law of one's own has a stiffness like others.
+    """
+    changes: dict[str, object] = {} if starts is None else {"starts": starts}
+    if not takes_housing(law):
+        changes["housing"] = None
+    spec = table.spec.model_copy(update=changes)
+    freed = ["offset"] if spec.housing is not None else ["offset", "compliance"]
+    if is_user_law(law) and {*spec.named} <= {*RIG_NAMES}:  # none of its own constants is searched
+        freed.append("stiffness_factor")
+    free = [name for name in freed if name not in spec.named]
+    return replace(table, spec=spec).campaign(law, free, "penetration")
 
 
 def _parts(fit: Fit, seed: int) -> tuple[list[Indices], str]:
@@ -437,7 +448,7 @@ def choose(
     *,
     contact: Contact | None = None,
     constants: Constants | None = None,
-    laws: Sequence[str] = (),
+    laws: Sequence[str] | str = (),
     fixed: Mapping[str, float] | None = None,
     **settings: Any,
 ) -> Choice:
@@ -447,7 +458,7 @@ def choose(
     ----------
     data, pair, contact, constants
         As for `fit`.
-    laws : sequence of str, optional
+    laws : str or sequence of str, optional
         The laws to compare; by default all for the contact.
     fixed : mapping of str to float, optional
         Values of offset or compliance, or of parameters that all these laws have, that are known.
@@ -474,5 +485,6 @@ def choose(
     >>> cc.choose(data, pair, laws=["johnson", "explicit", "power"]).undecided
     ['explicit']
     """
-    first = laws[0] if laws else "johnson"
-    return choose_law(table_of(data, first, pair, contact, constants, fixed, **settings), laws)
+    names = [laws] if isinstance(laws, str) else [*laws]
+    first = names[0] if names else "johnson"
+    return choose_law(table_of(data, first, pair, contact, constants, fixed, **settings), names)

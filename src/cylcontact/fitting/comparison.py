@@ -18,7 +18,7 @@ from cylcontact.fitting.results import DataFit, FitResult, LawFit
 from cylcontact.fitting.runs import run_all, searches
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
 from cylcontact.fitting.table_fit import fit_table
-from cylcontact.fitting.words import OBJECTIVE_UNITS, Rows, item, label_of
+from cylcontact.fitting.words import Rows, item, label_of
 from cylcontact.parallel import Workers
 from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
@@ -133,7 +133,7 @@ def _side_by_side_text(results: list[FitResult]) -> str:
     names |= {label: of_units[name] for name, label in of_coefficients.items()}
     columns = [f"{first.law}, {first.contact}", "published", *(r.name for r in results)]
     if len(results) == 1:
-        names["objective"] = label_of(first.objective.name, OBJECTIVE_UNITS)
+        names["objective"] = label_of(first.objective.name, first.objective_unit)
         columns.append("difference, %")
     rows: Rows = [
         (names.get(row, row), *("-" if c is None else c for c in cells))
@@ -143,7 +143,7 @@ def _side_by_side_text(results: list[FitResult]) -> str:
         objectives = (
             "objective",
             "",
-            *(label_of(r.objective.name, OBJECTIVE_UNITS) for r in results),
+            *(label_of(r.objective.name, r.objective_unit) for r in results),
         )
         rows.insert(len(first.coefficients), objectives)
     return "\n".join([str(Table(columns, rows)), *map(_samples_text, results)])

@@ -38,6 +38,8 @@ OUTLYING = 3.5
 _FEWEST, _FEWEST_IN_SERIES = 12, 4
 # The normal approximation of the runs test needs this many residuals of either sign.
 _FEW_OF_A_SIGN = 8
+# Readings that differ relatively by less are equal.
+_ROUNDING = 1e-12
 # Readings whose scatter from one to the next can be told.
 _FEWEST_NEIGHBOURS = 8
 
@@ -47,7 +49,8 @@ def findings_of(optimum: Optimum) -> list[Finding]:
     if optimum.r.size < _FEWEST + optimum.point.size:
         return []
     tests = (_series, _drift, _sequence, _spread, _branches, _repeats)
-    findings = [finding for test in tests if (finding := test(optimum)) is not None]
+    with np.errstate(divide="ignore", invalid="ignore"):  # of readings or loads that are all equal
+        findings = [finding for test in tests if (finding := test(optimum)) is not None]
     p = {finding.test: finding.p for finding in findings}
     # A series or a drift explains a sequence of like residuals. Branches look like a drift, and a
     # drift like branches; the less likely one is left.
@@ -58,8 +61,8 @@ def findings_of(optimum: Optimum) -> list[Finding]:
 
 
 def _failed(test: str, p: float | None, says: str, remedy: str) -> Finding | None:
-    """Return a finding if such residuals are surprising; None for too few rows to tell."""
-    if p is None or p >= SURPRISING:
+    """Return a finding if such residuals are surprising; p is None or NaN if none can tell."""
+    if p is None or not p < SURPRISING:
         return None
     return Finding(test=test, p=p, says=says, remedy=remedy)
 
@@ -248,7 +251,9 @@ def r_squared(optimum: Optimum) -> float | None:
     series = np.zeros(seen.size, dtype=np.intp) if noise is None else noise.series
     mean = np.bincount(series, seen) / np.bincount(series)
     total = float(((seen - mean[series]) ** 2).sum())
-    return 1 - float((rest**2).sum()) / total if total > 0 else None
+    if total <= _ROUNDING**2 * float((seen**2).sum()):
+        return None
+    return 1 - float((rest**2).sum()) / total
 
 
 def _less_series(optimum: Optimum) -> FloatArray:

@@ -81,17 +81,22 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
     """Return the model of a law of the package."""
     if (law, contact) in MODELS:
         return MODELS[law, contact]
-    if any(law == each.name in LAWS and contact in each.contacts for each in LAW_TYPES):
-        return LawModel(law, contact, (), lambda _: LAWS[law]())  # without constants to fit
-    others = [place for name, place in MODELS if name == law]
+    plain = {each.name: each.contacts for each in LAW_TYPES if each.name in LAWS}
+    if contact in plain.get(law, ()):
+        return _without_constants(law, contact, LAWS[law]())
+    others = [*(place for name, place in MODELS if name == law), *plain.get(law, ())]
     if others:
         raise InputError(
             source, "law", law, f"is for {others[0]} contact only", "choose another law or contact"
         )
-    known = ", ".join(dict.fromkeys(name for name, _ in MODELS))
+    known = ", ".join(dict.fromkeys([*(name for name, _ in MODELS), *plain]))
     rule = "is not a law that can be fitted"
     remedy = f"choose {known}, or module:function for one of your own"
     raise InputError(source, "law", law, rule, remedy)
+
+
+def _without_constants(law: str, contact: Contact, built: ContactLaw) -> LawModel:
+    return LawModel(law, contact, (), lambda _: built, nominal_is_published=False)
 
 
 def units_of(law: str, contact: Contact) -> dict[str, str]:
@@ -148,8 +153,7 @@ def housed_model(law: str, contact: Contact, housing: Housing, source: str) -> L
     if contact == "external":
         rule, remedy = "is for a pin in a hole", "leave it out for rollers"
         raise InputError(source, "housing", None, rule, remedy)
-    in_housing(law, housing, source)
-    return LawModel(law, contact, (), lambda _: in_housing(law, housing, source))
+    return _without_constants(law, contact, in_housing(law, housing, source))
 
 
 def is_user_law(law: str) -> bool:

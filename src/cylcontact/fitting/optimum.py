@@ -446,8 +446,9 @@ class Optimum:
 
         centre, variance, reach = self.propagated(predicted, level)
         if not np.isfinite(centre).all():
+            outside = float(np.broadcast_to(force, centre.shape)[~np.isfinite(centre)][0])
             rule = "leaves the domain of the fitted law, or is not positive"
-            raise InputError("prediction", "load", force, rule, "stay within it")
+            raise InputError("prediction", "load in N/mm", outside, rule, "stay within it")
         depth = self.law.penetration(force, pair)
         depth = as_floats(np.where(depth == 0, _NO_DEPTH, depth))
         added = self.variance_of_reading(depth, force, pair)

@@ -17,6 +17,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import as_floats
+from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
 from cylcontact.fitting.campaign import CampaignBase
@@ -189,6 +190,11 @@ class FitResult(Spec):
         """The coefficients that the campaign fixes at a value."""
         tables = self.settings["campaign"]["parameters"]
         return [name for name, table in tables.items() if table.get("fixed")]
+
+    @property
+    def objective_unit(self) -> str:
+        """The unit of the objective, empty if it is relative."""
+        return OBJECTIVE_UNITS.get(self.objective.name, "")
 
     @property
     def units(self) -> dict[str, str]:
@@ -433,11 +439,12 @@ class LawFit(FitResult):
                 interval = profile.interval
                 if profile.objective_at_published is not None:
                     penalty = f"{profile.objective_at_published / optimum - 1:+.1%}"
-            label, verdict = label_of(name, self.units), self.identification(name)
+            label = label_of(name, self.units.get(name, ""))
+            verdict = self.identification(name)
             rows.append((label, f"{value:.5g}", paper, penalty, interval, verdict))
         paper = f"{published.objective:.5g}" if published else "-"
         bound = f"bound {self.bound:.5g}" if self.bound is not None else ""
-        label = label_of(self.objective.name, OBJECTIVE_UNITS)
+        label = label_of(self.objective.name, self.objective_unit)
         rows.append((label, f"{optimum:.5g}", paper, "", bound, ""))
         worst = self.max_abs_diff_percent
         largest = (or_dash(worst.fitted, ".4g"), or_dash(worst.published))
@@ -614,11 +621,14 @@ class DataFit(FitResult):
         if not 0 < band < 1:
             rule, remedy = "must lie between 0 and 1", "0.95 is common"
             raise InputError("prediction", "band", band, rule, remedy)
+        if pair is not None and pair.contact != self.contact:
+            rule, remedy = f"is not {self.contact}, as the fit is", "give a pair of its contact"
+            raise InputError("prediction", "pair.contact", pair.contact, rule, remedy)
         data = self.optimum.fit.data
         if pair is None:
             names, groups = data.groups("pair")
-            firsts = [np.flatnonzero(groups == k)[:1] for k in range(len(names))]
-            tables = [self.predict(load, band, data.take(first).pair) for first in firsts]
+            rows = [np.flatnonzero(groups == k) for k in range(len(names))]
+            tables = [self.predict(load, band, _pair_of(data.take(own))) for own in rows]
             named = [table.assign(pair=name) for name, table in zip(names, tables, strict=True)]
             return tables[0] if len(names) == 1 else pd.concat(named, ignore_index=True)
         texts = [load] if isinstance(load, str) else load
@@ -849,6 +859,11 @@ class DataFit(FitResult):
         """The coefficients that were searched."""
         return {name: self.coefficients[name] for name in self.uncertainty.estimates}
 
+    @property
+    def objective_unit(self) -> str:
+        """The unit of the objective, empty if it is relative."""
+        return "std. dev." if self.uncertainty.sigma_known else super().objective_unit
+
     def _verdict(self, name: str) -> str:
         estimate = self.uncertainty.estimates.get(name)
         return "fixed" if estimate is None else estimate.verdict
@@ -949,9 +964,8 @@ class DataFit(FitResult):
             value, unit = f"{self.coefficients[name]:.5g}", self.units.get(name, "")
             rows.append((name, value, unit, error, interval, paper, self.identification(name)))
         paper = f"{published.objective:.5g}" if published else ""
-        unit = OBJECTIVE_UNITS.get(self.objective.name, "")
         value = f"{self.objective.value:.5g}"
-        rows.append((self.objective.name, value, unit, "", "", paper, ""))
+        rows.append((self.objective.name, value, self.objective_unit, "", "", paper, ""))
         if min(self.settings["measurements"]["numbers"]["penetration"]) > 0:
             # Of readings about zero a relative difference says nothing.
             worst = self.max_abs_diff_percent
@@ -964,6 +978,12 @@ class DataFit(FitResult):
 
 
 # --- pieces -----------------------------------------------------------------------------------
+
+
+def _pair_of(data: Measurements) -> CylinderPair:
+    """Return the pair of rows of one pair, without a length if they have several."""
+    pair, lengths = data.take(np.array([0])).pair, data.columns.get("length")
+    return pair if lengths is None or np.ptp(lengths) == 0 else replace(pair, length=None)
 
 
 def require_same_inputs(path: Path, campaign: CampaignBase) -> None:

@@ -37,7 +37,6 @@ from cylcontact.fitting.law_models import (
 from cylcontact.fitting.measured import OBJECTIVES, STANDARDISED, Fit
 from cylcontact.fitting.noise import NoiseModel
 from cylcontact.fitting.specs import MeasuredSpec, completed, parameters_of
-from cylcontact.housing_spec import takes_housing
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.law import Coefficients, LawModel, Parameter
 from cylcontact.laws.user import UserFunction, UserLaw
@@ -188,13 +187,19 @@ class MeasuredTable:
     folder: Path
     source: str
 
-    def campaign(self, law: str, free: Sequence[str] = ()) -> TableCampaign:
-        """Return the campaign that fits a law, with further parameters free."""
+    def campaign(
+        self, law: str, free: Sequence[str] = (), compared: str | None = None
+    ) -> TableCampaign:
+        """Return the campaign that fits a law, with further parameters free.
+
+        Without an objective residuals are of what is `compared`, by default the penetration, or
+        the load for a law of one's own, which is explicit in it.
+        """
         model = _law_model(law, self.spec, self.folder, self.source)
         wanted = tuple(dict.fromkeys((*(self.spec.free or ()), *free))) or None
         spec = self.spec.model_copy(update={"law": law, "free": wanted})
         model = _freed(model, spec, self.measurements, self.source)
-        return _on_table(self.name, spec, self.measurements, model, self.source)
+        return _on_table(self.name, spec, self.measurements, model, self.source, compared)
 
 
 def campaign_of_table(
@@ -304,7 +309,7 @@ def _law_model(law: str, spec: MeasuredSpec, folder: Path, source: str) -> LawMo
 
 
 def _package_model(law: str, spec: MeasuredSpec, source: str) -> LawModel:
-    if spec.housing is not None and (takes_housing(law) or law == spec.law):
+    if spec.housing is not None:
         return housed_model(law, spec.contact, spec.housing.housing, source)
     return model_of(law, spec.contact, source)
 
@@ -355,7 +360,12 @@ def _freed(model: LawModel, spec: MeasuredSpec, measured: Measurements, source: 
 
 
 def _on_table(
-    name: str, spec: MeasuredSpec, measured: Measurements, model: LawModel, source: str
+    name: str,
+    spec: MeasuredSpec,
+    measured: Measurements,
+    model: LawModel,
+    source: str,
+    compared: str | None = None,
 ) -> TableCampaign:
     model = with_rig(model, spec.named)
     rig = f"; the rig's: {', '.join(RIG_NAMES)}"
@@ -366,7 +376,8 @@ def _on_table(
         remedy = "measure more points, or fix parameters with fixed = true"
         raise InputError(source, "data", f"{len(measured)} rows", rule, remedy)
     noise = _noise_of(spec, measured, parameters, source)
-    objective = STANDARDISED if noise is not None else _objective_of(spec, measured, source)
+    compared = compared or ("load" if is_user_law(spec.law) else "penetration")
+    objective = STANDARDISED if noise else _objective_of(spec, measured, source, compared)
     if "log" in objective or not any(p.is_free for p in parameters if p.name == "offset"):
         named = Path(source).name == measured.data.source
         where = source if named else f"{source}, {measured.data.source}"
@@ -408,7 +419,7 @@ def _noise_of(
     )
 
 
-def _objective_of(spec: MeasuredSpec, data: Measurements, source: str) -> str:
+def _objective_of(spec: MeasuredSpec, data: Measurements, source: str, compared: str) -> str:
     """Return the objective of a campaign without a noise model, or the default for its data."""
 
     def refused(key: str, value: object, rule: str, remedy: str = "keep one of them") -> InputError:
@@ -424,11 +435,9 @@ def _objective_of(spec: MeasuredSpec, data: Measurements, source: str) -> str:
             raise refused("noise", noise, f"conflicts with {said[0]}, which says the same")
         return "rms-penetration" if noise == "constant" else "rms-log-penetration"
     if given is None:
-        # A law of one's own is explicit in the load, and its inverse is numerical.
-        quantity = "load" if is_user_law(spec.law) else "penetration"
         if (data.penetration <= 0).any() and not sigmas:
             return "rms-penetration"
-        return f"rms-{sigmas[0]}" if sigmas else f"rms-log-{quantity}"
+        return f"rms-{sigmas[0]}" if sigmas else f"rms-log-{compared}"
     if given not in OBJECTIVES:
         rule = "is not an objective for measurements"
         raise refused("objective", given, rule, f"choose {', '.join(OBJECTIVES)}")
@@ -439,7 +448,7 @@ def _objective_of(spec: MeasuredSpec, data: Measurements, source: str) -> str:
 
 
 def table_of(
-    data: pd.DataFrame | Path | str,
+    data: object,
     law: str,
     pair: CylinderPair | None,
     contact: Contact | None,
@@ -449,6 +458,9 @@ def table_of(
     **settings: Any,
 ) -> MeasuredTable:
     """Return the measurements of a pair, as `cylcontact.fit` and `choose` take them."""
+    if not isinstance(data, pd.DataFrame | Path | str):
+        rule, remedy = f"is a {type(data).__name__}", "give a DataFrame, or the path of a table"
+        raise InputError("fit", "data", None, rule, remedy)
     if pair is not None and contact not in (None, pair.contact):
         rule = f"contradicts the pair, which is for {pair.contact} contact"
         raise InputError("fit", "contact", contact, rule, "leave it out")

@@ -113,7 +113,7 @@ def fit(
     *,
     contact: Contact | None = None,
     constants: Constants | None = None,
-    free: Sequence[str] = (),
+    free: Sequence[str] | str = (),
     fixed: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     jobs: Workers = 1,
@@ -134,7 +134,7 @@ def fit(
         Without a pair, a pin in a hole or two rollers.
     constants : mapping, optional
         Values for all rows by column name, in place of a pair or beside it.
-    free : sequence of str, optional
+    free : str or sequence of str, optional
         Parameters to search beside the usual ones, with their default bounds: the constants of a
         law's shape, or the compliance of the rig.
     fixed : mapping of str to float, optional
@@ -168,6 +168,6 @@ def fit(
     >>> print(result.to_frame().loc["stiffness_factor", ["value", "standard_error"]].to_dict())
     {'value': 1.0008..., 'standard_error': 0.0043...}
     """
-    settings["free"] = tuple(free) or None
+    settings["free"] = ((free,) if isinstance(free, str) else tuple(free)) or None
     table = table_of(data, law, pair, contact, constants, fixed, bounds, **settings)
     return fit_table(table.campaign(law), jobs)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from textwrap import fill
 
 from cylcontact.fitting.diagnose import OUTLYING, STRONG_CORRELATION, SURPRISING
@@ -42,6 +41,7 @@ def data_warnings(uncertainty: Uncertainty) -> list[str]:
     is_explained = any(finding.test in ("series", "drift") for finding in uncertainty.findings)
     sentences = [
         _on_misfit(uncertainty),
+        _on_chi_square(uncertainty),
         *_on_stiffness(uncertainty),
         *(finding.sentence for finding in uncertainty.findings),
         "" if is_explained else _on_shape(uncertainty),
@@ -169,14 +169,21 @@ def _on_noise(uncertainty: Uncertainty) -> str:
         )
     p = uncertainty.chi_square_p
     verdict = "as large as the given standard deviations allow"
-    if p < SURPRISING:
-        verdict = (
-            "larger than the given standard deviations allow: the law is wrong, or they are too "
-            "small; the intervals are then too narrow"
-        )
-    elif p > 1 - SURPRISING:
+    if p > 1 - SURPRISING:
         verdict = "smaller than the given standard deviations: those look too large"
-    return f"measured data with given standard deviations: residuals are {verdict} (p = {p:.3g})"
+    return _on_chi_square(uncertainty) or (
+        f"measured data with given standard deviations: residuals are {verdict} (p = {p:.3g})"
+    )
+
+
+def _on_chi_square(uncertainty: Uncertainty) -> str:
+    p = uncertainty.chi_square_p
+    if p is None or p >= SURPRISING:
+        return ""
+    return (
+        "the residuals are larger than the given standard deviations allow: the law is wrong, or "
+        f"they are too small; the intervals are then too narrow (p = {p:.3g})"
+    )
 
 
 def _on_deviations(noise: FittedDeviations, level: float) -> str:
@@ -198,8 +205,12 @@ def _on_deviations(noise: FittedDeviations, level: float) -> str:
             f"the {len(noise.series)} series differ by {', '.join(series)} (standard deviations)"
         )
     elif len(noise.series) == 1:
-        drift = noise.series[0].effects["drift"]
-        parts.append(f"the readings drift by {1e3 * drift:.3g} µm from the first to the last")
+        effects = noise.series[0].effects
+        if "drift" in effects:
+            drift = f"{1e3 * effects['drift']:.3g} µm"
+            parts.append(f"the readings drift by {drift} from the first to the last")
+        if "offset" in effects:
+            parts.append("there is one series, and the intervals are not about others like it")
     elif noise.series:
         parts.append(
             f"the {len(noise.series)} series have fixed effects, so that the intervals are about "
@@ -280,16 +291,16 @@ def _on_rows(uncertainty: Uncertainty) -> list[str]:
 WIDTH = 100
 
 
-# The units of objectives that have one, if no deviations are given with the data.
+# The units of objectives that have one, if the residuals are not in given deviations.
 OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-load": "N/mm", "rms-standardised": "std. dev."}
 
 
 Rows = list[tuple[str, ...]]
 
 
-def label_of(name: str, units: Mapping[str, str]) -> str:
+def label_of(name: str, unit: str) -> str:
     """Return a name with its unit, if it has one."""
-    return ", ".join(filter(None, (name, units.get(name))))
+    return ", ".join(filter(None, (name, unit)))
 
 
 def item(sentence: str, mark: str = "- ") -> str:

@@ -67,7 +67,7 @@ class UserFunction:
             raise InputError(
                 self.spec, "law", None,
                 "is code of your own, which is not run because a result names it",
-                f"redo the fit from its campaign, or name it: uncertainty RESULT --law {self.spec}",
+                f"add --law {self.spec}, which predict and uncertainty take, or redo the fit",
             )  # fmt: skip
         return _imported(self.spec, self.folder, self.digest)
 
