@@ -93,7 +93,7 @@ class HousingStress:
     def in_ring(self, k: int, r: FloatArray, theta: FloatArray) -> PlaneStress:
         """Return the stresses in ring k at each r and θ, shape (r, θ)."""
         n = np.arange(len(self.terms))
-        rows = np.stack([michell(n, self.kernel.rings[k], float(radius))[:, 2:] for radius in r])
+        rows = michell(n, self.kernel.rings[k], r)[..., 2:, :]
         radial, shear, total = np.einsum("rnij,nj->irn", rows, self.terms[:, k])
         even, odd = np.cos(np.outer(n, theta)), np.sin(np.outer(n, theta))
         added = total @ even, (total - 2 * radial) @ even + 2j * (shear @ odd)

@@ -42,6 +42,7 @@ On the rim D is real and these are σ_θθ = −p in the pin and σ_θθ = −p 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -72,7 +73,7 @@ class Pressure:
     b: FloatArray  # tan(ε/2) of each arc, shape (k, 1)
     coefficients: FloatArray | None  # of Glauert's series, shape (terms, k, 1); None for β = 0
 
-    @property
+    @cached_property
     def mean(self) -> FloatArray:
         """p₀, shape (k, 1)."""
         return as_floats(self.at(np.full(self.b.shape, 1j))[0].real)

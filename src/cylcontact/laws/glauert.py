@@ -31,7 +31,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
@@ -39,6 +39,9 @@ from numpy.polynomial import chebyshev, polynomial
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.laws.housing import Kernel
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 # Terms of the series, as many again for each 8 of b (large arcs need a small β), and nodes in ε.
 _TERMS, _B_PER_TERMS = 96, 8.0
@@ -236,11 +239,16 @@ def remainder(beta: float) -> Remainder | None:
 @lru_cache(maxsize=256)
 def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
     """Return the remainder of a β and a housing, for holes of at least the share w_i."""
-    from threadpoolctl import threadpool_limits
-
-    # Matrices this small are slower on several threads.
-    with threadpool_limits(limits=1):
+    with _threads().limit(limits=1):  # matrices this small are slower on several
         return _housed(beta, w_i, kernel)
+
+
+@lru_cache(maxsize=1)
+def _threads() -> ThreadpoolController:
+    """Return what limits the threads of linear algebra; to look for its libraries takes long."""
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
 
 
 def _housed(beta: float, w_i: float, kernel: Kernel) -> Housed:

@@ -450,28 +450,32 @@ def _responses(n: IndexArray, rings: tuple[Ring, ...]) -> FloatArray:
     return as_floats(np.linalg.solve(system, applied).reshape(n.size, len(rings), 4, 3))
 
 
-def michell(n: IndexArray, ring: Ring, r: float) -> FloatArray:
-    """Return 2μu_r, 2μu_θ, σ_rr, σ_rθ and σ_rr + σ_θθ of four terms of each n at r.
+def michell(n: IndexArray, ring: Ring, r: ArrayLike) -> FloatArray:
+    """Return 2μu_r, 2μu_θ, σ_rr, σ_rθ and σ_rr + σ_θθ of four terms of each n at r, (..., n, 5, 4).
 
     μ is that of the bore, and each term is at most about 1 in its ring. For n = 0 the second and
     the third are those of a rotation and of torsion, and have no part in what is even in θ.
     """
     kappa, none, one, is_one = ring.kappa, np.zeros(n.shape), np.ones(n.shape), n == 1
-    log = 2 * kappa * np.log(r)  # of n = 1
+    r = as_floats(r)
     rows = np.array(
         [
-            [kappa - n - 1, np.where(is_one, log - 1, kappa - 1 + n), -one, -one],
-            [kappa + n + 1, np.where(is_one, -log - 1, n - 1 - kappa), one, -one],
+            [kappa - n - 1, np.where(is_one, -1, kappa - 1 + n), -one, -one],
+            [kappa + n + 1, np.where(is_one, -1, n - 1 - kappa), one, -one],
             [(n + 1) * (2 - n), np.where(is_one, 3 + kappa, (1 - n) * (2 + n)), 1 - n, n + 1],
             [n * (n + 1), np.where(is_one, 1 - kappa, n * (1 - n)), n - 1, n + 1],
             [4 * (n + 1), np.where(is_one, 4, 4 * (1 - n)), none, none],
         ]
     )
     rows[:, :, n == 0] *= _OF_ZERO[:, :, None]
-    grow, fall = np.log(r / ring.outer), np.log(r / ring.inner)
+    grow, fall = np.log(r / ring.outer)[..., None], np.log(r / ring.inner)[..., None]
     powers = np.exp([(n + 1) * grow, (1 - n) * fall, (n - 1) * grow, -(n + 1) * fall])
-    units = np.array([1 / ring.mu, 1 / ring.mu, 1 / r, 1 / r, 1 / r])
-    return as_floats(np.einsum("ijn,jn,i->nij", rows, powers, units))
+    units = np.stack([0 * r + 1 / ring.mu] * 2 + [1 / r] * 3)
+    terms = np.einsum("ijn,j...n,i...->...nij", rows, powers, units)
+    log = 2 * kappa * np.log(r)[..., None] * powers[1] / ring.mu * is_one  # of n = 1
+    terms[..., 0, 1] += log
+    terms[..., 1, 1] -= log
+    return as_floats(terms)
 
 
 def _free_arc(
