@@ -6,9 +6,7 @@ which keeps them in datasets/mechanism/long_runs.jsonl: deleting that file compu
 
 from __future__ import annotations
 
-import json
 import math
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -57,7 +55,7 @@ def mechanism(bench: Bench, case: Case | None = None) -> Mechanism:
 def simulated(
     bench: Bench, case: Case, revolutions: int, max_step: float | None = DRAWN_STEP
 ) -> Trajectory:
-    """Return a case's run, cached; beyond its domain the law continues along its tangent.
+    """Return a case's run; beyond its domain the law continues along its tangent.
 
     The longest step in s is that of the spec if `max_step` is None.
     """
@@ -65,14 +63,7 @@ def simulated(
     integration = model.data["integration"]
     if max_step is not None:
         integration = {**integration, "max_step": max_step}
-    data = {**model.data, "integration": integration}
-    return _simulated(json.dumps(data), model.source, revolutions)
-
-
-@lru_cache(maxsize=12)
-def _simulated(data: str, source: str, revolutions: int) -> Trajectory:
-    """Simulate the mechanism of a spec's data, which are hashable as JSON."""
-    model = mechanism_from(json.loads(data), source)
+    model = mechanism_from({**model.data, "integration": integration}, model.source)
     return simulate(model, revolutions=revolutions, beyond="tangent")
 
 
