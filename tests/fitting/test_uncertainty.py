@@ -328,6 +328,15 @@ def test_a_band_of_a_new_reading_is_that_of_students_t(noisy):
     )
 
 
+def test_scatter_of_loads_is_that_of_readings_over_the_exponent(tmp_path):
+    noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective="rms-log-load"))
+    pair, load = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0), np.array([50.0])
+    depth = noise.law.penetration(load, pair)
+    n = noise.law.stiffness(depth, pair) * depth / load
+    spread = np.sqrt(noise.variance_of_reading(depth, load, pair)) / depth
+    assert spread == pytest.approx(noise.sigma / n, rel=1e-12)
+
+
 # --- what the noise says ----------------------------------------------------------------------
 
 
