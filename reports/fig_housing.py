@@ -54,24 +54,23 @@ METHOD = (
 
 
 def draw(bench: Bench) -> Drawing:
-    pair = _joint(bench)
-    solved = bench.table(ELEMENTS, ["clamp", "ratio", "penetration_um"], "make housing makes it")
-    solved = solved.pivot_table("penetration_um", "ratio", "clamp")
+    pair = joint(bench)
+    solved = by_clamp_and_ratio(bench).pivot_table("penetration_um", "ratio", "clamp")
     table = pd.DataFrame({"ratio": RATIOS})
     for name, (_, clamp) in CLAMPS.items():
         housings = [Housing(R_I * ratio, clamp=clamp) for ratio in table["ratio"]]
-        table[f"{name}_um"] = [_micrometres(Conformal(each), pair) for each in housings]
+        table[f"{name}_um"] = [micrometres(Conformal(each), pair) for each in housings]
         table[f"{name}_explicit_um"] = [
-            _micrometres(Explicit(datum=each), pair) if ratio in CIRCLES else np.nan
+            micrometres(Explicit(datum=each), pair) if ratio in CIRCLES else np.nan
             for ratio, each in zip(RATIOS, housings, strict=True)
         ]
         table[f"{name}_elements_um"] = table["ratio"].map(solved[name])
-    johnson = _micrometres(Johnson(), pair)
+    johnson = micrometres(Johnson(), pair)
     headline = {"Johnson's law, µm": johnson}
     for name, (words, clamp) in CLAMPS.items():
         for ratio in NAMED:
             law = Conformal(Housing(R_I * ratio, clamp=clamp))
-            headline[f"{words}, R_o/R_i = {ratio:g}, µm"] = _micrometres(law, pair)
+            headline[f"{words}, R_o/R_i = {ratio:g}, µm"] = micrometres(law, pair)
         error = table[f"{name}_explicit_um"] / table[f"{name}_um"] - 1
         headline[f"{words}: explicit off by at most, %"] = float(100 * error.abs().max())
         error = table[f"{name}_elements_um"] / table[f"{name}_um"] - 1
@@ -80,14 +79,19 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(_draw(table, johnson), table, headline, CAPTION, method)
 
 
-def _joint(bench: Bench) -> CylinderPair:
+def by_clamp_and_ratio(bench: Bench) -> pd.DataFrame:
+    """Return the committed penetrations by finite elements in µm."""
+    return bench.table(ELEMENTS, ["clamp", "ratio", "penetration_um"], "make housing makes it")
+
+
+def joint(bench: Bench) -> CylinderPair:
     pin, hole = (bench.material(name).material for name in (PIN, HOLE))
     return CylinderPair.internal(R_i=R_I, R_j=R_J, pin=pin, hole=hole)
 
 
 def by_elements(bench: Bench, name: str, ratio: float) -> float:
     """Return the penetration in µm by finite elements."""
-    pair = _joint(bench)
+    pair = joint(bench)
     hole, pin = pair.material_i, pair.material_j
     setup = Setup(
         hole_radius=R_I,
@@ -103,7 +107,7 @@ def by_elements(bench: Bench, name: str, ratio: float) -> float:
     return 1e3 * case.penetration
 
 
-def _micrometres(law: Conformal | Explicit | Johnson, pair: CylinderPair) -> float:
+def micrometres(law: Conformal | Explicit | Johnson, pair: CylinderPair) -> float:
     """Return the penetration in µm under the load."""
     return float(1e3 * law.penetration(LOAD, pair))
 

@@ -7,12 +7,11 @@ from matplotlib.figure import Figure
 
 from cylcontact.laws import Conformal, Housing
 from cylcontact.limits import first_yield, yield_load
-from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing, legend_below, new_figure, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, QUIET
 from cylcontact.reports.bench import Bench
 
-from .fig_housing import CLAMPS, HOLE, LOAD, NAMED, PIN, R_I, R_J, RATIOS, smooth
+from .fig_housing import CLAMPS, HOLE, LOAD, NAMED, PIN, R_I, RATIOS, joint, smooth
 from .joints import origins_of
 
 CAPTION = (
@@ -32,8 +31,7 @@ _BESIDE = 10.0
 
 
 def draw(bench: Bench) -> Drawing:
-    pin, hole = (bench.material(name).material for name in (PIN, HOLE))
-    pair = CylinderPair.internal(R_i=R_I, R_j=R_J, pin=pin, hole=hole)
+    pair = joint(bench)
     plate, plain = yield_load(pair), Conformal()
     stiffness = plain.stiffness(plain.penetration(LOAD, pair), pair)
     table = pd.DataFrame({"ratio": RATIOS})

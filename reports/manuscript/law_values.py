@@ -253,13 +253,12 @@ def pins(bench: Bench) -> Values:
     """Return how far finite elements are from the series: two materials, and housings."""
     materials = [(Material("pin", *pin), Material("hole", *hole)) for pin, hole in FE_JOINTS]
     wide = [_off_elements(*each, FE_RATIO, "rim", HOLE / 1000, FE_PHI) for each in materials]
-    pair, off = _housed_pair(bench), []
-    columns = ["clamp", "ratio", "penetration_um"]
-    solved = bench.table(fig_housing.ELEMENTS, columns, "make housing makes it")
-    for name, ratio, penetration in solved[columns].to_numpy():
+    pair, off = fig_housing.joint(bench), []
+    solved = fig_housing.by_clamp_and_ratio(bench)
+    for name, ratio, penetration in solved.to_numpy():
         clamp = fig_housing.CLAMPS[name][1]
         series = laws.Conformal(laws.Housing(fig_housing.R_I * ratio, clamp=clamp))
-        off.append(abs(100 * (penetration / _micrometres(series, pair) - 1)))
+        off.append(abs(100 * (penetration / fig_housing.micrometres(series, pair) - 1)))
     return {
         "unlike": at_most(max(wide), "%", 2),
         "plate": round(FE_RATIO),
@@ -284,7 +283,7 @@ def _off_elements(
 
 def housing(bench: Bench) -> Values:
     """Return what a housing does, and how near its approximations are to the series."""
-    pair = _housed_pair(bench)
+    pair = fig_housing.joint(bench)
     housings = [
         laws.Housing(fig_housing.R_I * ratio, clamp=clamp)
         for _, clamp in fig_housing.CLAMPS.values()
@@ -312,10 +311,10 @@ def housing(bench: Bench) -> Values:
         "five": at_most(max(100 * each.error for each in five if each.is_close), "%", 2),
         "phi_tested": exact((HOUSED_PHI[0], HOUSED_PHI[-1]), "", 1),
         **{
-            f"{name}_{word}": number(_micrometres(laws.Conformal(one), pair), "µm", 2)
+            f"{name}_{word}": number(fig_housing.micrometres(laws.Conformal(one), pair), "µm", 2)
             for (name, word), one in named.items()
         },
-        "johnson": number(_micrometres(laws.Johnson(), pair), "µm", 3),
+        "johnson": number(fig_housing.micrometres(laws.Johnson(), pair), "µm", 3),
         "plate_yield": number(plate / 1e3, "kN/mm", 2),
         "eye_yield": number(100 * float(eye.load) / plate, "%", 2),
         "eye_angle": number(round(float(eye.angle)), "°"),
@@ -325,17 +324,6 @@ def housing(bench: Bench) -> Values:
         "R": number(fig_housing.R_I, "mm", 2),
         "dR": number(fig_housing.R_I - fig_housing.R_J, "mm", 1),
     }
-
-
-def _housed_pair(bench: Bench) -> CylinderPair:
-    """Return the joint of the figure of housings."""
-    pin, hole = (bench.material(name).material for name in (fig_housing.PIN, fig_housing.HOLE))
-    return CylinderPair.internal(R_i=fig_housing.R_I, R_j=fig_housing.R_J, pin=pin, hole=hole)
-
-
-def _micrometres(one: laws.ContactLaw, pair: CylinderPair) -> float:
-    """Return the penetration in µm under the load of that figure."""
-    return float(1e3 * one.penetration(fig_housing.LOAD, pair))
 
 
 def _off_in(one: laws.Housing, pair: CylinderPair) -> float:

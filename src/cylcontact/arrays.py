@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import fields
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cylcontact import errors
 from cylcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -83,3 +90,18 @@ class OfArrays:
         )
 
     __hash__ = None  # type: ignore[assignment]
+
+
+@contextmanager
+def on_one_thread() -> Iterator[None]:
+    """Keep linear algebra on one thread: small matrices are slower on several."""
+    with _threads().limit(limits=1):
+        yield
+
+
+@lru_cache(maxsize=1)
+def _threads() -> ThreadpoolController:
+    """Return what limits threads; to look for the libraries takes milliseconds."""
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()

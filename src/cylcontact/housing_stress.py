@@ -148,9 +148,9 @@ class HousingStress:
 
 
 @lru_cache(maxsize=64)
-def _rule(least: int) -> tuple[FloatArray, FloatArray]:
-    """Return nodes and weights of Gauss's rule."""
-    return np.polynomial.legendre.leggauss(least)
+def _rule(count: int) -> tuple[FloatArray, FloatArray]:
+    """Return so many nodes of Gauss's rule, and their weights."""
+    return np.polynomial.legendre.leggauss(count)
 
 
 def _eta(w: ComplexArray) -> ComplexArray:

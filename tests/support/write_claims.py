@@ -21,7 +21,7 @@ def main():
     claims = ledger(Bench(ROOT, jobs=2))
     before = json.loads(PINNED.read_text("utf-8"))
 
-    def kept(claim, name, value):
+    def number_of(claim, name, value):
         old = before.get(claim.id, {"numbers": {}})["numbers"].get(name, math.nan)
         same = math.isclose(old, value, rel_tol=ROUND_OFF, abs_tol=1e-12)
         return old if same else float(f"{value:.{DIGITS}g}")
@@ -31,7 +31,7 @@ def main():
             "verdict": claim.verdict,
             "readings": [reading.holds for reading in claim.finding.readings],
             "numbers": {
-                name: kept(claim, name, value) for name, value in claim.finding.values.items()
+                name: number_of(claim, name, value) for name, value in claim.finding.values.items()
             },
         }
         for claim in claims

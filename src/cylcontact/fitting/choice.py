@@ -32,9 +32,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from threadpoolctl import threadpool_limits
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.datasets.measurements import Constants, Indices
 from cylcontact.errors import InputError
 from cylcontact.fitting.diagnose import uncertainty_of
@@ -316,8 +315,7 @@ def choose_law(
     for number, name in enumerate(chosen):
         progress("fitting", number, len(chosen))
         try:
-            # Matrices this small are slower on several threads.
-            with threadpool_limits(limits=1):
+            with on_one_thread():
                 optimum = _fitted(_campaign(table, name, starts=_STARTS))
         except InputError as error:
             if names:
@@ -338,7 +336,7 @@ def choose_law(
     _require_some(fitted, left_out, table, "measure more, or hold some (--fix compliance=0)")
     aicc = {name: _aicc(optimum, table.source) for name, optimum in fitted.items()}
     parts, words = _parts(next(iter(fitted.values())).fit, spec.seed)
-    with threadpool_limits(limits=1):
+    with on_one_thread():
         missed = {name: _missed(optimum, parts) for name, optimum in fitted.items()}
     for name in [name for name in fitted if not np.isfinite(missed[name]).all()]:
         del fitted[name]
@@ -358,7 +356,7 @@ def choose_law(
         squares = (missed[name] / scale) ** 2
         errors = as_floats([squares[part].mean() for part in parts])
         ranked.append(RankedLaw(name, fitted[name], aicc[name], errors, sizes))
-    with threadpool_limits(limits=1):
+    with on_one_thread():
         uncertainty = uncertainty_of(best)
     warnings = tuple(data_warnings(uncertainty))
     return Choice(table, tuple(ranked), left_out, words, warnings, describes(uncertainty))

@@ -31,17 +31,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.errors import InputError
 from cylcontact.laws.housing import Kernel
-
-if TYPE_CHECKING:
-    from threadpoolctl import ThreadpoolController
 
 # Terms of the series, as many again for each 8 of b (large arcs need a small β), and nodes in ε.
 _TERMS, _B_PER_TERMS = 96, 8.0
@@ -237,21 +234,9 @@ def remainder(beta: float) -> Remainder | None:
 
 
 @lru_cache(maxsize=256)
+@on_one_thread()
 def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
     """Return the remainder of a β and a housing, for holes of at least the share w_i."""
-    with _threads().limit(limits=1):  # matrices this small are slower on several
-        return _housed(beta, w_i, kernel)
-
-
-@lru_cache(maxsize=1)
-def _threads() -> ThreadpoolController:
-    """Return what limits the threads of linear algebra; to look for its libraries takes long."""
-    from threadpoolctl import ThreadpoolController
-
-    return ThreadpoolController()
-
-
-def _housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
     top = _end(beta, w_i, kernel.g)
     for nodes in range(32 if len(kernel.g) < 30 else 48, _MOST_NODES + 1, 16):
         series, solution, b = _series(top, beta, nodes, kernel)

@@ -243,16 +243,16 @@ class Housing:
     Raises
     ------
     InputError
-        If a radius is not one positive and finite number, or the clamp or a layer is
-        none; when it is used, if the rim is not outside the hole, or the ring is thinner
-        than 5 % of the hole's radius.
+        If a radius is not one positive and finite number, or the clamp or a layer is none; when it
+        is used, if the rim is not outside the hole, or the ring is thinner than 5 % of the hole's
+        radius.
 
     Notes
     -----
-    Linear elasticity of plane rings without friction, the pin under a force spread evenly over its
-    section, of one material for the whole housing or one
-    for each layer. The coefficients of a whole rim are exact, those of a sector within 5e-4. A
-    sector has a direction: the load acts along its middle. Terms of the order of ΔR/R are left out.
+    Linear elasticity of plane rings without friction, of one material for the whole housing or one
+    for each layer; the pin is under a force spread evenly over its section. The coefficients of a
+    whole rim are exact, those of a sector within 5e-4. A sector has a direction: the load acts
+    along its middle. Terms of the order of ΔR/R are left out.
     The derivation is in `cylcontact.laws.housing`.
 
     Examples

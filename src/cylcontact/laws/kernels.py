@@ -26,7 +26,7 @@ from numba import njit
 from cylcontact.arrays import FloatArray, require
 from cylcontact.laws import LAW_TYPES
 from cylcontact.laws.formula import Formula, lines_of, needed
-from cylcontact.laws.law import ContactLaw, Law, has_formula
+from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, ContactLaw, Law, has_formula
 from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.numba_cache import compiled, inlined
 from cylcontact.pair import CylinderPair
@@ -157,17 +157,13 @@ def _of_all_kinds(result: str, table: Any) -> Callable[[int, FloatArray, float],
 _load = _of_all_kinds("f", _table_load)
 _stiffness = _of_all_kinds("k", _table_stiffness)
 
-# Gauss nodes and weights on [0, 1] in s, with x = s², in which f ~ xⁿ with n ≥ 1 is smooth enough.
-_s, _w = np.polynomial.legendre.leggauss(24)
-_NODES, _WEIGHTS = (_s + 1) ** 2 / 4, _w * (_s + 1) / 2
-
 
 @compiled
 def _quadrature(kind: int, numbers: FloatArray, penetration: float) -> float:
     """Return the integral of the load up to a penetration, in N."""
     total = 0.0
-    for node in range(_NODES.size):
-        total += _WEIGHTS[node] * _load(kind, numbers, penetration * _NODES[node])
+    for node in range(ENERGY_NODES.size):
+        total += ENERGY_WEIGHTS[node] * _load(kind, numbers, penetration * ENERGY_NODES[node])
     return total * penetration
 
 

@@ -64,6 +64,12 @@ class OverLength:
         return as_floats(self.load(penetration, pair) * pair.contact_length("the force"))
 
 
+# Gauss nodes and weights on [0, 1] for the energy of a load: in s, with the node at s², in which a
+# load that grows with a power of at least 1 is smooth enough.
+_s, _w = np.polynomial.legendre.leggauss(24)
+ENERGY_NODES, ENERGY_WEIGHTS = (_s + 1) ** 2 / 4, _w * (_s + 1) / 2
+
+
 def require_hole(law: str, pair: CylinderPair) -> None:
     """Raise `InputError` for external contact."""
     rule = "must be internal: the law is for a pin in a hole"

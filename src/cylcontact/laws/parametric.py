@@ -24,7 +24,7 @@ from cylcontact.laws.conformal import Conformal, in_units_of
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.housed import at_pair, curve_of, not_by_itself, table_of
 from cylcontact.laws.housing import Housing
-from cylcontact.laws.law import AtPair, Law
+from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, AtPair, Law
 from cylcontact.pair import Contact, CylinderPair
 
 # About L − C + C_J for the largest arc, C_J being Johnson's datum, and the least start for L.
@@ -223,8 +223,5 @@ class Parametric(Law, Conformal):
     def energy(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return ∫f dδ of its own load up to `penetration` in mm, per unit length in N."""
         delta = as_floats(penetration)
-        # With δ·s² for the penetration the load, about a first power, is smooth enough in s.
-        s, weights = np.polynomial.legendre.leggauss(24)
-        s = (1 + s) / 2
-        parts = (w * at * self.load(delta * at**2, pair) for w, at in zip(weights, s, strict=True))
-        return as_floats(delta * sum(parts))
+        nodes = zip(ENERGY_NODES, ENERGY_WEIGHTS, strict=True)
+        return as_floats(delta * sum(weight * self.load(delta * x, pair) for x, weight in nodes))

@@ -317,7 +317,7 @@ class Statistics:
                 texts += [f"{name}{text}"] if text else []
         return (*texts, *filter(None, [self._balance()]))
 
-    def _passed(self, column: str) -> str:
+    def _revolutions_with(self, column: str) -> str:
         """Return in how many revolutions contacts are of a kind, and when first; "" if none is."""
         table = self.revolutions
         rows, first = int((table[column] > 0).sum()), float(table[f"{column}_s"].min())
@@ -327,7 +327,7 @@ class Statistics:
     def _yield(self) -> str:
         load = self.revolutions["max_load_N_per_mm"].max()
         text = yield_warning(load, self._contact.pair, self._contact.housing)
-        return f"{text}; {self._passed('above_yield')}" if text else ""
+        return f"{text}; {self._revolutions_with('above_yield')}" if text else ""
 
     def _grazing(self) -> str:
         count, total = (int(self.revolutions[name].sum()) for name in ("grazing", "impacts"))
@@ -335,7 +335,7 @@ class Statistics:
             return ""
         floor = f"{self._limits.floor * 1e3:g} mm/s an impact counts as one of that speed"
         slower = f"{count:,} of {total:,} impacts begin slower ({_percent(count / total)})"
-        return f"grazing starts: below {floor}; {slower}, {self._passed('grazing')}"
+        return f"grazing starts: below {floor}; {slower}, {self._revolutions_with('grazing')}"
 
     @property
     def continuation(self) -> str:
@@ -344,7 +344,7 @@ class Statistics:
         return "; ".join(f"{name}{text}" for name, text in texts if text)
 
     def _continuation(self) -> str:
-        passed = self._passed("beyond_law")
+        passed = self._revolutions_with("beyond_law")
         law, deepest = self._limits.law * 1e6, self.revolutions["max_penetration_um"].max()
         text = f"beyond {law:.4g} µm the law goes on along its tangent, up to {deepest:.4g} µm"
         return f"{text}: {passed}" if passed else ""

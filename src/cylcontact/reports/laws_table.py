@@ -261,7 +261,7 @@ def listing(contact: Contact) -> str:
 def _contact(load: float, pair: CylinderPair, housing: Housing | None) -> str:
     """Return the half-width and the largest pressure of the contact."""
     if pair.contact == "internal":
-        law = Conformal() if housing is None else Conformal(housing)
+        law = Conformal(housing or "johnson")
         width, peak = half_width(load, pair, law), law.peak_pressure(load, pair)
         source = "" if housing is None else " (in this housing)"
     else:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from cylcontact.arrays import require
+from cylcontact.arrays import on_one_thread, require
 from cylcontact.datasets.finite_element.mesh import Setup, SetupKeys
 from cylcontact.datasets.finite_element.solver import solve
 from cylcontact.errors import InputError
@@ -233,10 +233,8 @@ def run_study(
 
 def _solve(variant: str, setup: Setup, dR: float, loads: tuple[float, ...]) -> dict[_Case, _Result]:
     """Solve one clearance of a variant in a worker."""
-    from threadpoolctl import threadpool_limits
-
     try:
-        with threadpool_limits(limits=1):
+        with on_one_thread():
             solutions = solve(setup, dR, loads)
     except InputError as error:
         cases = f"{variant}, ΔR = {dR:g} mm, {', '.join(f'{load:g}' for load in loads)} N/mm"
