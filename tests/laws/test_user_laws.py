@@ -1,5 +1,7 @@
 """Functions of the user's own that misbehave: each is told in one line, and nothing is written."""
 
+import sys
+
 import pytest
 
 from tests.support.measured_files import write_measured
@@ -35,8 +37,9 @@ NAMES = ("..mine:load", "/etc/mine:load", "mine:", ":load", "mine:a.b")
 
 
 @pytest.fixture
-def fit(tmp_path, run):
+def fit(tmp_path, run, monkeypatch):
     """Fit a law of a module mine.py to points of a power law, with little patience."""
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
     table = write_measured(tmp_path / "measured.csv", "power", "internal")
 
     def fit(module, law="mine:load", objective="rms-log-load", *more):

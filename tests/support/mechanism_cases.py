@@ -5,6 +5,7 @@ import tomllib
 from itertools import product
 from pathlib import Path
 
+import numba
 import numpy as np
 
 from cylcontact.mechanism import Settings, dop853, mechanism_from
@@ -68,6 +69,16 @@ def with_clearance(spec, name, **changes):
     )
 
 
+@numba.njit(error_model="numpy")
+def _rates_at(t, y, model):
+    dop853.rates_at(t, dop853.clock(t, model.crank), y, 0, model)
+
+
+@numba.njit(error_model="numpy")
+def _motion(t, y, joint, crank, pin, linkage):
+    return dop853.motion(dop853.clock(t, crank), y, joint, crank, pin, linkage)
+
+
 class Equations:
     """The compiled right-hand side of a mechanism, called from Python in either mode."""
 
@@ -85,14 +96,13 @@ class Equations:
         """Return the rates of coordinates and ledgers."""
         run, y = self.run, np.ascontiguousarray(y[: self.size], dtype=float)
         model = dop853.Model(run.joints, run.laws, run.crank, run.pin, run.linkage, self.space, y)
-        dop853.rates_at(t, dop853.clock(t, run.crank), y, 0, model)
+        _rates_at(t, y, model)
         return self.space[0].copy()
 
     def gap(self, t, y):
         """Return δ in m and δ̇ in m/s."""
         run, y = self.run, np.ascontiguousarray(y[: self.size], dtype=float)
-        turn = dop853.clock(t, run.crank)
-        e_x, e_y, u_x, u_y, *_ = dop853.motion(turn, y, self.joint, run.crank, run.pin, run.linkage)
+        e_x, e_y, u_x, u_y, *_ = _motion(t, y, self.joint, run.crank, run.pin, run.linkage)
         distance = math.hypot(e_x, e_y)
         rate = (e_x * u_x + e_y * u_y) / distance if distance > 0 else 0.0
         return distance - self.joint["clearance"], rate

@@ -158,7 +158,7 @@ class _Plain(ast.NodeTransformer):
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         if isinstance(node.func, ast.Name):
-            if node.func.id == "kernel_load":
+            if node.func.id == "inlined_load":
                 return ast.Call(ast.Name("law"), [self.visit(node.args[2])], [])
             if node.func.id == "float":
                 inside: ast.expr = self.visit(node.args[0])

@@ -28,7 +28,7 @@ from cylcontact.laws import LAW_TYPES
 from cylcontact.laws.formula import Formula, lines_of, needed
 from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, ContactLaw, Law, has_formula
 from cylcontact.laws.tabulated import cubic, tabulate
-from cylcontact.numba_cache import compiled, inlined
+from cylcontact.numba_cache import called, compiled, inlined
 from cylcontact.pair import CylinderPair
 
 TABLE = -1
@@ -90,10 +90,10 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     return Kernel(_KEYS.index(key), np.array(numbers), float(limit))
 
 
-_cubic = compiled(cubic)
+_cubic = called(cubic)
 
 
-@compiled
+@called
 def _read_table(table: FloatArray, penetration: float) -> tuple[float, float]:
     """Return the load in N/mm and dln f/dln δ from a table of `tabulate`."""
     if not penetration <= table[0]:
@@ -116,13 +116,13 @@ def _read_table(table: FloatArray, penetration: float) -> tuple[float, float]:
     return math.exp(y[below] + y_at), slope
 
 
-@compiled
+@called
 def _table_load(_kind: int, table: FloatArray, penetration: float) -> float:
     """Return the load in N/mm from a table."""
     return _read_table(table, penetration)[0]
 
 
-@compiled
+@called
 def _table_stiffness(_kind: int, table: FloatArray, penetration: float) -> float:
     """Return the stiffness in N/mm² from a table."""
     load, exponent = _read_table(table, penetration)
@@ -158,24 +158,31 @@ _load = _of_all_kinds("f", _table_load)
 _stiffness = _of_all_kinds("k", _table_stiffness)
 
 
-@compiled
+@inlined
+def inlined_load(kind: int, parameters: FloatArray, penetration: float) -> float:
+    """Return what `kernel_load` does, for compiled loops."""
+    if penetration <= 0:
+        return 0.0
+    return _load(kind, parameters, penetration)
+
+
+@inlined
 def _quadrature(kind: int, numbers: FloatArray, penetration: float) -> float:
     """Return the integral of the load up to a penetration, in N."""
     total = 0.0
     for node in range(ENERGY_NODES.size):
-        total += ENERGY_WEIGHTS[node] * _load(kind, numbers, penetration * ENERGY_NODES[node])
+        load = inlined_load(kind, numbers, penetration * ENERGY_NODES[node])
+        total += ENERGY_WEIGHTS[node] * load
     return total * penetration
 
 
 _energy = _of_all_kinds("energy", _quadrature)
 
 
-@inlined
+@compiled
 def kernel_load(kind: int, parameters: FloatArray, penetration: float) -> float:
     """Return the load in N/mm at `penetration` in mm."""
-    if penetration <= 0:
-        return 0.0
-    return _load(kind, parameters, penetration)
+    return inlined_load(kind, parameters, penetration)
 
 
 @compiled

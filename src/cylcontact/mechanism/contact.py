@@ -27,8 +27,8 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.impact import RATIO_BEND
-from cylcontact.laws.kernels import kernel_energy, kernel_load
-from cylcontact.numba_cache import compiled, inlined
+from cylcontact.laws.kernels import inlined_load, kernel_energy
+from cylcontact.numba_cache import called, compiled, inlined
 
 # e in m, its rate in m/s, and the spins of the bodies with the bearing and with the pin in rad/s.
 Motion = tuple[float, float, float, float, float, float]
@@ -95,7 +95,7 @@ def elastic_at(penetration: float, joint: Joint, law: FloatArray) -> float:
     if joint.regime == LINE or (joint.regime == ANY and delta > joint.last_penetration):
         load = joint.last_load + joint.last_slope * (delta - joint.last_penetration)
     else:
-        load = kernel_load(joint.kernel, law, delta)
+        load = inlined_load(joint.kernel, law, delta)
     return float(load * joint.length)
 
 
@@ -183,7 +183,7 @@ def forces_at(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray)
     return forces(motion, impact_rate, joint, law)
 
 
-@compiled
+@called
 def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Joint) -> Motion:
     """Write the arms, and return the motion of a joint from x, y, angle and rates of its bodies."""
     c, s = math.cos(bearing[2]), math.sin(bearing[2])
@@ -201,7 +201,7 @@ def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Joint) -> Motio
     return e_x, e_y, u_x, u_y, bearing[5], pin[5]
 
 
-@compiled
+@called
 def evaluate(
     state: FloatArray, bearing: FloatArray, pin: FloatArray, w: Record, joint: Joint,
     law: FloatArray,
@@ -237,7 +237,7 @@ def evaluate(
         w.flag += BEYOND_LAW
 
 
-@compiled
+@called
 def accept(
     state: FloatArray, bearing: FloatArray, pin: FloatArray, w: Record, joint: Joint
 ) -> None:

@@ -23,7 +23,7 @@ from cylcontact.mechanism import linkage as cartesian
 from cylcontact.mechanism import slider_crank
 from cylcontact.mechanism.contact import Joint, Motion
 from cylcontact.mechanism.slider_crank import Turn
-from cylcontact.numba_cache import compiled, inlined
+from cylcontact.numba_cache import called, inlined, merged
 
 STAGES = 12
 # Stage i is at t + C[i]·h, from the rates of the stages before it weighted by A[i]. The solution is
@@ -94,7 +94,7 @@ def motion(turn: Turn, y: FloatArray, joint: Joint, crank: Any, pin: Any, linkag
     return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
 
 
-@compiled
+@called
 def step(t: float, h: float, turn: Turn, y: FloatArray, new: FloatArray, m: Model) -> None:
     """Write the state at t + h to `new`, from the state at t and its rates in row 0."""
     joints, laws, crank, pin, linkage, rates, stage = m
@@ -154,7 +154,7 @@ def _combine_four(i: int, h: float, y: FloatArray, k: FloatArray, out: FloatArra
     out[n + 2], out[n + 3] = y[n + 2] + h * k2, y[n + 3] + h * k3
 
 
-@inlined
+@merged
 def error(
     h: float, y: FloatArray, new: FloatArray, k: FloatArray, relative: float, absolute: FloatArray
 ) -> float:
@@ -173,7 +173,7 @@ def error(
     return abs(h) * fifth / math.sqrt(y.size * (fifth + 0.01 * third))
 
 
-@inlined
+@merged
 def sum_ledgers(h: float, rest: float, ledgers: FloatArray, rates: FloatArray) -> None:
     """Add what a step contributes to the ledgers, and a very short time after it."""
     first = rates.shape[1] - ledgers.size

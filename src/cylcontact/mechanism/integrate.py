@@ -24,7 +24,7 @@ from cylcontact.mechanism import contact, dop853
 from cylcontact.mechanism.contact import Joint
 from cylcontact.mechanism.dop853 import STAGES, Model, later, rates_at, step
 from cylcontact.mechanism.slider_crank import Turn
-from cylcontact.numba_cache import compiled, inlined
+from cylcontact.numba_cache import called, compiled, inlined, merged
 
 # Where a run is: time in s, the next step in s (0 at a start), the error of the last one,
 # evaluations so far, how many steps have ended at the kink that they start from since one last
@@ -73,7 +73,14 @@ class Start(NamedTuple):
     looks: FloatArray
 
 
-@compiled
+@inlined
+def _copy(values: FloatArray, out: FloatArray) -> None:
+    """Copy an array; numba takes seconds to compile what it would say if shapes differed."""
+    for n in range(out.size):
+        out[n] = values[n]
+
+
+@called
 def _look(turn: Turn, y: FloatArray, joint: Joint, m: Model) -> Look:
     """Return δ, δ̇, v_t and ė of a joint at a state."""
     e_x, e_y, u_x, u_y, spin_i, spin_j = dop853.motion(turn, y, joint, m.crank, m.pin, m.linkage)
@@ -87,6 +94,13 @@ def _look(turn: Turn, y: FloatArray, joint: Joint, m: Model) -> Look:
 
 
 @compiled
+def penetration(t: float, y: FloatArray, joint: Joint, crank: Any, pin: Any, linkage: Any) -> float:
+    """Return δ of a joint at a state."""
+    e_x, e_y, _, _, _, _ = dop853.motion(dop853.clock(t, crank), y, joint, crank, pin, linkage)
+    return math.sqrt(e_x * e_x + e_y * e_y) - float(joint.clearance)
+
+
+@called
 def _look_at_all(turn: Turn, y: FloatArray, m: Model, looks: FloatArray) -> None:
     """Write the `Look` of every joint to a row of `looks`."""
     for k in range(m.joints.shape[0]):
@@ -131,7 +145,7 @@ def _margin(kind: int, delta: float, v_t: float, joint: Joint) -> float:
     return -inside if joint.regime == contact.LINE else inside
 
 
-@compiled
+@called
 def _turning(h: float, start: FloatArray, end: FloatArray) -> tuple[float, float]:
     """Return the fraction of a step at which δ turns, and δ there, by Hermite's cubic."""
     a, b, c = h * start[1], end[0] - start[0], h * end[1]
@@ -146,9 +160,9 @@ def _turning(h: float, start: FloatArray, end: FloatArray) -> tuple[float, float
     return low, start[0] + low * (a + low * (square + low * cubic))
 
 
-@compiled
+@called
 def _first_event(
-    start: FloatArray, end: FloatArray, joints: Any, but: int = -1
+    start: FloatArray, end: FloatArray, joints: Any, but: int
 ) -> tuple[int, int, bool]:
     """Return what a step has passed first, of which joint but one, and if its start was inside."""
     event, at, starts_inside, earliest = _NOTHING, but, True, 2.0
@@ -167,7 +181,7 @@ def _first_event(
     return event, at, starts_inside
 
 
-@compiled
+@merged
 def _interpolate(
     x: float, h: float, y: FloatArray, new: FloatArray, rates: FloatArray, out: FloatArray
 ) -> None:
@@ -183,7 +197,7 @@ def _interpolate(
         out[half + n] = (v + x * (a + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h
 
 
-@compiled
+@merged
 def _guess(
     kind: int, k: int, h: float, margins: tuple[float, float], at: Start, new: FloatArray, m: Model
 ) -> float:
@@ -209,7 +223,7 @@ def _guess(
     return x * h
 
 
-@compiled
+@called
 def _land(
     kind: int, k: int, h: float, at: Start, after: FloatArray, new: FloatArray, m: Model, now: Now
 ) -> tuple[float, float]:
@@ -237,7 +251,7 @@ def _land(
             low = x
         else:
             high = x
-        m.stage[:] = new
+        _copy(new, m.stage)
         _shift(_AT_SLOPE, m.stage, m.rates)
         delta, _, v_t, _, _ = _look(later(turn, _AT_SLOPE, m.crank), m.stage, joint, m)
         rise = _margin(kind, delta, v_t, joint) - g
@@ -256,7 +270,7 @@ def _land(
     return x, 0.0
 
 
-@compiled
+@called
 def _shift(dt: float, y: FloatArray, rates: FloatArray) -> None:
     """Move a state by a very short time, with the rates of the last stage."""
     half, last = y.size // 2, STAGES - 1
@@ -265,7 +279,7 @@ def _shift(dt: float, y: FloatArray, rates: FloatArray) -> None:
         y[half + n] += dt * rates[last, half + n]
 
 
-@compiled
+@called
 def _switch(kind: int, look: FloatArray, now: Now, joint: Joint) -> None:
     """Change a joint to the piece beyond an event, and set the first step there."""
     delta, rate, v_t = look[0], look[1], look[2]
@@ -283,7 +297,7 @@ def _switch(kind: int, look: FloatArray, now: Now, joint: Joint) -> None:
         now.step = min(_SHALLOW / max(rate, 1e-3 * joint.rate_floor), 1e-7)
 
 
-@compiled
+@merged
 def _switch_others(looks: FloatArray, now: Now, joints: Any) -> None:
     """Begin and end contacts that do so at the time of the event of another joint."""
     for k in range(joints.shape[0]):
@@ -293,7 +307,7 @@ def _switch_others(looks: FloatArray, now: Now, joints: Any) -> None:
             _switch(_GAP, looks[k], now, joints[k])
 
 
-@compiled
+@merged
 def _length(
     now: Now, looks: FloatArray, accelerations: FloatArray, end: float, max_step: float, joints: Any
 ) -> float:
@@ -313,7 +327,7 @@ def _length(
     return float(end - now.time if now.time + h * (1.0 + 1e-9) >= end else h)
 
 
-@compiled
+@merged
 def _turn(h: float, start: FloatArray, end: FloatArray, joints: Any) -> tuple[float, bool]:
     """Return where a step should end as some δ turns in it, and whether it missed an event."""
     length, missed = h, False
@@ -329,7 +343,7 @@ def _turn(h: float, start: FloatArray, end: FloatArray, joints: Any) -> tuple[fl
     return length, missed
 
 
-@compiled
+@merged
 def _examine(
     h: float, at: Start, after: FloatArray, new: FloatArray, m: Model, now: Now
 ) -> tuple[int, float, float]:
@@ -340,7 +354,7 @@ def _examine(
     time from its end to the event, in s.
     """
     _look_at_all(later(at.turn, h, m.crank), new, m, after)
-    event, k, starts_inside = _first_event(at.looks, after, m.joints)
+    event, k, starts_inside = _first_event(at.looks, after, m.joints, -1)
     if event == _NOTHING:
         length, missed = _turn(h, at.looks, after, m.joints)
         if missed:
@@ -359,14 +373,14 @@ def _examine(
     return _at_once(event, k, h, now)
 
 
-@inlined
+@merged
 def _at_once(event: int, k: int, h: float, now: Now) -> tuple[int, float, float]:
     """Return that an event at the start of a step is taken if the step is very short."""
     now.joint, now.step = k, 0.25 * h
     return (_RETRY if h > _SHORTEST else event), h, 0.0
 
 
-@compiled
+@merged
 def _land_on_first(
     event: int, k: int, h: float, at: Start, after: FloatArray, new: FloatArray, m: Model, now: Now
 ) -> tuple[int, float, float]:
@@ -391,7 +405,7 @@ def _land_on_first(
             return _at_once(event, k, h, now)
 
 
-@compiled
+@called
 def _record(
     row: int,
     now: Now,
@@ -403,14 +417,16 @@ def _record(
     """Write a row and return the number of the next."""
     times, states, touching, onset_rates = buffers
     times[row] = now.time
-    states[row, : y.size] = y
-    states[row, y.size :] = ledgers
+    for n in range(y.size):
+        states[row, n] = y[n]
+    for n in range(ledgers.size):
+        states[row, y.size + n] = ledgers[n]
     for k in range(joints.shape[0]):
         touching[row, k], onset_rates[row, k] = joints[k].touching != 0, joints[k].onset_rate
     return row + 1
 
 
-@compiled
+@merged
 def _begin(looks: FloatArray, joints: Any, now: Now) -> None:
     """Choose the pieces of all joints by the state, and the first step."""
     for k in range(joints.shape[0]):
@@ -420,12 +436,57 @@ def _begin(looks: FloatArray, joints: Any, now: Now) -> None:
         now.step, now.error = _FIRST, 1e-4
 
 
-@compiled
+@merged
 def _accelerate(h: float, before: FloatArray, after: FloatArray, out: FloatArray) -> None:
     """Write the mean size of ë over a step for every joint, and update the looks before it."""
     for k in range(out.size):
         out[k] = math.hypot(after[k, 3] - before[k, 3], after[k, 4] - before[k, 4]) / h
-    before[:] = after
+    for k in range(out.size):
+        _copy(after[k], before[k])
+
+
+@called
+def _good_step(
+    now: Now,
+    at: Start,
+    after: FloatArray,
+    new: FloatArray,
+    accelerations: FloatArray,
+    end: float,
+    tolerances: tuple[float, FloatArray, float],
+    m: Model,
+) -> tuple[int, float, float]:
+    """Repeat a step, shorter, until it is within the tolerances and ends at the first event in it.
+
+    Written are the state at its end, the time there, and the next step. Returned are what
+    `_examine` does; a length of 0 if no step is small enough.
+    """
+    relative, absolute, max_step = tolerances
+    t, grow = at.time, _GROW
+    while True:
+        wanted = min(now.step, max_step)
+        h = _length(now, at.looks, accelerations, end, max_step, m.joints)
+        if not t + h > t:
+            return _NOTHING, 0.0, 0.0
+        step(t, h, at.turn, at.y, new, m)
+        now.evaluations += STAGES - 1
+        measure = dop853.error(h, at.y, new, m.rates, relative, absolute)
+        if not measure <= 1.0:
+            shrink = _SAFETY * measure**-0.125 if measure < math.inf else 0.0
+            now.step, grow = h * max(shrink, _SHRINK), 1.0
+            continue
+        event, length, rest = _NOTHING, h, 0.0
+        if m.joints.shape[0]:
+            event, length, rest = _examine(h, at, after, new, m, now)
+            if event == _RETRY:
+                continue
+        now.time = end if length == h and t + h * (1.0 + 1e-9) >= end else t + (length + rest)
+        if event == _NOTHING:
+            factor = _SAFETY * now.error**_BETA / max(measure, 1e-10) ** (0.125 - 0.2 * _BETA)
+            now.step, now.error = length * min(max(factor, _SHRINK), grow), max(measure, 1e-4)
+        else:
+            now.step, now.error = wanted, 1e-4
+        return event, length, rest
 
 
 @compiled
@@ -450,7 +511,6 @@ def integrate(
     two rows, one in each mode. Returned are the rows filled, and `END`, `FULL`, `LAW_LEFT` or
     `COLLAPSED`.
     """
-    relative, absolute, max_step = tolerances
     rates = np.zeros((STAGES + 1, y.size + ledgers.size))
     m = Model(joints, laws, crank, pin, linkage, rates, np.zeros(y.size))
     new, count = np.empty(y.size), joints.shape[0]
@@ -459,48 +519,28 @@ def integrate(
     turn = dop853.clock(now.time, crank)
     _look_at_all(turn, y, m, looks)
     _begin(looks, joints, now)
-    rates_at(now.time, turn, y, 0, m)
-    now.evaluations += 1
-    rows, grow = 0, _GROW
+    rows = 0
     while now.time < end:
         if rows + 2 > buffers[0].size:
             return rows, FULL
-        t, wanted = now.time, min(now.step, max_step)
-        h = _length(now, looks, accelerations, end, max_step, joints)
-        if not t + h > t:
+        rates_at(now.time, turn, y, 0, m)
+        now.evaluations += 1
+        at = Start(now.time, turn, y, looks)
+        event, length, rest = _good_step(now, at, after, new, accelerations, end, tolerances, m)
+        if length == 0.0:
             return rows, COLLAPSED
-        step(t, h, turn, y, new, m)
-        now.evaluations += STAGES - 1
-        measure = dop853.error(h, y, new, rates, relative, absolute)
-        if not measure <= 1.0:
-            shrink = _SAFETY * measure**-0.125 if measure < math.inf else 0.0
-            now.step, grow = h * max(shrink, _SHRINK), 1.0
-            continue
-        event, length, rest = _NOTHING, h, 0.0
-        if count:
-            event, length, rest = _examine(h, Start(t, turn, y, looks), after, new, m, now)
-            if event == _RETRY:
-                continue
         dop853.sum_ledgers(length, rest, ledgers, rates)
         _shift(rest, new, rates)
-        y[:] = new
-        now.time = end if length == h and t + h * (1.0 + 1e-9) >= end else t + (length + rest)
+        _copy(new, y)
         turn = dop853.clock(now.time, crank)
         _look_at_all(turn, y, m, after)
         _accelerate(length, looks, after, accelerations)
         rows = _record(rows, now, y, ledgers, joints, buffers)
-        if event == _NOTHING:
-            factor = _SAFETY * now.error**_BETA / max(measure, 1e-10) ** (0.125 - 0.2 * _BETA)
-            now.step, now.error = length * min(max(factor, _SHRINK), grow), max(measure, 1e-4)
-        elif event == _LAW and joints[now.joint].stop_penetration < math.inf:
+        if event == _LAW and joints[now.joint].stop_penetration < math.inf:
             return rows, LAW_LEFT
-        else:
-            now.step, now.error = wanted, 1e-4
+        if event != _NOTHING:
             _switch(event, looks[now.joint], now, joints[now.joint])
             _switch_others(looks, now, joints)
             if event == _GAP and now.time < end:
                 rows = _record(rows, now, y, ledgers, joints, buffers)
-        grow = _GROW
-        rates_at(now.time, turn, y, 0, m)
-        now.evaluations += 1
     return rows, END

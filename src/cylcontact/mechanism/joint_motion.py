@@ -16,7 +16,7 @@ from cylcontact.mechanism.joint import ClearanceJoint
 from cylcontact.mechanism.model import Joint, Mechanism
 from cylcontact.mechanism.run import JOINT_LEDGERS, Settings, StepHistory
 from cylcontact.mechanism.slider_crank import SliderCrank, recognise
-from cylcontact.numba_cache import compiled
+from cylcontact.numba_cache import called, compiled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -419,7 +419,7 @@ def _force_within(
     return out
 
 
-@compiled
+@called
 def _hermite(
     x: float, h: float, start: float, end: float, start_rate: float, end_rate: float
 ) -> tuple[float, float]:

@@ -28,7 +28,7 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
 from cylcontact.mechanism import contact
 from cylcontact.mechanism.model import Joint, Mechanism
-from cylcontact.numba_cache import compiled, inlined
+from cylcontact.numba_cache import called, compiled, inlined
 
 REVOLUTE, PRISMATIC, DRIVER = 0, 1, 2
 _KINDS = {"revolute": REVOLUTE, "prismatic": PRISMATIC, "driver": DRIVER}
@@ -198,7 +198,7 @@ def driven(t: float, speed: float, ramp: float) -> tuple[float, float, float]:
     return turned, speed * x * x * (3.0 - 2.0 * x), 6.0 * speed * x * (1.0 - x) / ramp
 
 
-@compiled
+@called
 def constrain(t: float, q: FloatArray, v: FloatArray, constraints: Any, w: Room) -> None:
     """Write Φ, dΦ/dt, Φ_q and, as the right-hand side, γ of Φ_q·q̈ = γ (Eq 10)."""
     turns, value, rate, gamma, jacobian = w.turns, w.value, w.rate, w.right, w.jacobian
@@ -279,7 +279,7 @@ def joint_motion(q: FloatArray, v: FloatArray, joint: contact.Joint) -> contact.
     return i_x - j_x, i_y - j_y, vi_x - vj_x, vi_y - vj_y, spin_i, spin_j
 
 
-@compiled
+@called
 def _touch(
     q: FloatArray, v: FloatArray, w: Room, joints: Any, laws: FloatArray, ledgers: FloatArray
 ) -> None:
@@ -305,7 +305,7 @@ def _touch(
         ledgers[n], ledgers[n + 1], ledgers[n + 2], ledgers[n + 3] = lost, rubbed, delta, normal
 
 
-@compiled
+@called
 def _push(q: FloatArray, v: FloatArray, w: Room, springs: Any, loads: Any) -> tuple[float, float]:
     """Add the forces of springs, dampers and loads; return the powers of drives and dampers."""
     turns, force, driving, damping = w.turns, w.force, 0.0, 0.0
@@ -341,7 +341,7 @@ def _push(q: FloatArray, v: FloatArray, w: Room, springs: Any, loads: Any) -> tu
     return driving, damping
 
 
-@compiled
+@called
 def _solve_positive(matrix: FloatArray, right: FloatArray) -> None:
     """Solve a symmetric positive definite system in place, from its lower triangle."""
     n = right.size
@@ -362,7 +362,7 @@ def _solve_positive(matrix: FloatArray, right: FloatArray) -> None:
             right[k] -= matrix[l, k] * right[l]
 
 
-@compiled
+@called
 def _schur(constraints: Any, mobility: FloatArray, w: Room) -> None:
     """Write the lower triangle of Φ_q·M⁻¹·Φ_qᵀ, and add Φ_q·M⁻¹·g to the right-hand side."""
     force, right, jacobian = w.force, w.right, w.jacobian
@@ -389,7 +389,7 @@ def _schur(constraints: Any, mobility: FloatArray, w: Room) -> None:
                         matrix[row, s] += x * j_x + y * j_y + z * j_z
 
 
-@compiled
+@called
 def _constrained(
     constraints: Any, v: FloatArray, over_mass: FloatArray, lam: FloatArray, rates: FloatArray
 ) -> float:
@@ -409,7 +409,7 @@ def _constrained(
     return driving
 
 
-@compiled
+@called
 def derivatives(
     t: float, y: FloatArray, rates: FloatArray, row: int, joints: Any, laws: FloatArray, m: Linkage
 ) -> None:
@@ -419,7 +419,8 @@ def derivatives(
     w = room(m.work, size, m.constraints)
     q, v, lam = y[:size], y[size:], w.right
     constrain(t, q, v, m.constraints, w)
-    w.force[:] = m.inertia[2]
+    for n in range(size):
+        w.force[n] = m.inertia[2, n]
     driving, damping = _push(q, v, w, m.springs, m.loads)
     _touch(q, v, w, joints, laws, rates[row, ledger + 2 :])
     for r in range(lam.size):
@@ -438,9 +439,9 @@ def closure(
     table: Any, t: float, q: FloatArray, v: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return Φ, dΦ/dt, Φ_q and γ of the joints in a table."""
-    work = np.zeros(work_size(q.size // 3, row_count(table)))
-    w = room(work, q.size, table)
-    constrain(t, q, v, table, w)
+    work, records = np.zeros(work_size(q.size // 3, row_count(table))), table.view(np.recarray)
+    w = room(work, q.size, records)
+    constrain(t, q, v, records, w)
     return w.value, w.rate, w.jacobian, w.right
 
 
@@ -449,9 +450,11 @@ def largest_gaps(time: FloatArray, q: FloatArray, v: FloatArray, m: Linkage) -> 
     """Return the largest |Φ| and |dΦ/dt| of each row, in m or rad and per s, shape (n, 2)."""
     out = np.zeros((time.size, 2))
     w = room(m.work, q.shape[1], m.constraints)
-    for k in range(time.size if w.value.size else 0):
+    for k in range(time.size):
         constrain(time[k], q[k], v[k], m.constraints, w)
-        out[k, 0], out[k, 1] = np.abs(w.value).max(), np.abs(w.rate).max()
+        for n in range(w.value.size):
+            out[k, 0] = max(out[k, 0], abs(w.value[n]))
+            out[k, 1] = max(out[k, 1], abs(w.rate[n]))
     return out
 
 

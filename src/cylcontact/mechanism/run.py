@@ -18,7 +18,7 @@ from cylcontact.arrays import BoolArray, FloatArray, require
 from cylcontact.choices import BEYOND, METHODS, Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.laws.kernels import TABLE
-from cylcontact.mechanism import contact, dop853, integrate
+from cylcontact.mechanism import contact, integrate
 from cylcontact.mechanism.joint import require_defined
 from cylcontact.mechanism.linkage import Linkage, assemble, linkage_of
 from cylcontact.mechanism.model import Mechanism
@@ -256,10 +256,9 @@ class Run:
 
     def penetration(self, number: int) -> float:
         """Return δ of a joint at the present state in m."""
-        turn, joint = dop853.clock(self.state.time, self.crank), self.joints[number]
-        values = self.state.values[: self.scale.size]
-        e_x, e_y, *_ = dop853.motion(turn, values, joint, self.crank, self.pin, self.linkage)
-        return float(np.hypot(e_x, e_y) - joint["clearance"])
+        time, values = self.state.time, self.state.values[: self.scale.size]
+        model = self.joints[number], self.crank, self.pin, self.linkage
+        return integrate.penetration(time, values, *model)
 
     def _law_left(self, number: int) -> LawDomainError:
         joint, record = self.mechanism.clearances[number], self.joints[number]

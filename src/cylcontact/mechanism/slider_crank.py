@@ -45,7 +45,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.mechanism import contact
 from cylcontact.mechanism.linkage import assemble
 from cylcontact.mechanism.model import GROUND, Joint, Mechanism, Point
-from cylcontact.numba_cache import compiled, inlined
+from cylcontact.numba_cache import called, inlined
 
 # A slider-crank as compiled functions take it, in SI. The reciprocals save divisions.
 Crank = Any
@@ -78,7 +78,7 @@ _COS = (-1 / 2, 1 / 24, -1 / 720, 1 / 40320)
 _SIN = (-1 / 6, 1 / 120, -1 / 5040, 1 / 362880)
 
 
-@compiled
+@called
 def crank_turn(t: float, m: Crank) -> tuple[float, float]:
     """Return cosine and sine of the crank's angle."""
     theta = m.angle + m.omega * t

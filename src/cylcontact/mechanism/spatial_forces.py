@@ -44,9 +44,9 @@ from typing import Any
 import numpy as np
 
 from cylcontact.arrays import FloatArray
-from cylcontact.laws.kernels import kernel_load
+from cylcontact.laws.kernels import inlined_load
 from cylcontact.mechanism.contact import bounded_ratio
-from cylcontact.numba_cache import compiled, inlined
+from cylcontact.numba_cache import called, inlined
 
 Record = Any
 
@@ -109,10 +109,10 @@ def load_at(delta: float, joint: Record, law: FloatArray) -> float:
     """Return the load in N/mm, beyond the law's end along its tangent."""
     if delta > joint.last_penetration:
         return float(joint.last_load + joint.last_slope * (delta - joint.last_penetration))
-    return float(kernel_load(joint.kernel, law, delta))
+    return float(inlined_load(joint.kernel, law, delta))
 
 
-@compiled
+@called
 def energy_at(delta: float, joint: Record, law: FloatArray) -> float:
     """Return ∫ f dδ in N."""
     if delta <= 0.0:
@@ -161,7 +161,7 @@ def cross(p: FloatArray, at: int, q: FloatArray, k: int) -> float:
     return float(p[at + i] * q[j] - p[at + j] * q[i])
 
 
-@compiled
+@called
 def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Record) -> None:
     """Write the motion of the pin in the hole's frame, and what the two share of the length."""
     rotate(bearing, joint.x_b, w.x)
@@ -237,7 +237,7 @@ def section(z: float, w: Record, joint: Record) -> None:
     )
 
 
-@compiled
+@called
 def reach(w: Record, joint: Record) -> None:
     """Write the penetrations of rims A and B and of faces A and B, and their rates."""
     for side in range(4):
@@ -267,7 +267,7 @@ def reach(w: Record, joint: Record) -> None:
         reach_faces(w, joint)
 
 
-@compiled
+@called
 def reach_faces(w: Record, joint: Record) -> None:
     """Write the penetrations of the faces and their rates."""
     lean = math.sqrt(w.a[0] * w.a[0] + w.a[1] * w.a[1])
@@ -284,7 +284,7 @@ def reach_faces(w: Record, joint: Record) -> None:
         )
 
 
-@compiled
+@called
 def seek(w: Record, joint: Record) -> None:
     """Write where along a crowned pin the penetration is largest, by samples and a parabola."""
     step = (w.high - w.low) / (SAMPLES - 1)
@@ -372,7 +372,7 @@ def onset_at(z: float, w: Record, joint: Record) -> float:
     return float(part * w.onset[0] + (1.0 - part) * w.onset[1])
 
 
-@compiled
+@called
 def press_piece(
     start: float, stop: float, energy: float, w: Record, joint: Record, law: FloatArray
 ) -> None:
@@ -396,7 +396,7 @@ def press_piece(
     w.touched += abs(length)
 
 
-@compiled
+@called
 def press_straight(w: Record, joint: Record, law: FloatArray) -> None:
     """Add the wall of a pin without crown: the penetration grows with |e| alone."""
     square = w.psi[0] * w.psi[0] + w.psi[1] * w.psi[1]
@@ -427,7 +427,7 @@ def press_straight(w: Record, joint: Record, law: FloatArray) -> None:
             press_piece(min(lower, nearest), w.low, 0.0, w, joint, law)
 
 
-@compiled
+@called
 def free_distance(square: float, least: float, joint: Record) -> float:
     """Return |e| without penetration, from tan² of the tilt and the least |e|²."""
     # From below Newton's method comes near monotonically, as δ is concave in |e|.
@@ -445,7 +445,7 @@ def free_distance(square: float, least: float, joint: Record) -> float:
     return float(r)
 
 
-@compiled
+@called
 def first_touch(free: float, touching: float, w: Record, joint: Record) -> float:
     """Return where the penetration changes its sign, by the Illinois method."""
     section(free, w, joint)
@@ -475,7 +475,7 @@ def first_touch(free: float, touching: float, w: Record, joint: Record) -> float
     return z
 
 
-@compiled
+@called
 def press_crowned(w: Record, joint: Record, law: FloatArray) -> None:
     """Add the wall of a crowned pin: each part that touches in two halves, graded to its ends."""
     step = (w.high - w.low) / (SAMPLES - 1)
@@ -509,7 +509,7 @@ def press_crowned(w: Record, joint: Record, law: FloatArray) -> None:
         before = z
 
 
-@compiled
+@called
 def press_rims(w: Record, joint: Record, law: FloatArray) -> None:
     """Add the stiffness of both rims, and the force along the axis on an end inside the hole."""
     for side in range(2):
@@ -538,7 +538,7 @@ def press_rims(w: Record, joint: Record, law: FloatArray) -> None:
                 w.moment[1] -= tip * w.a[0] * force
 
 
-@compiled
+@called
 def press_faces(w: Record, joint: Record) -> None:
     """Add the rings on the collars: f = κ·δ per radian on the arc that touches."""
     lean = math.sqrt(w.a[0] * w.a[0] + w.a[1] * w.a[1])
@@ -576,7 +576,7 @@ def press_faces(w: Record, joint: Record) -> None:
                     slide(load, x, y, z, v_x, v_y, 0.0, w, joint)
 
 
-@compiled
+@called
 def finish(w: Record, joint: Record) -> None:
     """Write the wrench in the world's axes about the reference points, in the joint's units."""
     lever = w.K[0] * w.psi[0] + w.K[1] * w.psi[1]
@@ -609,7 +609,7 @@ def finish(w: Record, joint: Record) -> None:
     w.touched /= joint.in_mm
 
 
-@compiled
+@called
 def reset(w: Record) -> None:
     """Set the sums to zero."""
     for k in range(3):
@@ -630,7 +630,7 @@ def reset(w: Record) -> None:
     w.flag = 0.0
 
 
-@compiled
+@called
 def evaluate(
     state: FloatArray,
     bearing: FloatArray,
@@ -670,7 +670,7 @@ def evaluate(
         w.penetration_rate[side] /= joint.in_mm
 
 
-@compiled
+@called
 def accept(
     state: FloatArray, bearing: FloatArray, pin: FloatArray, w: Record, joint: Record
 ) -> None:
