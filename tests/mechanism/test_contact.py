@@ -20,7 +20,7 @@ def in_contact(mechanism, impact_rate=1.0):
 
 
 def forces(e, e_dot, joint, law):
-    return contact.forces_at((*e, *e_dot, 0.0, 0.0), joint["impact_rate"], joint, law)
+    return contact.forces((*e, *e_dot, 0.0, 0.0), joint["impact_rate"], joint, law)
 
 
 @pytest.mark.parametrize("law", LAWS)

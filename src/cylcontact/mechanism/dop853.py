@@ -106,11 +106,6 @@ def _stages(
     t: float, h: float, turn: Turn, y: FloatArray, new: FloatArray, joints: Any, laws: FloatArray,
     crank: Any, pin: Any, linkage: Any, rates: FloatArray, stage: FloatArray,
 ) -> None:  # fmt: skip
-    """Do so with the parts of a model.
-
-    `_evaluate` stands here once more: numba counts the arrays that are handed on, from the model
-    or to one more function, at every stage, which makes a step a third longer.
-    """
     for i in range(1, STAGES):
         _combine(i, h, y, rates, stage, crank, pin)
         at = later(turn, C[i] * h, crank)

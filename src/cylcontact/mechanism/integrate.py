@@ -64,6 +64,23 @@ Look = tuple[float, float, float, float, float]
 _SAFETY, _BETA, _SHRINK, _GROW = 0.9, 0.04, 1 / 3, 8.0
 
 
+class Space(NamedTuple):
+    """Room to work in, zero at first: of a `Model`, the next state, looks, |ë| of every joint."""
+
+    rates: FloatArray
+    stage: FloatArray
+    new: FloatArray
+    looks: FloatArray
+    after: FloatArray
+    accelerations: FloatArray
+
+    @classmethod
+    def of(cls, size: int, ledgers: int, joints: int) -> Space:
+        """Return the room for a state of a size, with ledgers, and for joints."""
+        shapes = (STAGES + 1, size + ledgers), size, size, (joints, 5), (joints, 5), joints
+        return cls(*map(np.zeros, shapes))
+
+
 class Start(NamedTuple):
     """The start of a step: time in s, the crank's angle, the state, and the look at every joint."""
 
@@ -501,6 +518,7 @@ def integrate(
     pin: Any,
     linkage: Any,
     tolerances: tuple[float, FloatArray, float],
+    space: Space,
     buffers: tuple[FloatArray, FloatArray, BoolArray, FloatArray],
 ) -> tuple[int, int]:
     """Integrate until the time `end`, or until something else stops it.
@@ -511,11 +529,8 @@ def integrate(
     two rows, one in each mode. Returned are the rows filled, and `END`, `FULL`, `LAW_LEFT` or
     `COLLAPSED`.
     """
-    rates = np.zeros((STAGES + 1, y.size + ledgers.size))
-    m = Model(joints, laws, crank, pin, linkage, rates, np.zeros(y.size))
-    new, count = np.empty(y.size), joints.shape[0]
-    looks, after, accelerations = np.zeros((count, 5)), np.zeros((count, 5)), np.zeros(count)
-
+    rates, stage, new, looks, after, accelerations = space
+    m = Model(joints, laws, crank, pin, linkage, rates, stage)
     turn = dop853.clock(now.time, crank)
     _look_at_all(turn, y, m, looks)
     _begin(looks, joints, now)

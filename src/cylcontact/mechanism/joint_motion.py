@@ -200,9 +200,9 @@ class JointMotion:
         for column, body in enumerate((self.joint.i, self.joint.j)):
             if body >= 0:
                 spins[:, column] = self.run.velocities[:, body, 2]
-        touching, rates = self.in_contact, self.impact_rate
-        forces = _joint_forces(*self._contiguous, spins, touching, rates, *self._compiled)
-        return as_floats(forces)
+        touching, rates, out = self.in_contact, self.impact_rate, np.zeros((len(spins), 5))
+        _joint_forces(*self._contiguous, spins, touching, rates, *self._compiled, out)
+        return out
 
     @cached_property
     def force_within(self) -> FloatArray:
@@ -212,8 +212,9 @@ class JointMotion:
         cubic; out of contact the force is 0.
         """
         touching, rates = self.in_contact, self.impact_rate
-        motion = self.run.time, *self._contiguous
-        return as_floats(_force_within(*motion, touching, rates, *self._compiled))
+        motion, out = (self.run.time, *self._contiguous), np.zeros((touching.size - 1, PARTS))
+        _force_within(*motion, touching, rates, *self._compiled, out)
+        return out
 
     @property
     def _contiguous(self) -> tuple[FloatArray, FloatArray]:
@@ -229,7 +230,9 @@ class JointMotion:
     def elastic_energy(self) -> FloatArray:
         """Energy stored in the contact in J, shape (n,)."""
         depth = np.where(self.in_contact, self.penetration, 0.0)
-        return as_floats(_elastic_energy(depth, *self._compiled))
+        energy = np.zeros_like(depth)
+        _elastic_energy(depth, *self._compiled, energy)
+        return energy
 
     @cached_property
     def max_elastic_load(self) -> float:
@@ -380,9 +383,9 @@ def _joint_forces(
     impact_rate: FloatArray,
     joint: contact.Joint,
     law: FloatArray,
-) -> FloatArray:
-    """Return force on the bearing (x, y), f_n, f_t in N and v_t in m/s, shape (n, 5)."""
-    out = np.zeros((e.shape[0], 5))
+    out: FloatArray,
+) -> None:
+    """Write force on the bearing (x, y), f_n, f_t in N and v_t in m/s, shape (n, 5)."""
     for k in range(e.shape[0]):
         motion = e[k, 0], e[k, 1], e_rate[k, 0], e_rate[k, 1], spins[k, 0], spins[k, 1]
         out[k, 4] = contact.relative_motion(motion, joint)[4]
@@ -391,7 +394,6 @@ def _joint_forces(
             f_x, f_y, _, _, normal, _, _, _, _ = contact.forces_at(motion, rate, joint, law)
             out[k, 0], out[k, 1], out[k, 2] = f_x, f_y, normal
             out[k, 3] = contact.friction_force(normal, out[k, 4], joint)
-    return out
 
 
 @compiled
@@ -403,9 +405,9 @@ def _force_within(
     impact_rate: FloatArray,
     joint: contact.Joint,
     law: FloatArray,
-) -> FloatArray:
-    """See `JointMotion.force_within`."""
-    out = np.zeros((time.size - 1, PARTS))
+    out: FloatArray,
+) -> None:
+    """Write `JointMotion.force_within`."""
     for k in range(time.size - 1):
         h = time[k + 1] - time[k]
         if not in_contact[k + 1] or h <= 0.0:
@@ -416,7 +418,6 @@ def _force_within(
             e_x, u_x = _hermite(x, h, e[k, 0], e[k + 1, 0], e_rate[k, 0], e_rate[k + 1, 0])
             e_y, u_y = _hermite(x, h, e[k, 1], e[k + 1, 1], e_rate[k, 1], e_rate[k + 1, 1])
             out[k, part] = contact.forces_at((e_x, e_y, u_x, u_y, 0.0, 0.0), rate, joint, law)[4]
-    return out
 
 
 @called
@@ -431,9 +432,9 @@ def _hermite(
 
 
 @compiled
-def _elastic_energy(penetration: FloatArray, joint: contact.Joint, law: FloatArray) -> FloatArray:
-    """Return ∫ F_el dδ in J up to each penetration in m."""
-    out = np.zeros(penetration.size)
+def _elastic_energy(
+    penetration: FloatArray, joint: contact.Joint, law: FloatArray, out: FloatArray
+) -> None:
+    """Write ∫ F_el dδ in J up to each penetration in m."""
     for k in range(penetration.size):
         out[k] = contact.stored_energy(penetration[k], joint, law)
-    return out

@@ -446,16 +446,16 @@ def closure(
 
 
 @compiled
-def largest_gaps(time: FloatArray, q: FloatArray, v: FloatArray, m: Linkage) -> FloatArray:
-    """Return the largest |Φ| and |dΦ/dt| of each row, in m or rad and per s, shape (n, 2)."""
-    out = np.zeros((time.size, 2))
+def largest_gaps(
+    time: FloatArray, q: FloatArray, v: FloatArray, m: Linkage, out: FloatArray
+) -> None:
+    """Write the largest |Φ| and |dΦ/dt| of each row, in m or rad and per s, shape (n, 2)."""
     w = room(m.work, q.shape[1], m.constraints)
     for k in range(time.size):
         constrain(time[k], q[k], v[k], m.constraints, w)
         for n in range(w.value.size):
             out[k, 0] = max(out[k, 0], abs(w.value[n]))
             out[k, 1] = max(out[k, 1], abs(w.rate[n]))
-    return out
 
 
 # --- assembly -----------------------------------------------------------------------------------

@@ -220,7 +220,10 @@ class Run:
                 np.empty(_BUFFER), np.empty((_BUFFER, state.values.size)),
                 np.empty((_BUFFER, count), np.bool_), np.empty((_BUFFER, count)),
             )  # fmt: skip
-            n, status = integrate.integrate(now[0], y, ledgers, end, *forms, tolerances, buffers)
+            space = integrate.Space.of(split, ledgers.size, count)
+            n, status = integrate.integrate(
+                now[0], y, ledgers, end, *forms, tolerances, space, buffers
+            )
             time_s, values, touching, rates = (buffer[:n] for buffer in buffers)
             labels, counts = np.full(n, label, dtype=np.int32), np.empty((0, 3))
             parts.append(StepHistory(time_s, values, touching, rates, labels, counts))

@@ -189,7 +189,9 @@ class Trajectory(Motion):
     def drift(self) -> FloatArray:
         """The largest |Φ| (m, rad) and |dΦ/dt| of the joints' constraints, shape (n, 2)."""
         q, v = map(np.ascontiguousarray, self._motion)
-        return as_floats(largest_gaps(self.time, q, v, linkage_of(self.mechanism)))
+        gaps = np.zeros((self.time.size, 2))
+        largest_gaps(self.time, q, v, linkage_of(self.mechanism), gaps)
+        return gaps
 
     @property
     def counts(self) -> pd.DataFrame:
