@@ -97,25 +97,10 @@ def motion(turn: Turn, y: FloatArray, joint: Joint, crank: Any, pin: Any, linkag
 @called
 def step(t: float, h: float, turn: Turn, y: FloatArray, new: FloatArray, m: Model) -> None:
     """Write the state at t + h to `new`, from the state at t and its rates in row 0."""
-    joints, laws, crank, pin, linkage, rates, stage = m
-    _stages(t, h, turn, y, new, joints, laws, crank, pin, linkage, rates, stage)
-
-
-@inlined
-def _stages(
-    t: float, h: float, turn: Turn, y: FloatArray, new: FloatArray, joints: Any, laws: FloatArray,
-    crank: Any, pin: Any, linkage: Any, rates: FloatArray, stage: FloatArray,
-) -> None:  # fmt: skip
     for i in range(1, STAGES):
-        _combine(i, h, y, rates, stage, crank, pin)
-        at = later(turn, C[i] * h, crank)
-        if pin is not None:
-            slider_crank.derivatives_of_two(at, stage, rates, i, joints, laws, crank, pin)
-        elif crank is not None:
-            slider_crank.derivatives(at, stage, rates, i, joints[0], laws, crank)
-        if linkage is not None:
-            cartesian.derivatives(t + C[i] * h, stage, rates, i, joints, laws, linkage)
-    _combine(STAGES, h, y, rates, new, crank, pin)
+        _combine(i, h, y, m.rates, m.stage, m.crank, m.pin)
+        rates_at(t + C[i] * h, later(turn, C[i] * h, m.crank), m.stage, i, m)
+    _combine(STAGES, h, y, m.rates, new, m.crank, m.pin)
 
 
 @inlined
