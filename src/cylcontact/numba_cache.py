@@ -19,8 +19,11 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.extending import register_jitable
 
-# Typed as Any: numba declares no attributes to a type checker.
+# Typed as Any: numba declares neither attributes nor every option to a type checker.
 _SETTINGS: Any = numba.config
+_njit: Any = numba.njit
+_registered: Any = register_jitable
+# IEEE division. Arrays are made by Python alone: to count who holds one takes longer than a law.
 _OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
 
 PACKAGE = Path(__file__).parent
@@ -31,42 +34,41 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 def compiled(function: _Function) -> _Function:
-    """Compile a function of numbers and arrays, with IEEE division, and cache it on disk.
+    """Compile a function that Python calls, and cache it on disk.
 
-    It must be defined in one of the `PARTS`, whose sources name the cache. It must not make an
-    array: without counting who holds one, a call takes a tenth of the time.
+    It must be defined in one of the `PARTS`, whose sources name the cache.
     """
     folder, before = _folder(), _SETTINGS.CACHE_DIR
     _SETTINGS.CACHE_DIR = str(folder or "")  # numba reads it now, not when it compiles
     try:
-        compiler = numba.njit(cache=folder is not None, no_cfunc_wrapper=True, **_OPTIONS)
+        compiler = _njit(cache=folder is not None, no_cfunc_wrapper=True, **_OPTIONS)
         return cast(_Function, compiler(function))
     finally:
         _SETTINGS.CACHE_DIR = before
 
 
-def called(function: _Function) -> _Function:
-    """Let compiled functions call a function, as a part of them; Python runs it as it is.
+def called(function: _Function, **settings: Any) -> _Function:
+    """Let compiled functions call a function; called from Python it is not compiled.
 
-    This takes half the time of `compiled`, as nothing is made that Python could call or load.
+    It is compiled in half the time, as nothing is made for Python to call, or to load from disk.
     """
-    return cast(_Function, register_jitable(**_OPTIONS)(function))
+    return cast(_Function, _registered(**_OPTIONS, **settings)(function))
 
 
 def inlined(function: _Function) -> _Function:
-    """Do so, and always put it into its callers.
+    """Let compiled functions call a function, and put it into all of them.
 
     For the innermost functions of a loop, where a call costs as much as the work.
     """
-    return cast(_Function, register_jitable(forceinline=True, **_OPTIONS)(function))
+    return called(function, forceinline=True)
 
 
 def merged(function: _Function) -> _Function:
-    """Compile a function of one caller as a part of it.
+    """Let one compiled function call another, as a part of it from the start.
 
-    Any other function is compiled once more inside each of its callers, and theirs.
+    What is called or inlined is compiled alone, and once more with each of its callers, and theirs.
     """
-    return cast(_Function, numba.njit(inline="always", **_OPTIONS)(function))
+    return cast(_Function, _njit(inline="always", **_OPTIONS)(function))
 
 
 @cache

@@ -4,6 +4,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 
@@ -60,7 +61,10 @@ def run_of(law, clearance):
 
 
 def elastic_force(joint, penetration):
-    return contact.elastic_force(penetration, joint.block, joint.kernel.parameters)
+    return _elastic_force(penetration, joint.block, joint.kernel.parameters)
+
+
+_elastic_force = numba.njit(contact.elastic_force)
 
 
 def rows_of(run, relative=True):

@@ -1,5 +1,6 @@
 """The forces in the joint: laws, dissipation and friction of the package, on the right bodies."""
 
+import numba
 import numpy as np
 import pytest
 
@@ -20,7 +21,10 @@ def in_contact(mechanism, impact_rate=1.0):
 
 
 def forces(e, e_dot, joint, law):
-    return contact.forces((*e, *e_dot, 0.0, 0.0), joint["impact_rate"], joint, law)
+    return _forces((*e, *e_dot, 0.0, 0.0), joint["impact_rate"], joint, law)
+
+
+_forces = numba.njit(contact.forces)
 
 
 @pytest.mark.parametrize("law", LAWS)

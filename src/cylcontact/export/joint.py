@@ -57,7 +57,7 @@ _CONSTANTS = {
     "first_yield": ("N", "elastic force at first yield"),
 }
 _FUNCTIONS = (
-    contact.elastic_at, contact.bounded_ratio, contact.friction_force, contact.relative_motion,
+    contact.elastic_force, contact.bounded_ratio, contact.friction_force, contact.relative_motion,
     contact.forces, contact.move, contact.evaluate, contact.accept,
 )  # fmt: skip
 

@@ -21,14 +21,13 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
-from numba import njit
 
 from cylcontact.arrays import FloatArray, require
 from cylcontact.laws import LAW_TYPES
 from cylcontact.laws.formula import Formula, lines_of, needed
 from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, ContactLaw, Law, has_formula
 from cylcontact.laws.tabulated import cubic, tabulate
-from cylcontact.numba_cache import called, compiled, inlined
+from cylcontact.numba_cache import called, compiled, inlined, merged
 from cylcontact.pair import CylinderPair
 
 TABLE = -1
@@ -133,8 +132,7 @@ def _of_all_kinds(result: str, table: Any) -> Callable[[int, FloatArray, float],
     """Return one function for the load, the stiffness or the energy of kernels of every kind.
 
     `table` is for tables, and for kinds that have no closed form of the result. Steps that a result
-    does not need are left out, because a compiler keeps calls of `pow`. All in one function,
-    because handing an array to another costs as much as a logarithm.
+    does not need are left out, because a compiler keeps calls of `pow`.
     """
     lines = ["def function(kind, numbers, penetration):"]
     for kind, formula in enumerate(_KINDS.values()):
@@ -150,8 +148,7 @@ def _of_all_kinds(result: str, table: Any) -> Callable[[int, FloatArray, float],
         lines += [f"    {line}" for line in [*lines_of(steps), f"return {result}"]]
     names = {**vars(math), "table": table}
     exec("\n".join([*lines, "  return table(kind, numbers, penetration)"]), names)
-    inlined = njit(error_model="numpy", inline="always")(names["function"])
-    return cast(Callable[[int, FloatArray, float], float], inlined)
+    return cast(Callable[[int, FloatArray, float], float], merged(names["function"]))
 
 
 _load = _of_all_kinds("f", _table_load)
@@ -160,10 +157,13 @@ _stiffness = _of_all_kinds("k", _table_stiffness)
 
 @inlined
 def inlined_load(kind: int, parameters: FloatArray, penetration: float) -> float:
-    """Return what `kernel_load` does, for compiled loops."""
+    """Return the load in N/mm at `penetration` in mm, to compiled functions."""
     if penetration <= 0:
         return 0.0
     return _load(kind, parameters, penetration)
+
+
+kernel_load = compiled(inlined_load)
 
 
 @inlined
@@ -177,12 +177,6 @@ def _quadrature(kind: int, numbers: FloatArray, penetration: float) -> float:
 
 
 _energy = _of_all_kinds("energy", _quadrature)
-
-
-@compiled
-def kernel_load(kind: int, parameters: FloatArray, penetration: float) -> float:
-    """Return the load in N/mm at `penetration` in mm."""
-    return inlined_load(kind, parameters, penetration)
 
 
 @compiled

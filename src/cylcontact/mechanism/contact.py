@@ -77,18 +77,12 @@ WORK = np.dtype(
 YIELDS, BEYOND_LAW = 1, 2
 
 
-@compiled
+@inlined
 def elastic_force(penetration: float, joint: Joint, law: FloatArray) -> float:
     """Return the elastic force in N at a penetration in m.
 
     Beyond `last_penetration` the load continues along a straight line.
     """
-    return elastic_at(penetration, joint, law)
-
-
-@inlined
-def elastic_at(penetration: float, joint: Joint, law: FloatArray) -> float:
-    """Return what `elastic_force` does."""
     delta = penetration * 1e3
     if delta <= 0.0:
         return 0.0
@@ -161,7 +155,7 @@ Forces = tuple[float, float, float, float, float, float, float, float, float]
 def forces(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray) -> Forces:
     """Return the contact of a pair that touches: δ̇⁽⁻⁾ in m/s, a joint, the numbers of its law."""
     n_x, n_y, delta, rate, v_t = relative_motion(motion, joint)
-    elastic = elastic_at(delta, joint, law)
+    elastic = elastic_force(delta, joint, law)
     damping = joint.chi * bounded_ratio(rate / impact_rate)
     normal = elastic * (1.0 + damping)
     if normal < 0.0:  # noqa: PLR1730 - in C the larger of 0 and NaN is 0
@@ -175,12 +169,6 @@ def forces(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray) ->
     return (
         force_x, force_y, moment_i, moment_j, normal, normal_power, friction_power, delta, elastic
     )  # fmt: skip
-
-
-@compiled
-def forces_at(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray) -> Forces:
-    """Return what `forces` returns, without a copy of the laws in the caller."""
-    return forces(motion, impact_rate, joint, law)
 
 
 @called

@@ -158,6 +158,7 @@ def sum_ledgers(h: float, rest: float, ledgers: FloatArray, rates: FloatArray) -
     """Add what a step contributes to the ledgers, and a very short time after it."""
     first = rates.shape[1] - ledgers.size
     for n in range(ledgers.size):
+        total = ledgers[n]
         for j in range(STAGES):
-            ledgers[n] += h * A[STAGES, j] * rates[j, first + n]
-        ledgers[n] += rest * rates[STAGES - 1, first + n]
+            total += h * A[STAGES, j] * rates[j, first + n]
+        ledgers[n] = total + rest * rates[STAGES - 1, first + n]

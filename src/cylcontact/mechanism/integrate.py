@@ -78,7 +78,7 @@ class Space(NamedTuple):
     def of(cls, size: int, ledgers: int, joints: int) -> Space:
         """Return the room for a state of a size, with ledgers, and for joints."""
         shapes = (STAGES + 1, size + ledgers), size, size, (joints, 5), (joints, 5), joints
-        return cls(*map(np.zeros, shapes))
+        return cls(*[np.zeros(shape) for shape in shapes])
 
 
 class Start(NamedTuple):

@@ -200,9 +200,18 @@ class JointMotion:
         for column, body in enumerate((self.joint.i, self.joint.j)):
             if body >= 0:
                 spins[:, column] = self.run.velocities[:, body, 2]
-        touching, rates, out = self.in_contact, self.impact_rate, np.zeros((len(spins), 5))
-        _joint_forces(*self._contiguous, spins, touching, rates, *self._compiled, out)
+        return self._forces_with(spins)
+
+    def _forces_with(self, spins: FloatArray) -> FloatArray:
+        out = np.zeros((len(spins), 5))
+        motion = *self._contiguous, spins, self.in_contact, self.impact_rate
+        _joint_forces(*motion, *self._compiled, out)
         return out
+
+    @cached_property
+    def normal_force(self) -> FloatArray:
+        """f_n in N, which the spins do not change, shape (n,)."""
+        return self._forces_with(np.zeros((self.run.time.size, 2)))[:, 2]
 
     @cached_property
     def force_within(self) -> FloatArray:
@@ -222,7 +231,6 @@ class JointMotion:
         return np.ascontiguousarray(e), np.ascontiguousarray(rate)
 
     force = _of_forces(slice(2), "The contact force on the bearing in N, Eq 13a, shape (n, 2).")
-    normal_force = _of_forces(2, "f_n in N, shape (n,).")
     friction_force = _of_forces(3, "f_t in N along t = [n_y, −n_x], on the bearing, shape (n,).")
     tangential_velocity = _of_forces(4, "v_t = (v_i − v_j)·t in m/s at the contact, shape (n,).")
 
@@ -242,7 +250,7 @@ class JointMotion:
 
     def elastic_force(self, penetration: float) -> float:
         """Return the elastic force in N at a penetration in m, as the run continues the law."""
-        return float(contact.elastic_force(penetration, *self._compiled))
+        return float(_elastic_force(penetration, *self._compiled))
 
     @property
     def flag(self) -> NDArray[np.int64]:
@@ -369,9 +377,12 @@ def _percentiles(dt: FloatArray, values: FloatArray) -> list[float]:
     if not dt.sum() > 0:
         return [float("nan")] * len(FORCE_PERCENTILES)
     weight, sample = np.repeat(dt, values.shape[1]), values.ravel()
-    order = np.argsort(sample, kind="stable")
+    order = np.argsort(sample)
     share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
     return [float(np.interp(percent / 100, share, sample[order])) for percent in FORCE_PERCENTILES]
+
+
+_elastic_force = compiled(contact.elastic_force)
 
 
 @compiled
@@ -391,7 +402,7 @@ def _joint_forces(
         out[k, 4] = contact.relative_motion(motion, joint)[4]
         if in_contact[k]:
             rate = max(impact_rate[k], joint.rate_floor)
-            f_x, f_y, _, _, normal, _, _, _, _ = contact.forces_at(motion, rate, joint, law)
+            f_x, f_y, _, _, normal, _, _, _, _ = contact.forces(motion, rate, joint, law)
             out[k, 0], out[k, 1], out[k, 2] = f_x, f_y, normal
             out[k, 3] = contact.friction_force(normal, out[k, 4], joint)
 
@@ -417,7 +428,7 @@ def _force_within(
             x = (part + 0.5) / PARTS
             e_x, u_x = _hermite(x, h, e[k, 0], e[k + 1, 0], e_rate[k, 0], e_rate[k + 1, 0])
             e_y, u_y = _hermite(x, h, e[k, 1], e[k + 1, 1], e_rate[k, 1], e_rate[k + 1, 1])
-            out[k, part] = contact.forces_at((e_x, e_y, u_x, u_y, 0.0, 0.0), rate, joint, law)[4]
+            out[k, part] = contact.forces((e_x, e_y, u_x, u_y, 0.0, 0.0), rate, joint, law)[4]
 
 
 @called

@@ -297,16 +297,17 @@ class SliderCrank:
         m = self.record
         E, E_rate, D, D_rate = self._displaced(values)
         theta = m["angle"] + m["omega"] * t
-        A = m["crank"] * np.exp(1j * theta)
+        crank = np.exp(1j * theta)
+        A = m["crank"] * crank
         B, B_rate = A + D, 1j * m["omega"] * A + D_rate
         sine = (m["offset"] - B.imag - E.imag) / m["rod"]
-        phi = np.arcsin(sine)
-        phi_rate = -(B_rate.imag + E_rate.imag) / (m["rod"] * np.cos(phi))
-        rod = np.exp(1j * phi)
+        cosine = np.sqrt(1.0 - sine * sine)
+        phi, rod = np.arcsin(sine), cosine + 1j * sine
+        phi_rate = -(B_rate.imag + E_rate.imag) / (m["rod"] * cosine)
         joint = B + m["rod"] * rod + E
         joint_rate = B_rate + 1j * phi_rate * m["rod"] * rod + E_rate
         rod_centre = complex(m["rod_a"], m["rod_b"]) * rod
-        crank_centre = complex(m["crank_a"], m["crank_b"]) * np.exp(1j * theta)
+        crank_centre = complex(m["crank_a"], m["crank_b"]) * crank
         # Centre, velocity, angle and spin of each body.
         motions = (
             (crank_centre, 1j * m["omega"] * crank_centre, theta - self.crank_turn, m["omega"]),
