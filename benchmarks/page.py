@@ -90,6 +90,12 @@ def own_mechanism(rows: Sequence[Row]) -> float:
     return statistics.median(row.value for row in rows if row.side == "as any mechanism")
 
 
+def compilation(rows: Sequence[Row]) -> float:
+    """Return how many seconds longer the first simulation takes than the next."""
+    first, again = (find(rows, "start_up", "install", side) for side in ("compiles", "again"))
+    return first.value - again.value
+
+
 MILLION, LARGE = "1,001,925", "10,000,000"
 AIMS = (
     Aim(
@@ -163,6 +169,7 @@ AIMS = (
     ),
     Aim("cylcontact --help, in s", measured("start_up", "process", "--help"), 0.3),
     Aim("import cylcontact, in s", measured("start_up", "process", "import cylcontact"), 0.15),
+    Aim("Compilation in the first simulation after an install, in s", compilation, 8),
     Aim("All figures from the committed fits, in s", measured("start_up", "figures", "figure"), 30),
 )
 
