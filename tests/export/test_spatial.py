@@ -54,6 +54,18 @@ def test_exports_agree_with_the_library_in_all_kinds_of_contact(target, kind, tm
         at += size
 
 
+@pytest.mark.parametrize("target", RUNNERS)
+def test_a_motion_that_is_not_a_number_has_no_force(target, tmp_path):
+    """In the twelve numbers of the wrench."""
+    joint = joint_for()
+    rows = rows_of(joint, 14)
+    np.fill_diagonal(rows[:13, 17:], np.nan)  # each number of the pin's motion in a row
+    wanted = run_library(joint, rows[:, :4], rows[:, 4:17], rows[:, 17:])
+    for answers in (wanted, RUNNERS[target](joint, rows, tmp_path)):
+        assert np.isnan(answers[:13, :12]).all()
+        assert np.isfinite(answers[13, :12]).all()
+
+
 @pytest.mark.parametrize("name", ["press", "Work", "law"])
 def test_a_module_is_not_called_as_one_of_its_functions(name):
     with pytest.raises(InputError, match="is taken by something else in fortran"):

@@ -326,8 +326,9 @@ class SpatialJoint:
         rows, shape = self._rows(state, bearing, pin)
         work = np.zeros(len(rows[0]), spatial_forces.WORK)
         _evaluate(*rows, work, self.record, self.planar.kernel.parameters)
+        moves = np.isfinite(np.hstack(rows[1:])).all(axis=1)  # else the wrench is NaN
         require(
-            ~np.isnan(work["normal_force"]), self.planar.name, "pin", None,
+            ~(moves & np.isnan(work["normal_force"])), self.planar.name, "pin", None,
             "has its axis near a right angle to that of the hole", "give both axes in the file",
         )  # fmt: skip
         return SpatialWrench(**parts_of(work, SpatialWrench._fields, shape))

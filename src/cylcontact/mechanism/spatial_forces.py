@@ -631,6 +631,21 @@ def reset(w: Record) -> None:
 
 
 @called
+def lose(w: Record) -> None:
+    """Write NaN as the wrench of a motion that is not a number."""
+    motion = 0.0
+    for k in range(3):
+        motion += w.c[k] + w.axis[k] + w.V[k] + w.W[k]
+    if not abs(motion) < math.inf:
+        w.normal_force = math.nan
+        for k in range(3):
+            w.force_pin[k] = math.nan
+            w.force_bearing[k] = math.nan
+            w.moment_pin[k] = math.nan
+            w.moment_bearing[k] = math.nan
+
+
+@called
 def evaluate(
     state: FloatArray,
     bearing: FloatArray,
@@ -665,6 +680,7 @@ def evaluate(
         if joint.face_stiffness > 0.0:
             press_faces(w, joint)
         finish(w, joint)
+    lose(w)
     for side in range(4):
         w.penetration[side] /= joint.in_mm
         w.penetration_rate[side] /= joint.in_mm
