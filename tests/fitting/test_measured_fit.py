@@ -217,6 +217,17 @@ def example():
     return fit_table(read_campaign(EXAMPLE))
 
 
+def test_fits_of_one_table_are_compared_by_their_files_with_errors(tmp_path, run, example):
+    for name in ("one", "other"):
+        example.save(tmp_path / f"{name}.json")
+    _, said, _ = run("compare", tmp_path / "one.json", tmp_path / "other.json")
+    head, *rows = said.splitlines()
+    assert head.split()[-2:] == ["one", "other"]
+    name, estimate = next(iter(example.uncertainty.estimates.items()))
+    (row,) = (row for row in rows if row.startswith(f"{name} "))
+    assert row.count(f"± {estimate.standard_error:.2g}") == 2
+
+
 def test_the_shipped_example_finds_the_law_it_was_made_of(example):
     assert isinstance(example, DataFit)
     actual = example.uncertainty

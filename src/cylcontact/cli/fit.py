@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -402,7 +403,17 @@ def compare(
     """Compare fits with each other and with the published coefficients."""
     from cylcontact import fitting
 
-    say(fitting.compare([fitting.FitResult.read(path) for path in results]))
+    read = [fitting.FitResult.read(path) for path in results]
+    often = Counter(result.name for result in read)
+    # Fits of one table have its name.
+    say(
+        fitting.compare(
+            [
+                result.model_copy(update={"name": path.stem}) if often[result.name] > 1 else result
+                for path, result in zip(results, read, strict=True)
+            ]
+        )
+    )
 
 
 def verify(

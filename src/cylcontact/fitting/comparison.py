@@ -93,7 +93,7 @@ def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
     rows: dict[str, list[str | None]] = {
         label: [
             f"{published[name]:g}" if published else None,
-            *(f"{r.coefficients[name]:.5g}" for r in results),
+            *(_coefficient(r, name) for r in results),
         ]
         for name, label in labels(results[0]).items()
     }
@@ -103,6 +103,12 @@ def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
     if len(results) == 1:
         _add_differences(rows, results[0])
     return rows
+
+
+def _coefficient(result: FitResult, name: str) -> str:
+    """Return a coefficient as text, with its standard error if there is one."""
+    value, error = result.to_frame().loc[name, ["value", "standard_error"]]
+    return f"{value:.5g} ± {error:.2g}" if error > 0 else f"{value:.5g}"
 
 
 def _add_differences(rows: dict[str, list[str | None]], result: FitResult) -> None:
