@@ -41,7 +41,7 @@ def compiled(function: _Function) -> _Function:
     folder, before = _folder(), _SETTINGS.CACHE_DIR
     _SETTINGS.CACHE_DIR = str(folder or "")  # numba reads it now, not when it compiles
     try:
-        compiler = _njit(cache=folder is not None, no_cfunc_wrapper=True, **_OPTIONS)
+        compiler = _njit(cache=folder is not None, no_cfunc_wrapper=True, nogil=True, **_OPTIONS)
         return cast(_Function, compiler(function))
     finally:
         _SETTINGS.CACHE_DIR = before

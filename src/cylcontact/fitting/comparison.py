@@ -107,7 +107,7 @@ def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
 
 def _coefficient(result: FitResult, name: str) -> str:
     """Return a coefficient as text, with its standard error if there is one."""
-    value, error = result.to_frame().loc[name, ["value", "standard_error"]]
+    value, error = map(float, result.to_frame().loc[name, ["value", "standard_error"]])
     return f"{value:.5g} ± {error:.2g}" if error > 0 else f"{value:.5g}"
 
 

@@ -249,8 +249,8 @@ class Run:
     def revolutions(self, total: int, progress: Progress, first: int = 0) -> Iterator[StepHistory]:
         """Yield the steps of each revolution of the driver from `first` on."""
         require(total >= 1, "simulate", "revolutions", total, "must be at least 1", "give e.g. 10")
-        # Freed at once, so that glibc keeps what less than this frees: else every revolution asks the
-        # system for its arrays anew, which takes a seventh of the time.
+        # Freed at once, so that glibc keeps what smaller arrays free: else every revolution asks
+        # the system for its arrays anew, which takes a seventh of the time.
         np.empty(_KEPT)
         for index in range(first, total):
             progress("revolutions", index, total)

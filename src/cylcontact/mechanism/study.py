@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import asdict, astuple, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -107,24 +108,28 @@ def long_run(
     start = Trajectory(mechanism, settings, StepHistory.of(run.state))
     origin = float(start.energy[0])
     limits = {name: joint.limits for name, joint in start.joints.items()}
-    records: list[Mapping[Any, Any]] = []
+    known: list[Mapping[Any, Any]] = []
     if resume is not None:
-        records, run.state = [*resume.revolutions.to_dict("records")], resume.end
-    last = StepHistory.of(run.state)
+        known, run.state = [*resume.revolutions.to_dict("records")], resume.end
+    last, parts = StepHistory.of(run.state), list[Future[dict[str, Any]]]()
 
     def gathered(first: int) -> Statistics:
+        records = [*known, *(part.result() for part in parts)]
         table = pd.DataFrame(records, pd.RangeIndex(len(records), name="revolution"))
         return Statistics(table, mechanism, settings, last.end, limits, first)
 
-    try:
-        for rows in run.revolutions(revolutions, progress, len(records)):
-            steps = concatenate([last, rows])
-            records.append(reduced(Trajectory(mechanism, settings, steps), origin))
-            last = steps.taken(slice(-1, None), 1)
-    except KeyboardInterrupt:
-        complete = gathered(min(first, len(records) - 1)) if records else None
-        raise Interrupted(statistics=complete) from None
-    return gathered(first)
+    with ThreadPoolExecutor(1) as beside:  # reduces a revolution while the next one is integrated
+        try:
+            for rows in run.revolutions(revolutions, progress, len(known)):
+                wait(parts[-1:])
+                steps = concatenate([last, rows])
+                parts.append(beside.submit(reduced, Trajectory(mechanism, settings, steps), origin))
+                last = steps.taken(slice(-1, None), 1)
+        except KeyboardInterrupt:
+            done = len(known) + len(parts)
+            complete = gathered(min(first, done - 1)) if done else None
+            raise Interrupted(statistics=complete) from None
+        return gathered(first)
 
 
 def eccentricity_at(joint: JointMotion, time: FloatArray) -> FloatArray:
