@@ -245,22 +245,6 @@ class Element:
 
 # --- in a language ---
 
-# How a language declares a number, an array and an integer of a record, and how it gives them the
-# values of `w`.
-_FIELDS = {
-    "c": ("double {};", "double {}[{}];", "int {};"),
-    "fortran": ("real(wp) :: {}", "real(wp) :: {}({})", "integer :: {}"),
-    "python": ("{}: float", "{}: tuple", "{}: int"),
-    "matlab": ("", "", ""),
-}
-_VALUES = {
-    "c": ("wrench->{0} = w.{0};", "wrench->{0}[{1}] = w.{0}[{1}];", "wrench->{0} = (int)w.{0};"),
-    "fortran": ("wrench%{0} = w%{0}", "wrench%{0} = w%{0}", "wrench%{0} = nint(w%{0})"),
-    "python": ("{0}=w.{0},", "{0}=tuple(w.{0}),", "{0}=int(w.{0}),"),
-    "matlab": 3 * ("wrench.{0} = w.{0};",),
-}
-
-
 # What a class cannot be called: its own members, and names of the standard headers.
 _CPP = {"accept", "evaluate", "start", "state", "wrench", "main", "std", "gamma"}
 _CPP |= {"j0", "j1", "jn", "y0", "y1", "yn"}
@@ -289,13 +273,13 @@ def source(element: Element, target: str, stem: str) -> dict[str, str]:
 
 def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
     """Return what the templates of a language ask for."""
-    name, kind, language = element.name, "c" if target == "cpp" else target, LANGUAGES[target]()
-    fields, values = list[str](), list[str]()
+    name, several, language = element.name, element.contacts > 1, LANGUAGES[target]()
+    fields, values = list[str](), dict[str, None]()
     for each in element.results:
-        form = 1 if each.size else 0 if each.quantity else 2
-        fields.append(_FIELDS[kind][form].format(each.name, each.size))
-        count = each.size if form and kind == "c" else 0
-        values += (_VALUES[kind][form].format(each.name, k) for k in range(count or 1))
+        kind = "array" if each.size else "number" if each.quantity else "integer"
+        fields.append(language.kinds[kind].format(each.name, each.size))
+        lines = (language.results[kind].format(each.name, k) for k in range(each.size or 1))
+        values |= dict.fromkeys(lines)  # one line if it has no k, and gives the whole array
     program = element.program.parts(target)
     return {
         **program,
@@ -304,13 +288,15 @@ def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
         "capitals": name.upper(),
         "imported": "import joint" if stem == "joint" else f"import {stem} as joint",
         "inline": "inline " if target == "cpp" else "",
-        "one": "one contact" if element.contacts == 1 else "",
-        "several": "several" if element.contacts > 1 else "",
+        "one": "" if several else "one contact",
+        "several": "several" if several else "",
         "size": str(len(element.motion)),
         "contacts": str(element.contacts),
-        "reference": "&" if element.contacts == 1 else "",
-        "rates": "[impact_rate]" if element.contacts == 1 else "list(impact_rate)",
-        "state": _FIELDS[kind][element.contacts > 1].format("impact_rate", element.contacts),
+        "reference": "" if several else "&",
+        "rates": "list(impact_rate)" if several else "[impact_rate]",
+        "state": language.kinds["array" if several else "number"].format(
+            "impact_rate", element.contacts
+        ),
         "fields": "\n".join(fields),
         "results": "\n".join(values),
         "comment": element.comment(language.comment),

@@ -69,12 +69,11 @@ _TAKEN = (
 
 @dataclass(frozen=True)
 class ExportedLaw:
-    """A law for a contact, or for both, as steps; `base` is what a scaled law scales."""
+    """A law for a contact, or for both, as steps; scaled by factors other than 1."""
 
     law: ContactLaw
     contact: Contact | None
     origin: str
-    base: Law
     formula: Formula
     coefficients: Mapping[str, float]
     load_factor: float = 1.0
@@ -102,10 +101,13 @@ class ExportedLaw:
     @cached_property
     def constants(self) -> dict[str, float]:
         """The numbers of the steps by name, pi among them."""
-        factors = {"load_factor": self.load_factor, "penetration_factor": self.penetration_factor}
-        own = {**self.coefficients, **factors}
-        numbers = {"pi": math.pi} | {self._names.get(name, name): x for name, x in own.items()}
-        return {name: value for name, value in numbers.items() if self.uses(name)}
+        used = set().union(*(names_in(s.value) for s in flat(self.steps)), self.ends.split())
+        own = {self._names[name]: x for name, x in {**self.coefficients, **self._factors}.items()}
+        return {name: value for name, value in {"pi": math.pi, **own}.items() if name in used}
+
+    @property
+    def _factors(self) -> dict[str, float]:
+        return {"load_factor": self.load_factor, "penetration_factor": self.penetration_factor}
 
     @property
     def ends(self) -> str:
@@ -119,10 +121,6 @@ class ExportedLaw:
     def steps(self) -> tuple[Step, ...]:
         """All steps, to f and k."""
         return self.at_pair + self.at_depth
-
-    def uses(self, name: str) -> bool:
-        """Return whether the steps or the end use a name."""
-        return any(name in names_in(s.value) for s in flat(self.steps)) or name in self.ends
 
     @cached_property
     def at_pair(self) -> tuple[Step, ...]:
@@ -158,13 +156,10 @@ class ExportedLaw:
     @cached_property
     def _names(self) -> dict[str, str]:
         """The names in the export, by those of the formula."""
-        own = [*self.coefficients, "load_factor", "penetration_factor"]
-        scaled = (self.load_factor, self.penetration_factor) != (1, 1)
-        return safe_names(
-            self._chosen, own,
-            ({"penetration": "depth"} if self.penetration_factor != 1 else {})
-            | ({"f": "alone", "k": "slope"} if scaled else {}),
-        )  # fmt: skip
+        wanted = {"penetration": "depth"} if self.penetration_factor != 1 else {}
+        if wanted or self.load_factor != 1:
+            wanted |= {"f": "alone", "k": "slope"}
+        return safe_names(self._chosen, [*self.coefficients, *self._factors], wanted)
 
     def comment(self, mark: str) -> str:
         """Return the comment at the top of a file, each line behind a `mark`."""
@@ -172,6 +167,8 @@ class ExportedLaw:
         origin = f"exported by cylcontact {version('cylcontact')}"
         if self.coefficients:
             origin += f"; coefficients: {comment(self.origin)}"
+        listed = {self._names[name]: value for name, value in self.coefficients.items()}
+        listed |= {name: value for name, value in self._factors.items() if value != 1}
         lines = [
             self.name,
             "",
@@ -180,7 +177,7 @@ class ExportedLaw:
             *paragraph("Formula", _plain(self.formula.equation)),
             *paragraph("Remark", _plain(self.formula.remark)),
             *paragraph("Provenance", origin),
-            *(f"  {name} = {value!r}" for name, value in self.listed.items()),
+            *(f"  {name} = {value!r}" for name, value in listed.items()),
             "",
             "Arguments, in this order:",
             *table({name: MEANINGS[name] for name in self.arguments}),
@@ -191,14 +188,6 @@ class ExportedLaw:
             "Outside it both are NaN; at a negative penetration both are 0.",
         ]
         return "\n".join(f"{mark} {line}".rstrip() for line in lines)
-
-    @property
-    def listed(self) -> dict[str, float]:
-        """The coefficients, and the factors of a scaled law, for readers."""
-        scaled = {"load_factor": self.load_factor, "penetration_factor": self.penetration_factor}
-        factors = {name: value for name, value in scaled.items() if value != 1}
-        own = {self._names[name]: value for name, value in self.coefficients.items()}
-        return own | factors
 
 
 def _names_in_c(name: str, in_cpp: bool) -> dict[str, str]:
@@ -275,8 +264,8 @@ def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> Expo
         if contact not in (None, own):
             rule = f"the coefficients are for {own} contact"
             raise InputError("export", "--contact", contact, rule, "leave it out")
-        contact = own
-    if contact is None and len(contacts) == 1:
+        contacts = (own,)
+    if len(contacts) == 1:
         contact = contacts[0]
     of_contact = [(base.formula_for(each), base.constants_for(each)) for each in contacts]
     if contact is None and of_contact[0] != of_contact[-1]:
@@ -284,10 +273,8 @@ def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> Expo
         remedy = "give --contact internal or --contact external"
         raise InputError("export", "--contact", None, rule, remedy)
     formula, numbers = of_contact[contacts.index(contact) if contact else 0]
-    return ExportedLaw(
-        law, contact, origin or _origin(law), base, formula, numbers, load_factor,
-        penetration_factor,
-    )  # fmt: skip
+    factors = load_factor, penetration_factor
+    return ExportedLaw(law, contact, origin or _origin(law), formula, numbers, *factors)
 
 
 def _origin(law: ContactLaw) -> str:
