@@ -57,14 +57,6 @@ UNITS: Mapping[str, Unit] = {
 }
 
 
-class Constant(NamedTuple):
-    """A number of an element."""
-
-    value: float
-    unit: str
-    meaning: str
-
-
 class Motion(NamedTuple):
     """One of the numbers that say where a body is and how it moves.
 
@@ -157,9 +149,10 @@ def law_function(
 class Element:
     """A force element between a bearing and a pin.
 
-    The results are fields of the program's `w`. `constants` are listed for readers. `checks` are
-    impact rates, motions and wrenches, whose attributes are the results; those named penetration
-    and penetration_rate have one number for each contact.
+    `meanings` are the quantities and meanings of its results, which are fields of the program's
+    `w`; those named penetration and penetration_rate have one number for each contact. `constants`
+    are listed for readers: values, units and meanings. `checks` are impact rates, motions and
+    wrenches, whose attributes are the results.
     """
 
     name: str
@@ -167,13 +160,19 @@ class Element:
     units: Literal["SI", "mm"]
     law_text: str
     motion: tuple[Motion, ...]
-    results: tuple[Result, ...]
-    constants: Mapping[str, Constant]
+    meanings: Mapping[str, tuple[str, str]]
+    constants: Mapping[str, tuple[float, str, str]]
     about: Sequence[str]
     assumptions: Sequence[str]
     checks: Sequence[tuple[Any, Sequence[float], Sequence[float], Any]]
     program: Program
     contacts: int = 1
+
+    @property
+    def results(self) -> list[Result]:
+        """The parts of the wrench."""
+        sizes = {name: sum(self.program.work[name].shape) for name in self.meanings}
+        return [Result(name, sizes[name], *about) for name, about in self.meanings.items()]
 
     def comment(self, mark: str) -> str:
         """Return the comment at the top of a file, each line behind a `mark`."""
@@ -181,7 +180,7 @@ class Element:
         rows = {
             **self.constants,
             **{
-                name: Constant(x, *MEANINGS.get(name.removeprefix("law_"), ("", "of the law")))
+                name: (x, *MEANINGS.get(name.removeprefix("law_"), ("", "of the law")))
                 for name, x in self.program.numbers.items() if np.ndim(x) == 0
             },
         }  # fmt: skip

@@ -60,7 +60,7 @@ class Language:
     kinds: ClassVar[_Names] = {
         "number": "double {};", "integer": "int {};", "truth": "int {};", "array": "double {}[{}];",
     }  # fmt: skip
-    work = kinds
+    work: ClassVar[_Names] = kinds
     results: ClassVar[_Names] = {
         "number": "wrench->{0} = w.{0};", "array": "wrench->{0}[{1}] = w.{0}[{1}];",
         "integer": "wrench->{0} = (int)w.{0};",
@@ -384,7 +384,7 @@ class Fortran(Language):
         "number": "real(wp) :: {}", "integer": "integer :: {}", "truth": "logical :: {}",
         "array": "real(wp) :: {}({})",
     }  # fmt: skip
-    work = kinds
+    work: ClassVar[_Names] = kinds
     results: ClassVar[_Names] = {
         "number": "wrench%{0} = w%{0}", "array": "wrench%{0} = w%{0}",
         "integer": "wrench%{0} = nint(w%{0})",
