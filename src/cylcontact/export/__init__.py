@@ -13,7 +13,7 @@ from cylcontact.arrays import require
 from cylcontact.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, Contact, listed
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
-from cylcontact.laws.law import ContactLaw, formula_of
+from cylcontact.laws.law import ContactLaw, has_formula
 from cylcontact.laws.user import user_law
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def __getattr__(name: str) -> Any:
 
 
 # A law without a closed form is known too, and refused when it is exported.
-EXPORTABLE = tuple(name for name, law in LAWS.items() if formula_of(law(), "internal") is not None)
+EXPORTABLE = tuple(name for name, law in LAWS.items() if has_formula(law()))
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str | bytes:

@@ -18,7 +18,7 @@ import numpy as np
 
 from cylcontact.arrays import require
 from cylcontact.choices import JOINT_TARGETS
-from cylcontact.export.exported_law import MEANINGS, paragraph, renamed, safe_names
+from cylcontact.export.exported_law import MEANINGS, paragraph, safe_names
 from cylcontact.export.language import (
     LANGUAGES,
     WIDTH,
@@ -27,7 +27,7 @@ from cylcontact.export.language import (
     statements_of,
 )
 from cylcontact.export.program import Program
-from cylcontact.laws.formula import FUNCTIONS, flat, names_in, needed
+from cylcontact.laws.formula import FUNCTIONS, flat, names_in, needed, renamed
 from cylcontact.laws.kernels import TABLE, Kernel
 from cylcontact.laws.law import ContactLaw, Law
 from cylcontact.pair import CylinderPair
@@ -136,12 +136,11 @@ def law_function(
     names = {
         **safe_names(steps, ()),
         **{name: f"law_{name}" for name in own},
-        **{name: f"math.{name}" for name in ("nan", "inf", *FUNCTIONS) if name not in ("max",)},
+        **{name: f"math.{name}" for name in ("nan", "inf", *FUNCTIONS) if name != "max"},
     }
     (tree,) = ast.parse(_FORMULA).body
     assert isinstance(tree, ast.FunctionDef)
-    body = ast.unparse(statements_of(renamed(step, names) for step in steps))  # type: ignore[arg-type]
-    tree.body[1:1] = ast.parse(body).body
+    tree.body[1:1] = statements_of(renamed(step, names) for step in steps)
     return tree, {names[name]: value for name, value in own.items()}
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import math
 import re
 from collections.abc import Iterable, Mapping
@@ -15,7 +14,7 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
-from cylcontact.export.language import LANGUAGES, WIDTH, expression, filled_template
+from cylcontact.export.language import LANGUAGES, WIDTH, filled_template
 from cylcontact.laws import LAWS, Johnson
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import (
@@ -28,9 +27,10 @@ from cylcontact.laws.formula import (
     flat,
     names_in,
     needed,
+    renamed,
     steps_of,
 )
-from cylcontact.laws.law import ContactLaw, Law, formula_of
+from cylcontact.laws.law import ContactLaw, Law, has_formula
 from cylcontact.materials import Material
 from cylcontact.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.plain_text import RESERVED, comment, identifier
@@ -190,31 +190,21 @@ class ExportedLaw:
         return "\n".join(f"{mark} {line}".rstrip() for line in lines)
 
 
-def _names_in_c(name: str, in_cpp: bool) -> dict[str, str]:
-    """Return what differs between C and C++, which has a namespace in a header."""
-    before = "" if in_cpp else f"{name}_"
-    cpp = "C++11: load, stiffness, and evaluate for both, in a namespace."
-    return {
-        "standard": cpp if in_cpp else "C99; link with -lm.",
-        "guard": name.upper() if in_cpp else "",
-        "declared": "" if in_cpp else "functions",
-        "inline": "inline " if in_cpp else "",
-        "both": "evaluate" if in_cpp else name,
-        "of_load": f"{before}load",
-        "of_stiffness": f"{before}stiffness",
-    }
-
-
 def source(law: ExportedLaw, target: str) -> str:
     """Return a law as the text of a file in a language."""
-    language, names = LANGUAGES[target](), law.arguments
+    language, names, in_cpp = LANGUAGES[target](), law.arguments, target == "cpp"
     domain = language.formula(" and ".join(law.conditions))
     constants = {name: x for name, x in law.constants.items() if name not in language.names}
     check = {"fortran": f"if (.not. ({domain})) return", "python": f"if not ({domain}):"}
     parts = {
         "comment": law.comment(language.comment),
         "name": law.name,
-        **_names_in_c(law.name, target == "cpp"),
+        # C++ has its functions in a namespace, in a header.
+        "guard": law.name.upper() if in_cpp else "",
+        "in_c": "" if in_cpp else "C",
+        "inline": "inline " if in_cpp else "",
+        "both": "evaluate" if in_cpp else law.name,
+        "prefix": "" if in_cpp else f"{law.name}_",
         "arguments": ", ".join(names),
         "parameters": ", ".join(f"double {name}" for name in names),
         "pair": ", ".join(names[1:]),
@@ -231,7 +221,7 @@ def source(law: ExportedLaw, target: str) -> str:
         "at_depth": language.statements(law.at_depth),
     }
     parts["helpers"] = language.helpers_of(parts["at_pair"] + parts["at_depth"])
-    return filled_template(f"law.{'c' if target == 'cpp' else target}", parts)
+    return filled_template(f"law.{'c' if in_cpp else target}", parts)
 
 
 def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> ExportedLaw:
@@ -246,8 +236,7 @@ def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> Expo
         penetration_factor *= base.penetration_factor
         base = base.base
     contacts: tuple[Contact, ...] = getattr(base, "contacts", CONTACTS)
-    formula = formula_of(base, contacts[0])
-    if formula is None or not isinstance(base, Law):
+    if not has_formula(base):
         raise InputError(
             "export", "law", getattr(law, "name", law),
             "has no closed form to write in another language",
@@ -309,18 +298,6 @@ def safe_names(
         taken.add(word.lower())
         names[name] = word
     return names
-
-
-def renamed(step: Step, names: Mapping[str, str]) -> Step:
-    """Return a step in other names."""
-
-    class Renamer(ast.NodeTransformer):
-        def visit_Name(self, node: ast.Name) -> ast.Name:
-            return ast.Name(names.get(node.id, node.id))
-
-    value: ast.expr = Renamer().visit(expression(ast.unparse(step.value)))
-    body = tuple(renamed(each, names) for each in step.body)
-    return Step(names.get(step.name, step.name), value, body)
 
 
 def _plain(text: str) -> str:

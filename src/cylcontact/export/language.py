@@ -115,7 +115,7 @@ class Language:
 
     def formula(self, text: str) -> str:
         """Return an expression of a law, given in Python's syntax."""
-        return self.text(_Floats().visit(expression(text)))
+        return self.text(_Floats().visit(ast.parse(text, mode="eval")).body)
 
     def helpers_of(self, text: str) -> str:
         """Return the definitions of the functions that a text calls and the language lacks."""
@@ -584,11 +584,6 @@ LANGUAGES: Mapping[str, type[Language]] = {
 
 
 # --- syntax ---
-
-
-def expression(text: str) -> ast.expr:
-    """Return one expression in Python's syntax as its node."""
-    return ast.parse(text, mode="eval").body
 
 
 def statements_of(steps: Iterable[Step]) -> list[ast.stmt]:

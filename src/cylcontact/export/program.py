@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ast
 import inspect
-import operator
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -109,11 +108,6 @@ class Program:
         }  # fmt: skip
 
 
-_COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], bool]] = {
-    ast.Eq: operator.eq, ast.NotEq: operator.ne
-}  # fmt: skip
-
-
 class _Plain(ast.NodeTransformer):
     """Constants and the law by name, without the records of joint and law as arguments.
 
@@ -161,8 +155,8 @@ class _Plain(ast.NodeTransformer):
     def visit_Compare(self, node: ast.Compare) -> ast.expr:
         self.generic_visit(node)
         match node:
-            case ast.Compare(ast.Constant(value=x), [op], [ast.Constant(value=y)]):
-                return ast.Constant(_COMPARE[type(op)](x, y))
+            case ast.Compare(ast.Constant(value=x), [ast.Eq()], [ast.Constant(value=y)]):
+                return ast.Constant(x == y)
         return node
 
     def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:

@@ -1,25 +1,28 @@
 $comment
 //
-// $standard
-
+$if in_c
+// C99; link with -lm.
+$end
 $if guard
+// C++11: load, stiffness, and evaluate for both, in a namespace.
+
 #ifndef ${guard}_HPP
 #define ${guard}_HPP
-
 $end
+
 #include <math.h>
 
 $if guard
 namespace $name {
 $end
-$if declared
+$if in_c
 // The declarations, for a header of your own.
 void $both(
     $parameters,
     double *load, double *stiffness);
-double $of_load(
+double ${prefix}load(
     $parameters);
-double $of_stiffness(
+double ${prefix}stiffness(
     $parameters);
 $end
 $helpers
@@ -47,7 +50,7 @@ ${inline}void $both(
     *stiffness = penetration > 0.0 || k >= 0.0 ? k : 0.0;
 }
 
-${inline}double $of_load(
+${inline}double ${prefix}load(
     $parameters)
 {
     double f, k;
@@ -55,7 +58,7 @@ ${inline}double $of_load(
     return f;
 }
 
-${inline}double $of_stiffness(
+${inline}double ${prefix}stiffness(
     $parameters)
 {
     double f, k;
