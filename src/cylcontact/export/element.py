@@ -286,7 +286,6 @@ def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
         "capitals": name.upper(),
         "imported": "import joint" if stem == "joint" else f"import {stem} as joint",
         "inline": "inline " if target == "cpp" else "",
-        "one": "" if several else "one contact",
         "several": "several" if several else "",
         "size": str(len(element.motion)),
         "contacts": str(element.contacts),

@@ -201,7 +201,6 @@ def source(law: ExportedLaw, target: str) -> str:
         "name": law.name,
         # C++ has its functions in a namespace, in a header.
         "guard": law.name.upper() if in_cpp else "",
-        "in_c": "" if in_cpp else "C",
         "inline": "inline " if in_cpp else "",
         "both": "evaluate" if in_cpp else law.name,
         "prefix": "" if in_cpp else f"{law.name}_",

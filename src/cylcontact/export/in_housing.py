@@ -92,8 +92,7 @@ def law_in_housing(law: ContactLaw, pair: CylinderPair) -> tuple[InHousing, str]
     housing = getattr(law, "datum", None)
     assert isinstance(housing, Housing)
     series, remark = series_of(housing, pair), _remark(housing, pair)
-    formula = law.formula_at(pair) if isinstance(law, Explicit) else None
-    if isinstance(law, Explicit) and formula is not None:
+    if isinstance(law, Explicit) and (formula := law.formula_at(pair)) is not None:
         stated = InHousing(replace(formula, equation=_FIVE), law.five_constants(pair))
         error = _error(stated, series, pair)
         if error <= _FEW:

@@ -85,13 +85,13 @@ def element_of(joint: ClearanceJoint) -> Element:
             for name, about in _CONSTANTS.items()
         },
         about=[_body_text(name, *body) for name, body in bodies.items()],
-        assumptions=_assumptions(joint, bool(np.isfinite(joint.block["last_penetration"]))),
+        assumptions=_assumptions(joint),
         checks=_checks(joint),
         program=Program(_FUNCTIONS, joint.block, contact.WORK, law, numbers),
     )
 
 
-def _assumptions(joint: ClearanceJoint, ends: bool) -> list[str]:
+def _assumptions(joint: ClearanceJoint) -> list[str]:
     """Return what the element assumes, in words."""
     tangent = (
         f"beyond last_penetration, {TANGENT_FROM:.0%} of the largest penetration of the law or its "
@@ -106,7 +106,7 @@ def _assumptions(joint: ClearanceJoint, ends: bool) -> list[str]:
         f"at most {2 * RATIO_BEND:g}*chi times the elastic load in sustained contact",
         "an impact slower than rate_floor counts as one at rate_floor",
         "friction = friction*normal force, linearly from none at v0 to all at v1",
-        *([tangent] if ends else []),
+        *([tangent] if np.isfinite(joint.block["last_penetration"]) else []),
         "the material is elastic; above first_yield, von Mises, flag has the bit 1"
         if joint.can_yield
         else "the material is elastic, and as the yield stresses are not both known, flag never "

@@ -652,13 +652,14 @@ def filled_template(name: str, parts: Mapping[str, str]) -> str:
     """Return a file of the folder `templates` with its placeholders replaced.
 
     A placeholder alone on its line may stand for several lines, indented as it is, or for none.
-    Lines between "$if name" and "$end" are there only if the part is not empty.
+    Lines between "$if name" and "$else" are there if the part is not empty, those between "$else"
+    and "$end" if it is.
     """
     lines, used = [], True
     for line in (_TEMPLATES / name).read_text(encoding="ascii").splitlines(keepends=True):
         word, _, part = line.strip().partition(" ")
-        if word in ("$if", "$end"):
-            used = word == "$end" or bool(parts[part])
+        if word in ("$if", "$else", "$end"):
+            used = word == "$end" or (not used if word == "$else" else bool(parts[part]))
         elif used and (alone := re.fullmatch(r"( *)\$(\w+)\n", line)):
             text = parts[alone[2]]
             lines.append(indent(f"{text}\n", alone[1]) if text else "")

@@ -1,21 +1,19 @@
 $comment
 //
-$if in_c
-// C99; link with -lm.
-$end
 $if guard
 // C++11: load, stiffness, and evaluate for both, in a namespace.
 
 #ifndef ${guard}_HPP
 #define ${guard}_HPP
+$else
+// C99; link with -lm.
 $end
 
 #include <math.h>
 
 $if guard
 namespace $name {
-$end
-$if in_c
+$else
 // The declarations, for a header of your own.
 void $both(
     $parameters,
