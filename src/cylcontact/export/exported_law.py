@@ -12,7 +12,7 @@ from textwrap import wrap
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
 from cylcontact.export.language import LANGUAGES, WIDTH, filled_template
 from cylcontact.laws import LAWS, Johnson
@@ -234,14 +234,14 @@ def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> Expo
         load_factor *= base.load_factor
         penetration_factor *= base.penetration_factor
         base = base.base
-    contacts: tuple[Contact, ...] = getattr(base, "contacts", CONTACTS)
     if not has_formula(base):
         raise InputError(
             "export", "law", getattr(law, "name", law),
             "has no closed form to write in another language",
             "export explicit, which follows conformal contact",
         )  # fmt: skip
-    if contact is not None and contact not in contacts:
+    contacts = base.contacts
+    if contact not in (None, *contacts):
         rule, remedy = f"the law '{law.name}' is for a pin in a hole", "or export johnson"
         raise InputError("export", "--contact", contact, rule, f"give --contact internal, {remedy}")
     if isinstance(base, Johnson) and base.datum is not None:
@@ -249,9 +249,8 @@ def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> Expo
         raise InputError("export", "datum", base.datum, rule, remedy)
     own = getattr(getattr(base, "coefficients", None), "contact", None)
     if own is not None:
-        if contact not in (None, own):
-            rule = f"the coefficients are for {own} contact"
-            raise InputError("export", "--contact", contact, rule, "leave it out")
+        rule = f"the coefficients are for {own} contact"
+        require(contact in (None, own), "export", "--contact", contact, rule, "leave it out")
         contacts = (own,)
     if len(contacts) == 1:
         contact = contacts[0]
