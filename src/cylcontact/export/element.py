@@ -129,10 +129,9 @@ def law_function(
     assert isinstance(law, Law)
     formula = law.formula_at(pair)
     assert formula is not None
-    own: dict[str, Any] = {"pi": math.pi, **law.numbers_at(pair)}
-    steps = needed(formula.scalar_steps, "f")
+    steps, numbers = needed(formula.scalar_steps, "f"), {"pi": math.pi, **law.numbers_at(pair)}
     used = set().union(*(names_in(step.value) for step in flat(steps)))
-    own = {name: float(value) for name, value in own.items() if name in used}
+    own = {name: float(value) for name, value in numbers.items() if name in used}
     names = {
         **safe_names(steps, ()),
         **{name: f"law_{name}" for name in own},

@@ -82,9 +82,8 @@ class InHousing(Law):
 
     def constants_for(self, contact: Contact) -> dict[str, float]:  # noqa: ARG002
         """Return the five constants, none for a table."""
-        if self.five is None:
-            return {}
-        return {name: value for name, value in self.five._asdict().items() if name != "error"}
+        five = {} if self.five is None else self.five._asdict()
+        return {name: value for name, value in five.items() if name != "error"}
 
 
 def law_in_housing(law: ContactLaw, pair: CylinderPair) -> tuple[InHousing, str]:
