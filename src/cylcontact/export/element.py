@@ -129,7 +129,8 @@ def law_function(
     assert isinstance(law, Law)
     formula = law.formula_at(pair)
     assert formula is not None
-    steps, numbers = needed(formula.scalar_steps, "f"), {"pi": math.pi, **law.numbers_at(pair)}
+    steps = needed(formula.scalar_steps, "f")
+    numbers: dict[str, Any] = {"pi": math.pi, **law.numbers_at(pair)}
     used = set().union(*(names_in(step.value) for step in flat(steps)))
     own = {name: float(value) for name, value in numbers.items() if name in used}
     names = {
