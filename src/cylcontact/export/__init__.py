@@ -13,7 +13,7 @@ from cylcontact.arrays import require
 from cylcontact.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, Contact, listed
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
-from cylcontact.laws.law import ContactLaw, formula_of
+from cylcontact.laws.law import ContactLaw, has_formula
 from cylcontact.laws.user import user_law
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def __getattr__(name: str) -> Any:
 
 
 # A law without a closed form is known too, and refused when it is exported.
-EXPORTABLE = tuple(name for name, law in LAWS.items() if formula_of(law(), "internal") is not None)
+EXPORTABLE = tuple(name for name, law in LAWS.items() if has_formula(law()))
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str | bytes:
@@ -89,7 +89,9 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     from cylcontact.export.exported_law import exported, require_contact_law, source
 
     _require_target(target)
-    chosen = exported(law, _contact(contact), origin)
+    rule, remedy = "is not a contact", f"choose {listed(CONTACTS)}"
+    require(contact in (*CONTACTS, None), "export", "--contact", contact, rule, remedy)
+    chosen = exported(law, cast("Contact | None", contact), origin)
     require_contact_law(law, chosen.contact)
     if target != "fmu":
         return source(chosen, target)
@@ -126,9 +128,24 @@ def export_named(what: str, contact: str | None, target: str) -> str | bytes:
     >>> print(*[line for line in source.splitlines() if line.startswith("module")])
     module cylcontact_johnson_law
     """
-    _require_target(target)
-    law, known, origin = _named(what, _contact(contact))
-    return export(law, known, target, origin)
+    if what in LAWS:
+        return export(LAWS[what](), contact, target)
+    if what.startswith("power"):
+        rule, remedy = "has no coefficients of its own", "name a fit result of it"
+        raise InputError("export", "law", what, rule, remedy)
+    is_path = Path(what).suffix == ".json"
+    with suppress(OSError):  # of a name that is too long
+        is_path = is_path or Path(what).exists()
+    if is_path:
+        law, contact, origin = _of_result(what, contact)
+        return export(law, contact, target, origin)
+    if ":" in what:
+        law = user_law(what, Path.cwd())
+        return export(law, contact, target, "a function of the user's own")
+    rule = "is neither a law that can be exported nor a fit result"
+    names = ", ".join(EXPORTABLE)
+    remedy = f"choose {names}, module:function of your own, or the path of a result"
+    raise InputError("export", "law", what, rule, remedy)
 
 
 def export_joint(
@@ -181,27 +198,7 @@ def export_joint(
     return element.source(chosen, target, stem)
 
 
-def _named(what: str, contact: Contact | None) -> tuple[ContactLaw, Contact | None, str]:
-    """Return a law by its name or the path of a fit result, its contact, and its origin."""
-    if what in LAWS:
-        return LAWS[what](), contact, ""
-    if what.startswith("power"):
-        rule, remedy = "has no coefficients of its own", "name a fit result of it"
-        raise InputError("export", "law", what, rule, remedy)
-    is_path = Path(what).suffix == ".json"
-    with suppress(OSError):  # of a name that is too long
-        is_path = is_path or Path(what).exists()
-    if is_path:
-        return _of_result(what, contact)
-    if ":" in what:
-        return user_law(what, Path.cwd()), contact, "a function of the user's own"
-    rule = "is neither a law that can be exported nor a fit result"
-    names = ", ".join(EXPORTABLE)
-    remedy = f"choose {names}, module:function of your own, or the path of a result"
-    raise InputError("export", "law", what, rule, remedy)
-
-
-def _of_result(path: str, contact: Contact | None) -> tuple[ContactLaw, Contact, str]:
+def _of_result(path: str, contact: str | None) -> tuple[ContactLaw, Contact, str]:
     """Return the law of a fit result, its contact, and in words what it was fitted to."""
     from cylcontact.fitting.results import FitResult
 
@@ -222,9 +219,3 @@ def _of_result(path: str, contact: Contact | None) -> tuple[ContactLaw, Contact,
 def _require_target(target: str, targets: Collection[str] = TARGETS) -> None:
     rule, remedy = "is not a known target", f"choose {listed(targets)}"
     require(target in targets, "export", "--to", target, rule, remedy)
-
-
-def _contact(contact: str | None) -> Contact | None:
-    rule, remedy = "is not a contact", f"choose {listed(CONTACTS)}"
-    require(contact in (*CONTACTS, None), "export", "--contact", contact, rule, remedy)
-    return cast("Contact | None", contact)

@@ -18,7 +18,7 @@ import numpy as np
 
 from cylcontact.arrays import require
 from cylcontact.choices import JOINT_TARGETS
-from cylcontact.export.exported_law import MEANINGS, paragraph, renamed, safe_names
+from cylcontact.export.exported_law import MEANINGS, paragraph, safe_names
 from cylcontact.export.language import (
     LANGUAGES,
     WIDTH,
@@ -27,7 +27,7 @@ from cylcontact.export.language import (
     statements_of,
 )
 from cylcontact.export.program import Program
-from cylcontact.laws.formula import FUNCTIONS, flat, names_in, needed
+from cylcontact.laws.formula import FUNCTIONS, flat, names_in, needed, renamed
 from cylcontact.laws.kernels import TABLE, Kernel
 from cylcontact.laws.law import ContactLaw, Law
 from cylcontact.pair import CylinderPair
@@ -55,14 +55,6 @@ UNITS: Mapping[str, Unit] = {
     "energy": Unit("J", "N.mm", {"kg": 1, "m": 2, "s": -2}),
     "number": Unit("-", "-", {}),
 }
-
-
-class Constant(NamedTuple):
-    """A number of an element."""
-
-    value: float
-    unit: str
-    meaning: str
 
 
 class Motion(NamedTuple):
@@ -137,19 +129,18 @@ def law_function(
     assert isinstance(law, Law)
     formula = law.formula_at(pair)
     assert formula is not None
-    own: dict[str, Any] = {"pi": math.pi, **law.numbers_at(pair)}
     steps = needed(formula.scalar_steps, "f")
+    numbers: dict[str, Any] = {"pi": math.pi, **law.numbers_at(pair)}
     used = set().union(*(names_in(step.value) for step in flat(steps)))
-    own = {name: float(value) for name, value in own.items() if name in used}
+    own = {name: float(value) for name, value in numbers.items() if name in used}
     names = {
         **safe_names(steps, ()),
         **{name: f"law_{name}" for name in own},
-        **{name: f"math.{name}" for name in ("nan", "inf", *FUNCTIONS) if name not in ("max",)},
+        **{name: f"math.{name}" for name in ("nan", "inf", *FUNCTIONS) if name != "max"},
     }
     (tree,) = ast.parse(_FORMULA).body
     assert isinstance(tree, ast.FunctionDef)
-    body = ast.unparse(statements_of(renamed(step, names) for step in steps))  # type: ignore[arg-type]
-    tree.body[1:1] = ast.parse(body).body
+    tree.body[1:1] = statements_of(renamed(step, names) for step in steps)
     return tree, {names[name]: value for name, value in own.items()}
 
 
@@ -157,9 +148,10 @@ def law_function(
 class Element:
     """A force element between a bearing and a pin.
 
-    The results are fields of the program's `w`. `constants` are listed for readers. `checks` are
-    impact rates, motions and wrenches, whose attributes are the results; those named penetration
-    and penetration_rate have one number for each contact.
+    `meanings` are the quantities and meanings of its results, which are fields of the program's
+    `w`; those named penetration and penetration_rate have one number for each contact. `constants`
+    are listed for readers: values, units and meanings. `checks` are impact rates, motions and
+    wrenches, whose attributes are the results.
     """
 
     name: str
@@ -167,13 +159,19 @@ class Element:
     units: Literal["SI", "mm"]
     law_text: str
     motion: tuple[Motion, ...]
-    results: tuple[Result, ...]
-    constants: Mapping[str, Constant]
+    meanings: Mapping[str, tuple[str, str]]
+    constants: Mapping[str, tuple[float, str, str]]
     about: Sequence[str]
     assumptions: Sequence[str]
     checks: Sequence[tuple[Any, Sequence[float], Sequence[float], Any]]
     program: Program
     contacts: int = 1
+
+    @property
+    def results(self) -> list[Result]:
+        """The parts of the wrench."""
+        sizes = {name: sum(self.program.work[name].shape) for name in self.meanings}
+        return [Result(name, sizes[name], *about) for name, about in self.meanings.items()]
 
     def comment(self, mark: str) -> str:
         """Return the comment at the top of a file, each line behind a `mark`."""
@@ -181,7 +179,7 @@ class Element:
         rows = {
             **self.constants,
             **{
-                name: Constant(x, *MEANINGS.get(name.removeprefix("law_"), ("", "of the law")))
+                name: (x, *MEANINGS.get(name.removeprefix("law_"), ("", "of the law")))
                 for name, x in self.program.numbers.items() if np.ndim(x) == 0
             },
         }  # fmt: skip
@@ -245,22 +243,6 @@ class Element:
 
 # --- in a language ---
 
-# How a language declares a number, an array and an integer of a record, and how it gives them the
-# values of `w`.
-_FIELDS = {
-    "c": ("double {};", "double {}[{}];", "int {};"),
-    "fortran": ("real(wp) :: {}", "real(wp) :: {}({})", "integer :: {}"),
-    "python": ("{}: float", "{}: tuple", "{}: int"),
-    "matlab": ("", "", ""),
-}
-_VALUES = {
-    "c": ("wrench->{0} = w.{0};", "wrench->{0}[{1}] = w.{0}[{1}];", "wrench->{0} = (int)w.{0};"),
-    "fortran": ("wrench%{0} = w%{0}", "wrench%{0} = w%{0}", "wrench%{0} = nint(w%{0})"),
-    "python": ("{0}=w.{0},", "{0}=tuple(w.{0}),", "{0}=int(w.{0}),"),
-    "matlab": 3 * ("wrench.{0} = w.{0};",),
-}
-
-
 # What a class cannot be called: its own members, and names of the standard headers.
 _CPP = {"accept", "evaluate", "start", "state", "wrench", "main", "std", "gamma"}
 _CPP |= {"j0", "j1", "jn", "y0", "y1", "yn"}
@@ -289,13 +271,13 @@ def source(element: Element, target: str, stem: str) -> dict[str, str]:
 
 def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
     """Return what the templates of a language ask for."""
-    name, kind, language = element.name, "c" if target == "cpp" else target, LANGUAGES[target]()
-    fields, values = list[str](), list[str]()
+    name, several, language = element.name, element.contacts > 1, LANGUAGES[target]()
+    fields, values = list[str](), dict[str, None]()
     for each in element.results:
-        form = 1 if each.size else 0 if each.quantity else 2
-        fields.append(_FIELDS[kind][form].format(each.name, each.size))
-        count = each.size if form and kind == "c" else 0
-        values += (_VALUES[kind][form].format(each.name, k) for k in range(count or 1))
+        kind = "array" if each.size else "number" if each.quantity else "integer"
+        fields.append(language.kinds[kind].format(each.name, each.size))
+        lines = (language.results[kind].format(each.name, k) for k in range(each.size or 1))
+        values |= dict.fromkeys(lines)  # one line if it has no k, and gives the whole array
     program = element.program.parts(target)
     return {
         **program,
@@ -304,13 +286,14 @@ def _parts(element: Element, target: str, stem: str) -> dict[str, str]:
         "capitals": name.upper(),
         "imported": "import joint" if stem == "joint" else f"import {stem} as joint",
         "inline": "inline " if target == "cpp" else "",
-        "one": "one contact" if element.contacts == 1 else "",
-        "several": "several" if element.contacts > 1 else "",
+        "several": "several" if several else "",
         "size": str(len(element.motion)),
         "contacts": str(element.contacts),
-        "reference": "&" if element.contacts == 1 else "",
-        "rates": "[impact_rate]" if element.contacts == 1 else "list(impact_rate)",
-        "state": _FIELDS[kind][element.contacts > 1].format("impact_rate", element.contacts),
+        "reference": "" if several else "&",
+        "rates": "list(impact_rate)" if several else "[impact_rate]",
+        "state": language.kinds["array" if several else "number"].format(
+            "impact_rate", element.contacts
+        ),
         "fields": "\n".join(fields),
         "results": "\n".join(values),
         "comment": element.comment(language.comment),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import math
 import re
 from collections.abc import Iterable, Mapping
@@ -13,9 +12,9 @@ from textwrap import wrap
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
-from cylcontact.export.language import LANGUAGES, WIDTH, expression, filled_template
+from cylcontact.export.language import LANGUAGES, WIDTH, filled_template
 from cylcontact.laws import LAWS, Johnson
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import (
@@ -28,9 +27,10 @@ from cylcontact.laws.formula import (
     flat,
     names_in,
     needed,
+    renamed,
     steps_of,
 )
-from cylcontact.laws.law import ContactLaw, Law, formula_of
+from cylcontact.laws.law import ContactLaw, Law, has_formula
 from cylcontact.materials import Material
 from cylcontact.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.plain_text import RESERVED, comment, identifier
@@ -69,12 +69,11 @@ _TAKEN = (
 
 @dataclass(frozen=True)
 class ExportedLaw:
-    """A law for a contact, or for both, as steps; `base` is what a scaled law scales."""
+    """A law for a contact, or for both, as steps; scaled by factors other than 1."""
 
     law: ContactLaw
     contact: Contact | None
     origin: str
-    base: Law
     formula: Formula
     coefficients: Mapping[str, float]
     load_factor: float = 1.0
@@ -102,10 +101,13 @@ class ExportedLaw:
     @cached_property
     def constants(self) -> dict[str, float]:
         """The numbers of the steps by name, pi among them."""
-        factors = {"load_factor": self.load_factor, "penetration_factor": self.penetration_factor}
-        own = {**self.coefficients, **factors}
-        numbers = {"pi": math.pi} | {self._names.get(name, name): x for name, x in own.items()}
-        return {name: value for name, value in numbers.items() if self.uses(name)}
+        used = set().union(*(names_in(s.value) for s in flat(self.steps)), self.ends.split())
+        own = {self._names[name]: x for name, x in {**self.coefficients, **self._factors}.items()}
+        return {name: value for name, value in {"pi": math.pi, **own}.items() if name in used}
+
+    @property
+    def _factors(self) -> dict[str, float]:
+        return {"load_factor": self.load_factor, "penetration_factor": self.penetration_factor}
 
     @property
     def ends(self) -> str:
@@ -119,10 +121,6 @@ class ExportedLaw:
     def steps(self) -> tuple[Step, ...]:
         """All steps, to f and k."""
         return self.at_pair + self.at_depth
-
-    def uses(self, name: str) -> bool:
-        """Return whether the steps or the end use a name."""
-        return any(name in names_in(s.value) for s in flat(self.steps)) or name in self.ends
 
     @cached_property
     def at_pair(self) -> tuple[Step, ...]:
@@ -158,13 +156,10 @@ class ExportedLaw:
     @cached_property
     def _names(self) -> dict[str, str]:
         """The names in the export, by those of the formula."""
-        own = [*self.coefficients, "load_factor", "penetration_factor"]
-        scaled = (self.load_factor, self.penetration_factor) != (1, 1)
-        return safe_names(
-            self._chosen, own,
-            ({"penetration": "depth"} if self.penetration_factor != 1 else {})
-            | ({"f": "alone", "k": "slope"} if scaled else {}),
-        )  # fmt: skip
+        wanted = {"penetration": "depth"} if self.penetration_factor != 1 else {}
+        if wanted or self.load_factor != 1:
+            wanted |= {"f": "alone", "k": "slope"}
+        return safe_names(self._chosen, [*self.coefficients, *self._factors], wanted)
 
     def comment(self, mark: str) -> str:
         """Return the comment at the top of a file, each line behind a `mark`."""
@@ -172,6 +167,8 @@ class ExportedLaw:
         origin = f"exported by cylcontact {version('cylcontact')}"
         if self.coefficients:
             origin += f"; coefficients: {comment(self.origin)}"
+        listed = {self._names[name]: value for name, value in self.coefficients.items()}
+        listed |= {name: value for name, value in self._factors.items() if value != 1}
         lines = [
             self.name,
             "",
@@ -180,7 +177,7 @@ class ExportedLaw:
             *paragraph("Formula", _plain(self.formula.equation)),
             *paragraph("Remark", _plain(self.formula.remark)),
             *paragraph("Provenance", origin),
-            *(f"  {name} = {value!r}" for name, value in self.listed.items()),
+            *(f"  {name} = {value!r}" for name, value in listed.items()),
             "",
             "Arguments, in this order:",
             *table({name: MEANINGS[name] for name in self.arguments}),
@@ -192,40 +189,21 @@ class ExportedLaw:
         ]
         return "\n".join(f"{mark} {line}".rstrip() for line in lines)
 
-    @property
-    def listed(self) -> dict[str, float]:
-        """The coefficients, and the factors of a scaled law, for readers."""
-        scaled = {"load_factor": self.load_factor, "penetration_factor": self.penetration_factor}
-        factors = {name: value for name, value in scaled.items() if value != 1}
-        own = {self._names[name]: value for name, value in self.coefficients.items()}
-        return own | factors
-
-
-def _names_in_c(name: str, in_cpp: bool) -> dict[str, str]:
-    """Return what differs between C and C++, which has a namespace in a header."""
-    before = "" if in_cpp else f"{name}_"
-    cpp = "C++11: load, stiffness, and evaluate for both, in a namespace."
-    return {
-        "standard": cpp if in_cpp else "C99; link with -lm.",
-        "guard": name.upper() if in_cpp else "",
-        "declared": "" if in_cpp else "functions",
-        "inline": "inline " if in_cpp else "",
-        "both": "evaluate" if in_cpp else name,
-        "of_load": f"{before}load",
-        "of_stiffness": f"{before}stiffness",
-    }
-
 
 def source(law: ExportedLaw, target: str) -> str:
     """Return a law as the text of a file in a language."""
-    language, names = LANGUAGES[target](), law.arguments
+    language, names, in_cpp = LANGUAGES[target](), law.arguments, target == "cpp"
     domain = language.formula(" and ".join(law.conditions))
     constants = {name: x for name, x in law.constants.items() if name not in language.names}
     check = {"fortran": f"if (.not. ({domain})) return", "python": f"if not ({domain}):"}
     parts = {
         "comment": law.comment(language.comment),
         "name": law.name,
-        **_names_in_c(law.name, target == "cpp"),
+        # C++ has its functions in a namespace, in a header.
+        "guard": law.name.upper() if in_cpp else "",
+        "inline": "inline " if in_cpp else "",
+        "both": "evaluate" if in_cpp else law.name,
+        "prefix": "" if in_cpp else f"{law.name}_",
         "arguments": ", ".join(names),
         "parameters": ", ".join(f"double {name}" for name in names),
         "pair": ", ".join(names[1:]),
@@ -242,7 +220,7 @@ def source(law: ExportedLaw, target: str) -> str:
         "at_depth": language.statements(law.at_depth),
     }
     parts["helpers"] = language.helpers_of(parts["at_pair"] + parts["at_depth"])
-    return filled_template(f"law.{'c' if target == 'cpp' else target}", parts)
+    return filled_template(f"law.{'c' if in_cpp else target}", parts)
 
 
 def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> ExportedLaw:
@@ -256,15 +234,14 @@ def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> Expo
         load_factor *= base.load_factor
         penetration_factor *= base.penetration_factor
         base = base.base
-    contacts: tuple[Contact, ...] = getattr(base, "contacts", CONTACTS)
-    formula = formula_of(base, contacts[0])
-    if formula is None or not isinstance(base, Law):
+    if not has_formula(base):
         raise InputError(
             "export", "law", getattr(law, "name", law),
             "has no closed form to write in another language",
             "export explicit, which follows conformal contact",
         )  # fmt: skip
-    if contact is not None and contact not in contacts:
+    contacts = base.contacts
+    if contact not in (None, *contacts):
         rule, remedy = f"the law '{law.name}' is for a pin in a hole", "or export johnson"
         raise InputError("export", "--contact", contact, rule, f"give --contact internal, {remedy}")
     if isinstance(base, Johnson) and base.datum is not None:
@@ -272,11 +249,10 @@ def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> Expo
         raise InputError("export", "datum", base.datum, rule, remedy)
     own = getattr(getattr(base, "coefficients", None), "contact", None)
     if own is not None:
-        if contact not in (None, own):
-            rule = f"the coefficients are for {own} contact"
-            raise InputError("export", "--contact", contact, rule, "leave it out")
-        contact = own
-    if contact is None and len(contacts) == 1:
+        rule = f"the coefficients are for {own} contact"
+        require(contact in (None, own), "export", "--contact", contact, rule, "leave it out")
+        contacts = (own,)
+    if len(contacts) == 1:
         contact = contacts[0]
     of_contact = [(base.formula_for(each), base.constants_for(each)) for each in contacts]
     if contact is None and of_contact[0] != of_contact[-1]:
@@ -284,10 +260,8 @@ def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> Expo
         remedy = "give --contact internal or --contact external"
         raise InputError("export", "--contact", None, rule, remedy)
     formula, numbers = of_contact[contacts.index(contact) if contact else 0]
-    return ExportedLaw(
-        law, contact, origin or _origin(law), base, formula, numbers, load_factor,
-        penetration_factor,
-    )  # fmt: skip
+    factors = load_factor, penetration_factor
+    return ExportedLaw(law, contact, origin or _origin(law), formula, numbers, *factors)
 
 
 def _origin(law: ContactLaw) -> str:
@@ -322,18 +296,6 @@ def safe_names(
         taken.add(word.lower())
         names[name] = word
     return names
-
-
-def renamed(step: Step, names: Mapping[str, str]) -> Step:
-    """Return a step in other names."""
-
-    class Renamer(ast.NodeTransformer):
-        def visit_Name(self, node: ast.Name) -> ast.Name:
-            return ast.Name(names.get(node.id, node.id))
-
-    value: ast.expr = Renamer().visit(expression(ast.unparse(step.value)))
-    body = tuple(renamed(each, names) for each in step.body)
-    return Step(names.get(step.name, step.name), value, body)
 
 
 def _plain(text: str) -> str:

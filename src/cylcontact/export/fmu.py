@@ -128,9 +128,9 @@ class Model(NamedTuple):
         """
         inputs = [v for v in self.variables if v.causality in ("input", "parameter")]
         parts = {
-            **dict.fromkeys(("law", "contacts"), ""),
             **parts,
             "name": self.name,
+            "contacts": "contacts" if self.indicators else "",
             "inputs": str(len(inputs)),
             "indicators": str(self.indicators),
             "reals": str(sum(bool(v.unit) for v in self.variables)),
@@ -208,7 +208,6 @@ def source(law: ExportedLaw) -> bytes:
         for name, (unit, meaning) in rows.items()
     ]  # fmt: skip
     parts = {
-        "law": "a law",
         "parameters": ", ".join(f"double {name}" for name in law.arguments),
         "given": ", ".join(f"all[{k}]" for k in range(len(law.arguments))),
     }
@@ -239,7 +238,6 @@ def joint_source(element: Element, stem: str) -> dict[str, bytes]:
         "memory->contact.impact_rate" + ("" if one else f"[{k}]") for k in range(element.contacts)
     ]
     parts = {
-        "contacts": str(element.contacts),
         "bodies": "\n".join(bodies),
         "outputs": "\n".join(f"all[{k}] = {real};" for k, real in enumerate(reals, len(inputs))),
         "rates": f"{one}memory->contact.impact_rate",

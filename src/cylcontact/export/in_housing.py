@@ -82,9 +82,8 @@ class InHousing(Law):
 
     def constants_for(self, contact: Contact) -> dict[str, float]:  # noqa: ARG002
         """Return the five constants, none for a table."""
-        if self.five is None:
-            return {}
-        return {name: value for name, value in self.five._asdict().items() if name != "error"}
+        five = {} if self.five is None else self.five._asdict()
+        return {name: value for name, value in five.items() if name != "error"}
 
 
 def law_in_housing(law: ContactLaw, pair: CylinderPair) -> tuple[InHousing, str]:
@@ -92,8 +91,7 @@ def law_in_housing(law: ContactLaw, pair: CylinderPair) -> tuple[InHousing, str]
     housing = getattr(law, "datum", None)
     assert isinstance(housing, Housing)
     series, remark = series_of(housing, pair), _remark(housing, pair)
-    formula = law.formula_at(pair) if isinstance(law, Explicit) else None
-    if isinstance(law, Explicit) and formula is not None:
+    if isinstance(law, Explicit) and (formula := law.formula_at(pair)) is not None:
         stated = InHousing(replace(formula, equation=_FIVE), law.five_constants(pair))
         error = _error(stated, series, pair)
         if error <= _FEW:

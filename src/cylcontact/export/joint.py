@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cylcontact.export.element import Constant, Element, Motion, Result, law_function
+from cylcontact.export.element import Element, Motion, law_function
 from cylcontact.export.program import Program
 from cylcontact.impact import RATIO_BEND
 from cylcontact.laws.kernels import TABLE
@@ -21,20 +21,21 @@ _MOTION = (
     Motion("v_y", "speed", "velocity of the reference point"),
     Motion("spin", "spin", "rate of the angle"),
 )
-_RESULTS = (
-    Result("force_bearing", 2, "force", "force on the body with the hole"),
-    Result("moment_bearing", 0, "moment", "about the reference point of this body"),
-    Result("force_pin", 2, "force", "force on the body with the pin"),
-    Result("moment_pin", 0, "moment", "about the reference point of this body"),
-    Result("penetration", 0, "length", "negative where the bodies do not touch"),
-    Result("penetration_rate", 0, "speed", "rate of the penetration"),
-    Result("normal_force", 0, "force",
-           "not negative, on the hole along -n, n from the pin's centre to the hole's"),
-    Result("friction_force", 0, "force", "on the hole along t = (n_y, -n_x)"),
-    Result("tangential_velocity", 0, "speed", "of the hole against the pin, along t"),
-    Result("dissipated_power", 0, "power", "by damping and friction, not negative"),
-    Result("flag", 0, "", "1 above first yield, plus 2 beyond the law's domain"),
-)  # fmt: skip
+_MEANINGS = {
+    "force_bearing": ("force", "force on the body with the hole"),
+    "moment_bearing": ("moment", "about the reference point of this body"),
+    "force_pin": ("force", "force on the body with the pin"),
+    "moment_pin": ("moment", "about the reference point of this body"),
+    "penetration": ("length", "negative where the bodies do not touch"),
+    "penetration_rate": ("speed", "rate of the penetration"),
+    "normal_force": (
+        "force", "not negative, on the hole along -n, n from the pin's centre to the hole's"
+    ),
+    "friction_force": ("force", "on the hole along t = (n_y, -n_x)"),
+    "tangential_velocity": ("speed", "of the hole against the pin, along t"),
+    "dissipated_power": ("power", "by damping and friction, not negative"),
+    "flag": ("", "1 above first yield, plus 2 beyond the law's domain"),
+}  # fmt: skip
 # Units and meanings of the numbers of a joint's record.
 _CONSTANTS = {
     "clearance": ("m", "radial clearance"),
@@ -78,19 +79,19 @@ def element_of(joint: ClearanceJoint) -> Element:
         units=joint.units,
         law_text=f"'{comment(joint.law.name)}', {form}{origin}",
         motion=_MOTION,
-        results=_RESULTS,
+        meanings=_MEANINGS,
         constants={
-            f"joint_{name}": Constant(float(joint.block[name]), *about)
+            f"joint_{name}": (float(joint.block[name]), *about)
             for name, about in _CONSTANTS.items()
         },
         about=[_body_text(name, *body) for name, body in bodies.items()],
-        assumptions=_assumptions(joint, bool(np.isfinite(joint.block["last_penetration"]))),
+        assumptions=_assumptions(joint),
         checks=_checks(joint),
         program=Program(_FUNCTIONS, joint.block, contact.WORK, law, numbers),
     )
 
 
-def _assumptions(joint: ClearanceJoint, ends: bool) -> list[str]:
+def _assumptions(joint: ClearanceJoint) -> list[str]:
     """Return what the element assumes, in words."""
     tangent = (
         f"beyond last_penetration, {TANGENT_FROM:.0%} of the largest penetration of the law or its "
@@ -105,7 +106,7 @@ def _assumptions(joint: ClearanceJoint, ends: bool) -> list[str]:
         f"at most {2 * RATIO_BEND:g}*chi times the elastic load in sustained contact",
         "an impact slower than rate_floor counts as one at rate_floor",
         "friction = friction*normal force, linearly from none at v0 to all at v1",
-        *([tangent] if ends else []),
+        *([tangent] if np.isfinite(joint.block["last_penetration"]) else []),
         "the material is elastic; above first_yield, von Mises, flag has the bit 1"
         if joint.can_yield
         else "the material is elastic, and as the yield stresses are not both known, flag never "

@@ -55,8 +55,17 @@ class Language:
     first, item, member = 0, "{}[{}]", "->"
     linkage = "static"  # of functions
     constant, array = "static const double {} = {};", "static const double {0}[{1}] = {{{2}}};"
-    kinds: ClassVar[_Names] = {"number": "double {};", "integer": "int {};", "truth": "int {};"}
-    local_array = "double {}[{}];"
+    # Declarations of variables and of a record's fields, fields of the record `w`, and how results
+    # of an element get its values.
+    kinds: ClassVar[_Names] = {
+        "number": "double {};", "integer": "int {};", "truth": "int {};", "array": "double {}[{}];",
+    }  # fmt: skip
+    work: ClassVar[_Names] = kinds
+    results: ClassVar[_Names] = {
+        "number": "wrench->{0} = w.{0};", "array": "wrench->{0}[{1}] = w.{0}[{1}];",
+        "integer": "wrench->{0} = (int)w.{0};",
+    }  # fmt: skip
+    is_answer_returned = True  # or assigned, to `answer`
     if_, else_, end_if = "if ({}) {{", "}} else {{", "}}"
     for_ = "for ({k} = {start}; {k} {before} {stop}; {k} += {step}) {{"
     end_for, leave = "}}", "break"
@@ -106,7 +115,7 @@ class Language:
 
     def formula(self, text: str) -> str:
         """Return an expression of a law, given in Python's syntax."""
-        return self.text(_Floats().visit(expression(text)))
+        return self.text(_Floats().visit(ast.parse(text, mode="eval")).body)
 
     def helpers_of(self, text: str) -> str:
         """Return the definitions of the functions that a text calls and the language lacks."""
@@ -125,10 +134,8 @@ class Language:
 
     def function(self, tree: ast.FunctionDef, constants: Mapping[str, Any]) -> str:
         """Return a function, which uses some of the constants."""
-        self.name, self.arguments = (
-            tree.name,
-            {a.arg: ast.unparse(a.annotation) if a.annotation else "" for a in tree.args.args},
-        )
+        self.name, given = tree.name, [(a.arg, a.annotation) for a in tree.args.args]
+        self.arguments = {name: ast.unparse(kind) if kind else "" for name, kind in given}
         self.changed = [list(self.arguments)[k] for k in self.changes[tree.name]]
         self.returns = tree.returns is not None and ast.unparse(tree.returns) != "None"
         apart = _Apart(self.tuples)
@@ -136,14 +143,13 @@ class Language:
         self.last = body[-1]
         self.kind_of = {name: "integer" for name, kind in self.arguments.items() if kind == "int"}
         self._learn(body, self.arguments)
-        declared = [*self._declared(), *(self.local_array.format(*x) for x in apart.arrays.items())]
+        arrays = (self.kinds["array"].format(*about) for about in apart.arrays.items())
         used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-        own = {name: value for name, value in constants.items() if name in used}
-        return "\n".join(map(self.wrapped, self._framed(declared, [*self._lines(body)], own)))
+        self.own_constants = {name: value for name, value in constants.items() if name in used}
+        lines = self._framed([*self._declared(), *arrays], [*self._lines(body)])
+        return "\n".join(map(self.wrapped, lines))
 
-    def _framed(
-        self, declared: Sequence[str], body: Sequence[str], _constants: Mapping[str, Any]
-    ) -> Iterator[str]:
+    def _framed(self, declared: Sequence[str], body: Sequence[str]) -> Iterator[str]:
         """Yield the lines of the function at hand, with declarations and statements."""
         forms = {"float": "double {}", "int": "int {}", "Record": "work *{}"}
         given = [
@@ -209,11 +215,8 @@ class Language:
                     yield from self._assigned(target, ast.BinOp(target, op, value))
                 case ast.Expr(value=ast.Call() as call):
                     yield f"{self._call(call)}{self.end}"
-                case ast.Return(value=ast.expr() as value):
-                    yield from self._returned(node, self.text(value))
                 case ast.Return():
-                    if node is not self.last:
-                        yield f"return{self.end}"
+                    yield from self._returned(node)
                 case ast.Break():
                     yield f"{self.leave}{self.end}"
                 case ast.If() | ast.For():
@@ -244,8 +247,14 @@ class Language:
             case _:
                 yield f"{self.text(target)} = {self.text(value)}{self.end}"
 
-    def _returned(self, _node: ast.Return, value: str) -> Iterator[str]:
-        yield f"return {value};"
+    def _returned(self, node: ast.Return) -> Iterator[str]:
+        if node.value is not None and self.is_answer_returned:
+            yield f"return {self.text(node.value)}{self.end}"
+            return
+        if node.value is not None:
+            yield f"answer = {self.text(node.value)}{self.end}"
+        if node is not self.last:
+            yield f"return{self.end}"
 
     def _call(self, node: ast.Call, answer: str = "") -> str:
         """Return a call as a statement, with the variable for what it returns."""
@@ -358,7 +367,7 @@ class Fortran(Language):
 
     comment, continued, end = "!", " &", ""
     symbols: ClassVar[_Symbols] = {
-        **Language.symbols, ast.And: ".and.", ast.Or: ".or.", ast.Not: ".not. ",
+        **Language.symbols, ast.And: ".and.", ast.Or: ".or.", ast.Not: ".not. ", ast.NotEq: "/=",
     }  # fmt: skip
     names: ClassVar[_Names] = {
         "nan": "ieee_value(1.0_wp, ieee_quiet_nan)", "copysign": "sign", "float": "dble",
@@ -367,14 +376,19 @@ class Fortran(Language):
     truths = (".false.", ".true.")
     infinity = "huge(1.0_wp)"  # as infinity is no constant there
     power, modulo, choice = "{x}**{y}", "mod({x}, {y})", "merge({yes}, {no}, {test})"
-    is_choice_a_statement = True
+    is_choice_a_statement, is_answer_returned = True, False
     first, item, member = 1, "{}({})", "%"
     constant = "real(wp), parameter :: {} = {}"
     array = "real(wp), parameter :: {0}({1}) = [{2}]"
     kinds: ClassVar[_Names] = {
         "number": "real(wp) :: {}", "integer": "integer :: {}", "truth": "logical :: {}",
+        "array": "real(wp) :: {}({})",
     }  # fmt: skip
-    local_array = "real(wp) :: {}({})"
+    work: ClassVar[_Names] = kinds
+    results: ClassVar[_Names] = {
+        "number": "wrench%{0} = w%{0}", "array": "wrench%{0} = w%{0}",
+        "integer": "wrench%{0} = nint(w%{0})",
+    }  # fmt: skip
     if_, else_, end_if = "if ({}) then", "else", "end if"
     for_, end_for, leave = "do {k} = {start}, {last}, {step}", "end do", "exit"
     # The standard allows 255 lines for a statement, so a table is cut into arrays.
@@ -407,9 +421,7 @@ end function log1p"""
         else:
             yield from super()._array(name, numbers)
 
-    def _framed(
-        self, declared: Sequence[str], body: Sequence[str], _constants: Mapping[str, Any]
-    ) -> Iterator[str]:
+    def _framed(self, declared: Sequence[str], body: Sequence[str]) -> Iterator[str]:
         forms = {
             "float": "real(wp), value :: {}", "int": "integer, value :: {}",
             "Record": "type(work), intent({intent}) :: {}",
@@ -430,11 +442,6 @@ end function log1p"""
         yield from (f"    {line}" for line in (*given, *declared, "", *body))
         yield f"end {what} {self.name}"
 
-    def _returned(self, node: ast.Return, value: str) -> Iterator[str]:
-        yield f"answer = {value}"
-        if node is not self.last:
-            yield "return"
-
     def _call(self, node: ast.Call, answer: str = "") -> str:
         text = self.text(node)
         return f"call {text.removesuffix(')')}, {answer})" if answer else f"call {text}"
@@ -445,8 +452,6 @@ end function log1p"""
                 return f"{x} .eqv. {y}"
             case ast.Eq() | ast.NotEq() if kind == "number":  # compilers warn of == with them
                 return f"abs({x} - ({y})) {'<=' if isinstance(op, ast.Eq) else '>'} 0.0_wp"
-            case ast.NotEq():
-                return f"{x} /= {y}"
         return super()._compared(op, kind, x, y)
 
 
@@ -466,7 +471,9 @@ class Matlab(Language):
     power, modulo, choice = "{x}.^{y}", "mod({x}, {y})", "choose({test}, {yes}, {no})"
     first, item, member = 1, "{}({})", "."
     constant = "{} = {};"
-    kinds: ClassVar[_Names] = {}
+    work: ClassVar[_Names] = {"number": "w.{} = 0;", "array": "w.{} = zeros(1, {});"}
+    results: ClassVar[_Names] = dict.fromkeys(("number", "array", "integer"), "wrench.{0} = w.{0};")
+    is_answer_returned = False
     if_, else_, end_if = "if {}", "else", "end"
     for_, end_for = "for {k} = {start}:{step}:{last}", "end"
     helpers: ClassVar[_Names] = {
@@ -496,22 +503,15 @@ end"""
         self.symbols = {**self.symbols, **numbers}  # type: ignore[misc]
         return super().function(tree, constants)
 
-    def _framed(
-        self, _declared: Sequence[str], body: Sequence[str], constants: Mapping[str, Any]
-    ) -> Iterator[str]:
+    def _framed(self, _declared: Sequence[str], body: Sequence[str]) -> Iterator[str]:
         given = self._given(self.changed, "answer" if self.returns else "")
         yield f"function {given}{self.name}({', '.join(self.arguments)})"
-        yield from (*self._constants(constants), *body, "end")
+        yield from (*self._constants(self.own_constants), *body, "end")
 
     def _given(self, changed: Sequence[str], answer: str) -> str:
         """Return the left side of a call."""
         outputs = [answer, *changed] if answer else changed
         return f"[{', '.join(outputs)}] = " if len(outputs) > 1 else f"{outputs[0]} = "
-
-    def _returned(self, node: ast.Return, value: str) -> Iterator[str]:
-        yield f"answer = {value};"
-        if node is not self.last:
-            yield "return;"
 
     def _call(self, node: ast.Call, answer: str = "") -> str:
         changed = [self.text(node.args[k]) for k in self.changes[ast.unparse(node.func)]]
@@ -537,7 +537,11 @@ class Python(Language):
     infinity = "math.inf"
     power, choice = "power({x}, {y})", "{yes} if {test} else {no}"
     constant, array = "{} = {}", "{0} = ({2})"
-    kinds: ClassVar[_Names] = {}
+    kinds: ClassVar[_Names] = {"number": "{}: float", "array": "{}: tuple", "integer": "{}: int"}
+    work: ClassVar[_Names] = {"number": "self.{} = 0.0", "array": "self.{} = [0.0] * {}"}
+    results: ClassVar[_Names] = {
+        "number": "{0}=w.{0},", "array": "{0}=tuple(w.{0}),", "integer": "{0}=int(w.{0}),",
+    }  # fmt: skip
     for_, end_for = "for {k} in range({start}, {stop}, {step}):", ""
     helpers: ClassVar[_Names] = {
         "power": '''
@@ -582,11 +586,6 @@ LANGUAGES: Mapping[str, type[Language]] = {
 # --- syntax ---
 
 
-def expression(text: str) -> ast.expr:
-    """Return one expression in Python's syntax as its node."""
-    return ast.parse(text, mode="eval").body
-
-
 def statements_of(steps: Iterable[Step]) -> list[ast.stmt]:
     """Return the steps of a law as statements."""
     return [_Floats().visit(node) for node in ast.parse("\n".join(lines_of(steps))).body]
@@ -619,9 +618,6 @@ class _Apart(ast.NodeTransformer):
 
     def visit_Assign(self, node: ast.Assign) -> ast.stmt | list[ast.stmt]:
         match node:
-            case ast.Assign(targets=[ast.Name(id=name) as target], value=ast.Tuple(elts=values)):
-                self.arrays[name] = len(values)
-                return _items(target, values)
             case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=ast.Name(id=called))):
                 if called in self.tuples:
                     self.arrays[name] = self.tuples[called]
@@ -642,32 +638,28 @@ class _Apart(ast.NodeTransformer):
         ]  # fmt: skip
 
     def visit_Return(self, node: ast.Return) -> ast.stmt | list[ast.stmt]:
-        if isinstance(node.value, ast.Tuple):
-            return [*_items(ast.Name("answer"), node.value.elts), ast.Return()]
-        return node
-
-
-def _items(target: ast.expr, values: Sequence[ast.expr]) -> list[ast.stmt]:
-    return [
-        ast.Assign([ast.Subscript(target, ast.Constant(k))], value)
-        for k, value in enumerate(values)
-    ]
+        if not isinstance(node.value, ast.Tuple):
+            return node
+        answer, values = ast.Name("answer"), enumerate(node.value.elts)
+        items = [ast.Assign([ast.Subscript(answer, ast.Constant(k))], x) for k, x in values]
+        return [*items, ast.Return()]
 
 
 # --- templates ---
 
 
-def filled(frame: str, parts: Mapping[str, str]) -> str:
-    """Return a frame with its placeholders replaced.
+def filled_template(name: str, parts: Mapping[str, str]) -> str:
+    """Return a file of the folder `templates` with its placeholders replaced.
 
     A placeholder alone on its line may stand for several lines, indented as it is, or for none.
-    Lines between "$if name" and "$end" are there only if the part is not empty.
+    Lines between "$if name" and "$else" are there if the part is not empty, those between "$else"
+    and "$end" if it is.
     """
     lines, used = [], True
-    for line in frame.splitlines(keepends=True):
-        word, _, name = line.strip().partition(" ")
-        if word in ("$if", "$end"):
-            used = word == "$end" or bool(parts[name])
+    for line in (_TEMPLATES / name).read_text(encoding="ascii").splitlines(keepends=True):
+        word, _, part = line.strip().partition(" ")
+        if word in ("$if", "$else", "$end"):
+            used = word == "$end" or (not used if word == "$else" else bool(parts[part]))
         elif used and (alone := re.fullmatch(r"( *)\$(\w+)\n", line)):
             text = parts[alone[2]]
             lines.append(indent(f"{text}\n", alone[1]) if text else "")
@@ -682,8 +674,3 @@ def require_callable(target: str, stem: str) -> None:
     rule, remedy = "cannot be called by its name", "name it with letters, digits and underscores"
     by_name = target in ("matlab", "python", "jax")
     require(good or not by_name, "export", "--out", stem, rule, remedy)
-
-
-def filled_template(name: str, parts: Mapping[str, str]) -> str:
-    """Return a file of the folder `templates`, filled."""
-    return filled((_TEMPLATES / name).read_text(encoding="ascii"), parts)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ast
 import inspect
-import operator
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,17 +18,6 @@ from typing import Any
 import numpy as np
 
 from cylcontact.export.language import LANGUAGES
-
-# The declaration of `w` and what stands around its fields, by language: a number and an array.
-_WORK = {
-    "c": ("typedef struct {", "    double {};", "    double {}[{}];", "} work;"),
-    "fortran": ("type :: work", "    real(wp) :: {}", "    real(wp) :: {}({})", "end type work"),
-    "matlab": ("function w = work()", "w.{} = 0;", "w.{} = zeros(1, {});", "end"),
-    "python": (
-        "class Work:\n    def __init__(self):", "        self.{} = 0.0",
-        "        self.{} = [0.0] * {}", "",
-    ),
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -47,31 +35,35 @@ class Program:
     numbers: Mapping[str, Any]
 
     def parts(self, target: str) -> dict[str, str]:
-        """Return types with constants, and functions, for a language's template of an element."""
+        """Return fields of `w`, constants and functions, for a language's template."""
         language = LANGUAGES[target](changes=self._changes, tuples=self._tuples)
-        first, number, array, last = _WORK["c" if target == "cpp" else target]
-        fields = [(name, *self.work[name].shape) for name in self.work.names or ()]
-        lines = [(number if len(about) == 1 else array).format(*about) for about in fields]
-        work = "\n".join([first, *lines, last])
-        functions = [language.function(tree, self._constants) for tree in self._trees]
-        constants = "" if target == "matlab" else language.constants(self._constants)
+        sizes = {name: self.work[name].shape for name in self.work.names or ()}
         gap = "\n\n\n" if target == "python" else "\n\n"
-        return {"types": f"{work}\n\n{constants}", "program": gap.join(functions)}
+        return {
+            "work": "\n".join(
+                language.work["array" if size else "number"].format(name, *size)
+                for name, size in sizes.items()
+            ),
+            "constants": language.constants(self._constants),
+            "program": gap.join(language.function(tree, self._constants) for tree in self._trees),
+        }
 
     @property
     def names(self) -> set[str]:
         """The names that it takes in the file."""
         return {"work", *(tree.name for tree in self._trees)}
 
+    @property
+    def _uncompiled(self) -> list[Any]:
+        return [getattr(function, "py_func", function) for function in self.functions]
+
     @cached_property
     def _trees(self) -> list[ast.FunctionDef]:
         trees = [self.law]
-        for function in self.functions:
-            plain = getattr(function, "py_func", function)
-            tree = ast.parse(textwrap.dedent(inspect.getsource(plain))).body[0]
+        for function in self._uncompiled:
+            tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
             assert isinstance(tree, ast.FunctionDef)
-            module = vars(inspect.getmodule(plain))
-            tree = ast.fix_missing_locations(_Plain(module, self.joint).visit(tree))
+            tree = ast.fix_missing_locations(_Plain(function.__globals__, self.joint).visit(tree))
             tree.decorator_list = []
             trees.append(tree)
         return trees
@@ -82,12 +74,9 @@ class Program:
         own = {f"joint_{name}": self.joint[name] for name in self.joint.dtype.names}
         arrays = {
             name: value
-            for function in self.functions
-            for name, value in vars(
-                inspect.getmodule(getattr(function, "py_func", function))
-            ).items()
+            for function in self._uncompiled for name, value in function.__globals__.items()
             if isinstance(value, np.ndarray)
-        }
+        }  # fmt: skip
         used = {n.id for tree in self._trees for n in ast.walk(tree) if isinstance(n, ast.Name)}
         known = {**own, **arrays, **self.numbers}
         return {name: value for name, value in known.items() if name in used}
@@ -117,11 +106,6 @@ class Program:
             for tree in self._trees for node in ast.walk(tree)
             if isinstance(node, ast.Return) and isinstance(node.value, ast.Tuple)
         }  # fmt: skip
-
-
-_COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], bool]] = {
-    ast.Eq: operator.eq, ast.NotEq: operator.ne
-}  # fmt: skip
 
 
 class _Plain(ast.NodeTransformer):
@@ -171,8 +155,8 @@ class _Plain(ast.NodeTransformer):
     def visit_Compare(self, node: ast.Compare) -> ast.expr:
         self.generic_visit(node)
         match node:
-            case ast.Compare(ast.Constant(value=x), [op], [ast.Constant(value=y)]):
-                return ast.Constant(_COMPARE[type(op)](x, y))
+            case ast.Compare(ast.Constant(value=x), [ast.Eq()], [ast.Constant(value=y)]):
+                return ast.Constant(x == y)
         return node
 
     def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:

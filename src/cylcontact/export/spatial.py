@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.export.element import Element, Motion, Result
+from cylcontact.export.element import Element, Motion
 from cylcontact.export.joint import element_of as planar_element
 from cylcontact.mechanism import contact, spatial_forces
 from cylcontact.mechanism.spatial import SpatialJoint, SpatialState
@@ -65,11 +65,10 @@ def element_of(joint: SpatialJoint) -> Element:
     """Return a spatial joint as functions, lists of names and words."""
     plane = planar_element(joint.planar)
     c, b = joint.spec.edge.constants
-    sizes = {name: (*spatial_forces.WORK[name].shape, 0)[0] for name in _MEANINGS}
     return replace(
         plane,
         motion=_MOTION,
-        results=tuple(Result(name, sizes[name], *about) for name, about in _MEANINGS.items()),
+        meanings=_MEANINGS,
         constants={},
         about=[*plane.about, f"length {joint.spec.length!r} mm, rims with c = {c!r}, b = {b!r}"],
         assumptions=_ASSUMPTIONS,

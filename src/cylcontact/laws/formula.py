@@ -97,6 +97,18 @@ def names_in(node: ast.AST) -> set[str]:
     return {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
 
 
+def renamed(step: Step, names: Mapping[str, str]) -> Step:
+    """Return a step with other names for what it assigns and uses."""
+
+    class Renamer(ast.NodeTransformer):
+        def visit_Name(self, node: ast.Name) -> ast.Name:
+            return ast.Name(names.get(node.id, node.id))
+
+    value = Renamer().visit(ast.parse(ast.unparse(step.value), mode="eval")).body
+    body = tuple(renamed(each, names) for each in step.body)
+    return Step(names.get(step.name, step.name), value, body)
+
+
 def steps_of(text: str) -> tuple[Step, ...]:
     """Return the steps of assignments in Python's syntax, one a line."""
     assigned = [node for node in ast.parse(text).body if isinstance(node, ast.Assign)]
@@ -378,7 +390,7 @@ class _Reader:
             value = values[k]
             old = value.id if isinstance(value, ast.Name) else ""
             if old.startswith(f"{name}_"):  # only this result had its name
-                self.steps = [_renamed(step, old, name) for step in self.steps]
+                self.steps = [renamed(step, {old: name}) for step in self.steps]
                 values = [_filled(ast.unparse(v), **{old: ast.Name(name)}) for v in values]
             elif old != name:
                 self.steps.append(Step(name, value))
@@ -625,13 +637,6 @@ class _Frame:
         changing = {""} if self.changing else set()  # as in a loop
         callers = (*self.callers, function)
         return _Frame(self.reader, function, given, self.steps, changing, callers).run()
-
-
-def _renamed(step: Step, old: str, new: str) -> Step:
-    """Return a step with another name for what it assigns and uses."""
-    value = _filled(ast.unparse(step.value), **{old: ast.Name(new)})
-    body = tuple(_renamed(each, old, new) for each in step.body)
-    return Step(new if step.name == old else step.name, value, body)
 
 
 # --- the rule of the chain ----------------------------------------------------------------------

@@ -441,8 +441,3 @@ def _inverse(at: AtPair, f: FloatArray, unit: FloatArray, dR: FloatArray) -> Flo
 def has_formula(law: ContactLaw) -> TypeGuard[Law]:
     """Return whether the load of a law is that of its formula."""
     return isinstance(law, Law) and type(law).load is Law.load
-
-
-def formula_of(law: ContactLaw, contact: Contact) -> Formula | None:
-    """Return the formula that computes a law's load; None if it has none."""
-    return law.formula_for(contact) if has_formula(law) else None

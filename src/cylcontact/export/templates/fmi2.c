@@ -102,8 +102,7 @@ static void reals_of(const Memory *memory, double all[REALS])
     memcpy(all, memory->input, sizeof memory->input);
     $outputs
 }
-$end
-$if law
+$else
 void $name(
     $parameters,
     double *load, double *stiffness);
@@ -246,8 +245,7 @@ EXPORT Status NAME(fmi2GetInteger)(Instance *c, References which, size_t count, 
     }
     return fmi2OK;
 }
-$end
-$if law
+$else
 NONE(fmi2GetInteger, "integers", References which, size_t count, int values[])
 $end
 NONE(fmi2SetInteger, "integers to set", References which, size_t count, const int values[])

@@ -23,17 +23,16 @@ class $name {
 public:
     typedef cylcontact_$name::${name}_wrench wrench;
 
-    $if one
-    // The state; 0: not in contact.
-    explicit $name(double impact_rate = 0.0) { state_.impact_rate = impact_rate; }
-
-    double state() const { return state_.impact_rate; }
-    $end
     $if several
     $name() { start(); }
 
     // The impact rates; 0: not in contact.
     double *state() { return state_.impact_rate; }
+    $else
+    // The state; 0: not in contact.
+    explicit $name(double impact_rate = 0.0) { state_.impact_rate = impact_rate; }
+
+    double state() const { return state_.impact_rate; }
     $end
 
     void start() { ${name}_start(&state_); }

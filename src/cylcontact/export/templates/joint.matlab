@@ -25,7 +25,9 @@ function impact_rate = accept(impact_rate, bearing, pin)
 impact_rate = next_rates(impact_rate, bearing, pin, work());
 end
 
-$types
+function w = work()
+$work
+end
 
 $program
 $helpers

@@ -1,25 +1,26 @@
 $comment
 //
-// $standard
-
 $if guard
+// C++11: load, stiffness, and evaluate for both, in a namespace.
+
 #ifndef ${guard}_HPP
 #define ${guard}_HPP
-
+$else
+// C99; link with -lm.
 $end
+
 #include <math.h>
 
 $if guard
 namespace $name {
-$end
-$if declared
+$else
 // The declarations, for a header of your own.
 void $both(
     $parameters,
     double *load, double *stiffness);
-double $of_load(
+double ${prefix}load(
     $parameters);
-double $of_stiffness(
+double ${prefix}stiffness(
     $parameters);
 $end
 $helpers
@@ -47,7 +48,7 @@ ${inline}void $both(
     *stiffness = penetration > 0.0 || k >= 0.0 ? k : 0.0;
 }
 
-${inline}double $of_load(
+${inline}double ${prefix}load(
     $parameters)
 {
     double f, k;
@@ -55,7 +56,7 @@ ${inline}double $of_load(
     return f;
 }
 
-${inline}double $of_stiffness(
+${inline}double ${prefix}stiffness(
     $parameters)
 {
     double f, k;
