@@ -242,13 +242,11 @@ class Statistics:
         >>> print(table.loc["drive_work_J"].round(2).to_list())
         [3.05, 0.0]
         """
-        import pandas as pd
-
         require(0 < level < 1, "interval", "level", level, "must lie in (0, 1)", "give e.g. 0.95")
         width = self._batches.half_width(level)
         if self.lossless:
             width[:] = np.nan
-        return pd.DataFrame({"mean": self.mean, "half_width": width}, self.quantities)
+        return self.mean.to_frame("mean").assign(half_width=width)
 
     @property
     def lossless(self) -> bool:
