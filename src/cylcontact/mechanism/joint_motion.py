@@ -14,7 +14,7 @@ from cylcontact.mechanism import contact
 from cylcontact.mechanism.contact import BEYOND_LAW, YIELDS
 from cylcontact.mechanism.joint import ClearanceJoint
 from cylcontact.mechanism.model import Joint, Mechanism
-from cylcontact.mechanism.run import JOINT_LEDGERS, Settings, StepHistory
+from cylcontact.mechanism.run import JOINT_LEDGERS, LEDGERS, Settings, StepHistory
 from cylcontact.mechanism.slider_crank import SliderCrank, recognise
 from cylcontact.numba_cache import called, compiled
 
@@ -152,8 +152,8 @@ class JointMotion:
 
     def ledger(self, name: str) -> FloatArray:
         """Return one of `run.JOINT_LEDGERS` since the start, shape (n,)."""
-        last = len(JOINT_LEDGERS) * (len(self.run.mechanism.clearances) - self.number)
-        return self.run.rows.values[:, JOINT_LEDGERS.index(name) - last]
+        before = len(LEDGERS) + len(JOINT_LEDGERS) * self.number
+        return self.run.rows.ledgers[:, before + JOINT_LEDGERS.index(name)]
 
     normal_dissipation = _ledger(
         "normal_dissipation", "Energy dissipated by the normal force since the start in J, (n,)."

@@ -105,6 +105,12 @@ class StepHistory:
         last = (self.values[-1], self.in_contact[-1], self.impact_rate[-1])
         return State(float(self.time[-1]), *last)
 
+    @property
+    def ledgers(self) -> FloatArray:
+        """The `LEDGERS`, and then the `JOINT_LEDGERS` of each joint, since the start."""
+        count = len(LEDGERS) + len(JOINT_LEDGERS) * self.impact_rate.shape[1]
+        return self.values[:, -count:]
+
     def taken(self, rows: slice, index: int) -> StepHistory:
         """Return some rows, with the counts of the revolution `index`."""
         parts = {field.name: getattr(self, field.name)[rows] for field in fields(self)}
