@@ -90,19 +90,20 @@ class Equations:
     @property
     def joint(self):
         """The one joint with clearance, a record."""
-        return self.run.joints[0]
+        return self.run.model.joints[0]
 
     def rates(self, t, y):
         """Return the rates of coordinates and ledgers."""
         run, y = self.run, np.ascontiguousarray(y[: self.size], dtype=float)
-        model = dop853.Model(run.joints, run.laws, run.crank, run.pin, run.linkage, self.space, y)
+        model = run.model._replace(rates=self.space, stage=y)
         _rates_at(t, y, model)
         return self.space[0].copy()
 
     def gap(self, t, y):
         """Return δ in m and δ̇ in m/s."""
         run, y = self.run, np.ascontiguousarray(y[: self.size], dtype=float)
-        e_x, e_y, u_x, u_y, *_ = _motion(t, y, self.joint, run.crank, run.pin, run.linkage)
+        m = run.model
+        e_x, e_y, u_x, u_y, *_ = _motion(t, y, self.joint, m.crank, m.pin, m.linkage)
         distance = math.hypot(e_x, e_y)
         rate = (e_x * u_x + e_y * u_y) / distance if distance > 0 else 0.0
         return distance - self.joint["clearance"], rate

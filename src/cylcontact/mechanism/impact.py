@@ -13,6 +13,7 @@ import numpy as np
 from cylcontact.arrays import require
 from cylcontact.laws import ContactLaw
 from cylcontact.mechanism.joint import ClearanceJoint
+from cylcontact.mechanism.joint_motion import changes
 from cylcontact.mechanism.model import GROUND, Body, IntegrationSpec, Joint, Mechanism
 from cylcontact.mechanism.run import Run, Settings
 from cylcontact.mechanism.trajectory import Trajectory
@@ -107,15 +108,14 @@ def isolated_impact(
     run.scale, run.relative = np.repeat([joint.radial * 1e-3, speed], 3), tolerance
     rows, _ = run.advance(_CROSSINGS * flight)
     (contact,) = [Trajectory(mechanism, settings, rows).joint]
-    first = contact.contacts.iloc[:1]
+    begins, ends = changes(contact.in_contact)
     rule, remedy = "the pin does not come back in time", "give a faster or lighter pin"
-    require(first["release_s"].notna().any(), "isolated_impact", "speed", None, rule, remedy)
-    onset, release = first[["onset_s", "release_s"]].to_numpy()[0]
-    begins, ends = (int(np.searchsorted(rows.time, at)) for at in (onset, release))
+    require(ends.size > 0, "isolated_impact", "speed", None, rule, remedy)
+    first, last = begins[0], ends[0]
     lost = contact.normal_dissipation
     return Impact(
-        restitution=float(-rows.values[ends, 3] / rows.values[begins, 3]),
-        duration=float(release - onset),
-        max_penetration=float(first["max_penetration_m"].iloc[0]),
-        dissipated=float(lost[ends] - lost[begins]),
+        restitution=float(-rows.values[last, 3] / rows.values[first, 3]),
+        duration=float(rows.time[last] - rows.time[first]),
+        max_penetration=float(contact.penetration[first : last + 1].max()),
+        dissipated=float(lost[last] - lost[first]),
     )

@@ -65,19 +65,17 @@ _SAFETY, _BETA, _SHRINK, _GROW = 0.9, 0.04, 1 / 3, 8.0
 
 
 class Space(NamedTuple):
-    """Room to work in, zero at first: of a `Model`, the next state, looks, |ë| of every joint."""
+    """Room to work in, zero at first: the next state, looks, and |ë| of every joint."""
 
-    rates: FloatArray
-    stage: FloatArray
     new: FloatArray
     looks: FloatArray
     after: FloatArray
     accelerations: FloatArray
 
     @classmethod
-    def of(cls, size: int, ledgers: int, joints: int) -> Space:
-        """Return the room for a state of a size, with ledgers, and for joints."""
-        shapes = (STAGES + 1, size + ledgers), size, size, (joints, 5), (joints, 5), joints
+    def of(cls, size: int, joints: int) -> Space:
+        """Return the room for a state of a size, and for joints."""
+        shapes = size, (joints, 5), (joints, 5), joints
         return cls(*[np.zeros(shape) for shape in shapes])
 
 
@@ -111,9 +109,10 @@ def _look(turn: Turn, y: FloatArray, joint: Joint, m: Model) -> Look:
 
 
 @compiled
-def penetration(t: float, y: FloatArray, joint: Joint, crank: Any, pin: Any, linkage: Any) -> float:
+def penetration(t: float, y: FloatArray, joint: Joint, m: Model) -> float:
     """Return δ of a joint at a state."""
-    e_x, e_y, _, _, _, _ = dop853.motion(dop853.clock(t, crank), y, joint, crank, pin, linkage)
+    turn = dop853.clock(t, m.crank)
+    e_x, e_y, _, _, _, _ = dop853.motion(turn, y, joint, m.crank, m.pin, m.linkage)
     return math.sqrt(e_x * e_x + e_y * e_y) - float(joint.clearance)
 
 
@@ -512,11 +511,7 @@ def integrate(
     y: FloatArray,
     ledgers: FloatArray,
     end: float,
-    joints: Any,
-    laws: FloatArray,
-    crank: Any,
-    pin: Any,
-    linkage: Any,
+    m: Model,
     tolerances: tuple[float, FloatArray, float],
     space: Space,
     buffers: tuple[FloatArray, FloatArray, BoolArray, FloatArray],
@@ -529,9 +524,8 @@ def integrate(
     two rows, one in each mode. Returned are the rows filled, and `END`, `FULL`, `LAW_LEFT` or
     `COLLAPSED`.
     """
-    rates, stage, new, looks, after, accelerations = space
-    m = Model(joints, laws, crank, pin, linkage, rates, stage)
-    turn = dop853.clock(now.time, crank)
+    new, looks, after, accelerations = space
+    joints, turn = m.joints, dop853.clock(now.time, m.crank)
     _look_at_all(turn, y, m, looks)
     _begin(looks, joints, now)
     rows = 0
@@ -544,10 +538,10 @@ def integrate(
         event, length, rest = _good_step(now, at, after, new, accelerations, end, tolerances, m)
         if length == 0.0:
             return rows, COLLAPSED
-        dop853.sum_ledgers(length, rest, ledgers, rates)
-        _shift(rest, new, rates)
+        dop853.sum_ledgers(length, rest, ledgers, m.rates)
+        _shift(rest, new, m.rates)
         _copy(new, y)
-        turn = dop853.clock(now.time, crank)
+        turn = dop853.clock(now.time, m.crank)
         _look_at_all(turn, y, m, after)
         _accelerate(length, looks, after, accelerations)
         rows = _record(rows, now, y, ledgers, joints, buffers)

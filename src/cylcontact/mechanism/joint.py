@@ -41,14 +41,14 @@ from cylcontact.spec import Spec, broken, parse_spec, read_toml
 _LONGEST_NAME = 40
 
 # TOML has lists, not tuples.
-_Point = Annotated[tuple[float, float], Strict(False)]
+Point = Annotated[tuple[float, float], Strict(False)]
 
 
 class BodySpec(MaterialSpec):
     """The hole of the bearing, or the pin."""
 
     R: float | None = Field(None, gt=0, description="the radius in mm")
-    point: _Point = Field(
+    point: Point = Field(
         (0.0, 0.0), description="the centre of hole or pin in mm, in the axes of the body, [x, y]"
     )
 
@@ -228,8 +228,8 @@ class ClearanceJoint:
     friction: float
     v0: float
     v1: float
-    point_bearing: tuple[float, float] = (0.0, 0.0)
-    point_pin: tuple[float, float] = (0.0, 0.0)
+    point_bearing: Point = (0.0, 0.0)
+    point_pin: Point = (0.0, 0.0)
     origin: str = ""
     data: dict[str, Any] = field(default_factory=dict, repr=False)
 

@@ -14,7 +14,7 @@ from cylcontact.mechanism import contact
 from cylcontact.mechanism.contact import BEYOND_LAW, YIELDS
 from cylcontact.mechanism.joint import ClearanceJoint
 from cylcontact.mechanism.model import Joint, Mechanism
-from cylcontact.mechanism.run import JOINT_LEDGERS, Settings, StepHistory
+from cylcontact.mechanism.run import JOINT_LEDGERS, LEDGERS, Settings, StepHistory
 from cylcontact.mechanism.slider_crank import SliderCrank, recognise
 from cylcontact.numba_cache import called, compiled
 
@@ -152,8 +152,8 @@ class JointMotion:
 
     def ledger(self, name: str) -> FloatArray:
         """Return one of `run.JOINT_LEDGERS` since the start, shape (n,)."""
-        last = len(JOINT_LEDGERS) * (len(self.run.mechanism.clearances) - self.number)
-        return self.run.rows.values[:, JOINT_LEDGERS.index(name) - last]
+        before = len(LEDGERS) + len(JOINT_LEDGERS) * self.number
+        return self.run.rows.ledgers[:, before + JOINT_LEDGERS.index(name)]
 
     normal_dissipation = _ledger(
         "normal_dissipation", "Energy dissipated by the normal force since the start in J, (n,)."
@@ -200,18 +200,9 @@ class JointMotion:
         for column, body in enumerate((self.joint.i, self.joint.j)):
             if body >= 0:
                 spins[:, column] = self.run.velocities[:, body, 2]
-        return self._forces_with(spins)
-
-    def _forces_with(self, spins: FloatArray) -> FloatArray:
-        out = np.zeros((len(spins), 5))
-        motion = *self._contiguous, spins, self.in_contact, self.impact_rate
-        _joint_forces(*motion, *self._compiled, out)
+        motion, out = (*self._eccentricity, spins), np.zeros((self.run.time.size, 5))
+        _joint_forces(*motion, self.in_contact, self.impact_rate, *self._compiled, out)
         return out
-
-    @cached_property
-    def normal_force(self) -> FloatArray:
-        """f_n in N, which the spins do not change, shape (n,)."""
-        return self._forces_with(np.zeros((self.run.time.size, 2)))[:, 2]
 
     @cached_property
     def force_within(self) -> FloatArray:
@@ -220,17 +211,13 @@ class JointMotion:
         Steps are long against the peaks of the force. The eccentricity is interpolated by Hermite's
         cubic; out of contact the force is 0.
         """
-        touching, rates = self.in_contact, self.impact_rate
-        motion, out = (self.run.time, *self._contiguous), np.zeros((touching.size - 1, PARTS))
-        _force_within(*motion, touching, rates, *self._compiled, out)
+        motion = self.run.time, *self._eccentricity, self.in_contact, self.impact_rate
+        out = np.zeros((self.run.time.size - 1, PARTS))
+        _force_within(*motion, *self._compiled, out)
         return out
 
-    @property
-    def _contiguous(self) -> tuple[FloatArray, FloatArray]:
-        e, rate = self._eccentricity
-        return np.ascontiguousarray(e), np.ascontiguousarray(rate)
-
     force = _of_forces(slice(2), "The contact force on the bearing in N, Eq 13a, shape (n, 2).")
+    normal_force = _of_forces(2, "f_n in N, shape (n,).")
     friction_force = _of_forces(3, "f_t in N along t = [n_y, −n_x], on the bearing, shape (n,).")
     tangential_velocity = _of_forces(4, "v_t = (v_i − v_j)·t in m/s at the contact, shape (n,).")
 
@@ -267,7 +254,7 @@ class JointMotion:
         tangent = self.run.settings.beyond == "tangent"
         load, deepest = self.contact.first_yield, float(self._record["R_bearing"])
         first_yield = np.inf if self.contact.can_yield else np.nan
-        if self.contact.can_yield and self.elastic_force(deepest) > load:
+        if self.elastic_force(deepest) > load:
             excess = lambda depth: self.elastic_force(depth) - load  # noqa: E731
             first_yield = float(brentq(excess, 0.0, deepest, xtol=1e-15))
         law = float(self._record["last_penetration"]) * 1e-3 if tangent else np.inf

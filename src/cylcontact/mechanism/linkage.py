@@ -31,8 +31,8 @@ from cylcontact.mechanism.model import Joint, Mechanism
 from cylcontact.numba_cache import called, compiled, inlined
 
 REVOLUTE, PRISMATIC, DRIVER = 0, 1, 2
-_KINDS = {"revolute": REVOLUTE, "prismatic": PRISMATIC, "driver": DRIVER}
-_ROWS = {REVOLUTE: 2, PRISMATIC: 2, DRIVER: 1}
+# The kind of a joint, and how many constraints it makes.
+_KINDS = {"revolute": (REVOLUTE, 2), "prismatic": (PRISMATIC, 2), "driver": (DRIVER, 1)}
 
 # The direction of a slide as its cosine and sine; the angle between two bodies at the start, and of
 # a driver the speed and the time in which it is reached.
@@ -90,17 +90,13 @@ def linkage_of(mechanism: Mechanism) -> Linkage:
         np.array(springs + drives, SPRING),
         np.array([(a.body, *a.point, *a.force, a.moment) for a in mechanism.loads], LOAD),
         np.array([mechanism.integration.alpha, mechanism.integration.beta]),
-        np.zeros(work_size(len(bodies), row_count(table))),
+        np.zeros(work_size(len(bodies), table)),
     )
 
 
-def row_count(table: Any) -> int:
-    """Return the number of constraints of a table."""
-    return sum(_ROWS[kind] for kind in table["kind"])
-
-
-def work_size(bodies: int, rows: int) -> int:
+def work_size(bodies: int, table: Any) -> int:
     """Return the size of the array of `room`."""
+    rows = int(table["rows"].sum())
     return 5 * bodies + 3 * rows + 2 * rows * 3 * bodies + rows * rows
 
 
@@ -140,12 +136,11 @@ def constraint_table(joints: list[Joint] | tuple[Joint, ...]) -> Any:
     """Return joints as records of the type `CONSTRAINT`."""
     rows, row = [], 0
     for joint in joints:
-        kind, along = _KINDS[joint.kind], (math.cos(joint.direction), math.sin(joint.direction))
-        about = (*along, joint.angle, joint.speed, joint.ramp)
-        rows.append(
-            (kind, row, _ROWS[kind], joint.i, joint.j, *joint.point_i, *joint.point_j, *about)
-        )
-        row += _ROWS[kind]
+        (kind, count), points = _KINDS[joint.kind], (*joint.point_i, *joint.point_j)
+        along = math.cos(joint.direction), math.sin(joint.direction)
+        about = *along, joint.angle, joint.speed, joint.ramp
+        rows.append((kind, row, count, joint.i, joint.j, *points, *about))
+        row += count
     return np.array(rows, CONSTRAINT)
 
 
@@ -439,7 +434,7 @@ def closure(
     table: Any, t: float, q: FloatArray, v: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return Φ, dΦ/dt, Φ_q and γ of the joints in a table."""
-    work, records = np.zeros(work_size(q.size // 3, row_count(table))), table.view(np.recarray)
+    work, records = np.zeros(work_size(q.size // 3, table)), table.view(np.recarray)
     w = room(work, q.size, records)
     constrain(t, q, v, records, w)
     return w.value, w.rate, w.jacobian, w.right
@@ -482,7 +477,7 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     table = constraint_table(joints)
     q = np.concatenate([np.array(body.guess) for body in mechanism.bodies])
     ideal = constraint_table([joint for joint in joints if joint.clearance is None])
-    rows = row_count(ideal)
+    rows = int(ideal["rows"].sum())
     rule, remedy = f"make {rows} constraints for {q.size} coordinates", "hold nothing twice"
     require(rows <= q.size, mechanism.source, "joint", len(joints), rule, remedy)
     drives, held = table["kind"] == DRIVER, table.copy()

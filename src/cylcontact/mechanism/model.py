@@ -9,21 +9,26 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
 from cylcontact.arrays import require
 from cylcontact.errors import InputError
 from cylcontact.fits import Fit
 from cylcontact.impact import IMPACT_RATE_FLOOR
 from cylcontact.materials import own_table, shipped_materials
-from cylcontact.mechanism.joint import ClearanceJoint, ClearanceJointSpec, build_joint, named_law
+from cylcontact.mechanism.joint import (
+    ClearanceJoint,
+    ClearanceJointSpec,
+    Point,
+    build_joint,
+    named_law,
+)
 from cylcontact.pair import unusual_lengths
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
 GROUND = -1
-Point = tuple[float, float]
 
 # Assumptions that no spec can change.
 _ASSUMED = (
@@ -38,17 +43,14 @@ _SLIMMEST = 1e-3
 
 # --- the spec -----------------------------------------------------------------------------------
 
-# TOML has lists, not tuples.
-_Pair = Annotated[tuple[float, float], Strict(False)]
-
 
 class BodySpec(Spec):
     """A rigid body."""
 
     mass: float = Field(gt=0, description="the mass in kg")
     inertia: float = Field(gt=0, description="the moment of inertia about the centre, kg m²")
-    points: dict[str, _Pair] = Field(
-        description="named points in m from the centre, {pin = [x, y]}", strict=False
+    points: dict[str, Point] = Field(
+        description="named points in m from the centre, {pin = [x, y]}"
     )
     guess: tuple[float, float, float] = Field(
         description="a rough position to assemble from, [x, y, degrees]", strict=False
@@ -58,9 +60,7 @@ class BodySpec(Spec):
 class GroundSpec(Spec):
     """The ground."""
 
-    points: dict[str, _Pair] = Field(
-        description="named points in m, {pivot = [x, y]}", strict=False
-    )
+    points: dict[str, Point] = Field(description="named points in m, {pivot = [x, y]}")
 
 
 class JointSpec(Spec):
@@ -124,7 +124,7 @@ class LoadSpec(Spec):
     """A constant force at a point, in the axes of the ground, and a moment."""
 
     at: str = Field(description='a point of a body, "slider.pin"')
-    force: _Pair = Field((0.0, 0.0), description="the force in N, [x, y]", strict=False)
+    force: Point = Field((0.0, 0.0), description="the force in N, [x, y]")
     moment: float = Field(0.0, description="the moment in N m, positive anticlockwise")
 
 
@@ -145,9 +145,7 @@ class MechanismSpec(Spec):
     """A mechanism's file."""
 
     name: str = Field(description="the mechanism's name")
-    gravity: _Pair = Field(
-        (0.0, 0.0), description="the acceleration of gravity in m/s², [x, y]", strict=False
-    )
+    gravity: Point = Field((0.0, 0.0), description="the acceleration of gravity in m/s², [x, y]")
     ground: GroundSpec = Field(description="a table [ground.points]")
     bodies: dict[str, BodySpec] = Field(min_length=1, description="a table [bodies.NAME] for each")
     joint: tuple[JointSpec, ...] = Field(description="a table [[joint]] for each", strict=False)

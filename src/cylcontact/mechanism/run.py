@@ -19,8 +19,9 @@ from cylcontact.choices import BEYOND, METHODS, Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.laws.kernels import TABLE
 from cylcontact.mechanism import contact, integrate
+from cylcontact.mechanism.dop853 import STAGES, Model
 from cylcontact.mechanism.joint import require_defined
-from cylcontact.mechanism.linkage import Linkage, assemble, linkage_of
+from cylcontact.mechanism.linkage import assemble, linkage_of
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import recognise
 from cylcontact.progress import Progress
@@ -107,6 +108,12 @@ class StepHistory:
         last = (self.values[-1], self.in_contact[-1], self.impact_rate[-1])
         return State(float(self.time[-1]), *last)
 
+    @property
+    def ledgers(self) -> FloatArray:
+        """The `LEDGERS`, and then the `JOINT_LEDGERS` of each joint, since the start."""
+        count = len(LEDGERS) + len(JOINT_LEDGERS) * self.impact_rate.shape[1]
+        return self.values[:, -count:]
+
     def taken(self, rows: slice, index: int) -> StepHistory:
         """Return some rows, with the counts of the revolution `index`."""
         parts = {field.name: getattr(self, field.name)[rows] for field in fields(self)}
@@ -151,19 +158,13 @@ def settings_for(
 class Run:
     """A mechanism prepared for the integrator, and its present state.
 
-    `joints` are of the type `contact.JOINT`, `laws` the numbers of all their laws; `crank` and
-    `pin` are the records of a slider-crank in minimal coordinates, None for any other mechanism,
-    which has a `linkage`. `scale` is that of the absolute tolerance of each coordinate and rate,
-    beside which there is a `relative` one.
+    `scale` is that of the absolute tolerance of each coordinate and rate, beside which there is a
+    `relative` one.
     """
 
     mechanism: Mechanism
     settings: Settings
-    joints: Any
-    laws: FloatArray
-    crank: Any
-    pin: Any
-    linkage: Linkage | None
+    model: Model
     scale: FloatArray
     relative: float
     state: State
@@ -190,15 +191,17 @@ class Run:
             ledgers = np.zeros(len(LEDGERS) + len(JOINT_LEDGERS) * joints.size)
             free = np.zeros(joints.size)
             state = State(0.0, np.concatenate((coordinates, ledgers)), free.astype(bool), free)
+        if shape is None:
+            form: tuple[Any, Any, Any] = (None, None, linkage_of(mechanism))
+        else:
+            form = shape.record, shape.pin, None
+        room = np.zeros((STAGES + 1, state.values.size)), np.zeros(coordinates.size)
+        model = Model(joints, np.concatenate(laws), *form, *room)
         relative = shape is not None and shape.pin is None
         return cls(
             mechanism,
             settings,
-            joints,
-            np.concatenate(laws),
-            None if shape is None else shape.record,
-            None if shape is None else shape.pin,
-            linkage_of(mechanism) if shape is None else None,
+            model,
             np.repeat([_LENGTH_SCALE, _SPEED_SCALE], coordinates.size // 2),
             settings.tolerance if relative else _NOT_RELATIVE,
             state,
@@ -206,12 +209,11 @@ class Run:
 
     def advance(self, end: float, label: int = 0) -> tuple[StepHistory, int]:
         """Integrate to `end`; return the steps, as rows of a revolution, and the evaluations."""
-        state, split, count = self.state, self.scale.size, self.joints.size
+        state, split, joints = self.state, self.scale.size, self.model.joints
         y, ledgers = state.values[:split].copy(), state.values[split:].copy()
-        self.joints["touching"], self.joints["onset_rate"] = state.in_contact, state.impact_rate
+        joints["touching"], joints["onset_rate"] = state.in_contact, state.impact_rate
         now = np.zeros(1, integrate.NOW)
         now["time"] = state.time
-        forms = self.joints, self.laws, self.crank, self.pin, self.linkage
         absolute = self.settings.tolerance * self.scale
         tolerances = self.relative, absolute, self.settings.max_step
         most = _MOST_STEPS + _MORE_PER_SECOND * (end - state.time)
@@ -220,19 +222,17 @@ class Run:
         while status == integrate.FULL and len(parts) * _BUFFER < most:
             buffers: tuple[Any, ...] = (
                 np.empty(_BUFFER), np.empty((_BUFFER, state.values.size)),
-                np.empty((_BUFFER, count), np.bool_), np.empty((_BUFFER, count)),
+                np.empty((_BUFFER, joints.size), np.bool_), np.empty((_BUFFER, joints.size)),
             )  # fmt: skip
-            space = integrate.Space.of(split, ledgers.size, count)
-            n, status = integrate.integrate(
-                now[0], y, ledgers, end, *forms, tolerances, space, buffers
-            )
+            space = integrate.Space.of(split, joints.size)
+            about = self.model, tolerances, space, buffers
+            n, status = integrate.integrate(now[0], y, ledgers, end, *about)
             time_s, values, touching, rates = (buffer[:n] for buffer in buffers)
             labels, counts = np.full(n, label, dtype=np.int32), np.empty((0, 3))
             parts.append(StepHistory(time_s, values, touching, rates, labels, counts))
         values = np.concatenate((y, ledgers))
-        in_contact = self.joints["touching"].astype(bool)
-        reached = float(now["time"][0])
-        self.state = State(reached, values, in_contact, self.joints["onset_rate"].copy())
+        reached, in_contact = float(now["time"][0]), joints["touching"].astype(bool)
+        self.state = State(reached, values, in_contact, joints["onset_rate"].copy())
         if status == integrate.LAW_LEFT:
             raise self._law_left(int(now["joint"][0]))
         if status == integrate.FULL:
@@ -265,11 +265,10 @@ class Run:
     def penetration(self, number: int) -> float:
         """Return δ of a joint at the present state in m."""
         time, values = self.state.time, self.state.values[: self.scale.size]
-        model = self.joints[number], self.crank, self.pin, self.linkage
-        return integrate.penetration(time, values, *model)
+        return integrate.penetration(time, values, self.model.joints[number], self.model)
 
     def _law_left(self, number: int) -> LawDomainError:
-        joint, record = self.mechanism.clearances[number], self.joints[number]
+        joint, record = self.mechanism.clearances[number], self.model.joints[number]
         # A tabulated law may be defined beyond its table.
         of_table = ", the end of its table" if record["kernel"] == TABLE else ""
         return LawDomainError(

@@ -43,8 +43,9 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.mechanism import contact
+from cylcontact.mechanism.joint import Point
 from cylcontact.mechanism.linkage import assemble
-from cylcontact.mechanism.model import GROUND, Joint, Mechanism, Point
+from cylcontact.mechanism.model import GROUND, Joint, Mechanism
 from cylcontact.numba_cache import called, inlined
 
 # A slider-crank as compiled functions take it, in SI. The reciprocals save divisions.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
@@ -116,11 +117,7 @@ class Statistics:
     only: str | None = None
 
     def __post_init__(self) -> None:
-        total = len(self.revolutions)
-        require(
-            0 <= self.first < total, "statistics", "first", self.first,
-            f"leaves none of {total} revolutions", "start earlier, or simulate more revolutions",
-        )  # fmt: skip
+        require_counted("statistics", self.first, len(self.revolutions))
 
     @property
     def _joints(self) -> list[Joint]:
@@ -161,6 +158,11 @@ class Statistics:
         """What to call each joint in a sentence, and its statistics."""
         several = len(self._joints) > 1
         return [(f"{j.name}: " if several else "", self.joint(j.name)) for j in self._joints]
+
+    def _on_each(self, *sayings: Callable[[Statistics], str]) -> list[str]:
+        """Return the sentences on each joint, without those that say nothing."""
+        texts = [(name, say(joint)) for name, joint in self._by_joint for say in sayings]
+        return [f"{name}{text}" for name, text in texts if text]
 
     def _of_joints(self, names: tuple[str, ...]) -> list[str]:
         """Return the columns of some quantities of all joints."""
@@ -240,13 +242,11 @@ class Statistics:
         >>> print(table.loc["drive_work_J"].round(2).to_list())
         [3.05, 0.0]
         """
-        import pandas as pd
-
         require(0 < level < 1, "interval", "level", level, "must lie in (0, 1)", "give e.g. 0.95")
         width = self._batches.half_width(level)
         if self.lossless:
             width[:] = np.nan
-        return pd.DataFrame({"mean": self.mean, "half_width": width}, self.quantities)
+        return self.mean.to_frame("mean").assign(half_width=width)
 
     @property
     def lossless(self) -> bool:
@@ -311,11 +311,8 @@ class Statistics:
         First yield, the end of the law's domain, impacts slower than the floor of δ̇⁽⁻⁾, and an
         energy balance worse than a millionth of the largest kinetic energy per revolution.
         """
-        texts = []
-        for name, joint in self._by_joint:
-            for text in (joint._yield(), joint._continuation(), joint._grazing()):
-                texts += [f"{name}{text}"] if text else []
-        return (*texts, *filter(None, [self._balance()]))
+        kinds = Statistics._yield, Statistics._continuation, Statistics._grazing
+        return (*self._on_each(*kinds), *filter(None, [self._balance()]))
 
     def _revolutions_with(self, column: str) -> str:
         """Return in how many revolutions contacts are of a kind, and when first; "" if none is."""
@@ -340,8 +337,7 @@ class Statistics:
     @property
     def continuation(self) -> str:
         """A sentence on contacts for which a law was continued beyond its domain, or nothing."""
-        texts = [(name, joint._continuation()) for name, joint in self._by_joint]
-        return "; ".join(f"{name}{text}" for name, text in texts if text)
+        return "; ".join(self._on_each(Statistics._continuation))
 
     def _continuation(self) -> str:
         passed = self._revolutions_with("beyond_law")
@@ -427,8 +423,7 @@ class Statistics:
                 texts.append(f"{sentence}: {', '.join(found)}")
         if self._joints:
             texts.append(self._repeats())
-        carried = [(name, joint._carried()) for name, joint in self._by_joint]
-        return (*texts, *(f"{name}{text}" for name, text in carried if text))
+        return (*texts, *self._on_each(Statistics._carried))
 
     def _repeats(self) -> str:
         """Return a sentence on the period."""
@@ -501,6 +496,14 @@ _STEADINESS = {
     "too short": "too few revolutions to tell a trend",
     "no steady state": "no steady state: nothing dissipates, and the energy spreads upwards",
 }
+
+
+def require_counted(source: str, first: int, revolutions: int) -> None:
+    """Raise `InputError` if statistics from a revolution on would count none."""
+    require(
+        0 <= first < revolutions, source, "first", first,
+        f"leaves none of {revolutions} revolutions", "start earlier, or simulate more revolutions",
+    )  # fmt: skip
 
 
 def described(title: str, summary: dict[str, Any]) -> str:

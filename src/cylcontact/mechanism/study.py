@@ -20,7 +20,7 @@ from cylcontact.journal import Journal
 from cylcontact.mechanism.joint_motion import JointMotion
 from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.run import Run, Settings, StepHistory, concatenate, settings_for
-from cylcontact.mechanism.statistics import Statistics
+from cylcontact.mechanism.statistics import Statistics, require_counted
 from cylcontact.mechanism.trajectory import Interrupted, Trajectory, reduced, simulate
 from cylcontact.parallel import Call, Workers, call, call_for, run_recorded
 from cylcontact.progress import Progress, silent
@@ -100,10 +100,7 @@ def long_run(
     else:
         mechanism, settings = resume.mechanism, resume.settings
     first = first_of(revolutions) if first is None else first
-    require(
-        0 <= first < max(revolutions, 1), "long_run", "first", first,
-        f"leaves none of {revolutions} revolutions", "start earlier, or simulate more revolutions",
-    )  # fmt: skip
+    require_counted("long_run", first, max(revolutions, 1))
     run = Run.start(mechanism, settings)
     start = Trajectory(mechanism, settings, StepHistory.of(run.state))
     origin = float(start.energy[0])
@@ -364,11 +361,7 @@ def sweep(
 
 def _require_possible(mechanism: Mechanism, plan: Plan) -> None:
     """Refuse a plan that no worker could follow."""
-    require(
-        0 <= plan.first < plan.revolutions, "sweep", "first", plan.first,
-        f"leaves none of {plan.revolutions} revolutions",
-        "start earlier, or simulate more revolutions",
-    )  # fmt: skip
+    require_counted("sweep", plan.first, plan.revolutions)
     for tolerance in {plan.tolerance, plan.against}:
         settings_for(mechanism, plan.method, tolerance, plan.beyond)
 

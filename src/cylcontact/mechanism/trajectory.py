@@ -20,7 +20,6 @@ from cylcontact.mechanism.joint_motion import JointMotion, Motion, numbers_of
 from cylcontact.mechanism.linkage import largest_gaps, linkage_of
 from cylcontact.mechanism.model import Mechanism, Spring, mechanism_from
 from cylcontact.mechanism.run import (
-    JOINT_LEDGERS,
     LEDGERS,
     Run,
     RunError,
@@ -121,18 +120,12 @@ class Trajectory(Motion):
     @property
     def drive_work(self) -> FloatArray:
         """Work of the drivers since the start in J, shape (n,)."""
-        return self._ledgers[:, 0]
+        return self.rows.ledgers[:, LEDGERS.index("drive_work")]
 
     @property
     def damping(self) -> FloatArray:
         """Energy dissipated by dampers since the start in J, shape (n,)."""
-        return self._ledgers[:, 1]
-
-    @property
-    def _ledgers(self) -> FloatArray:
-        """The `LEDGERS` since the start, shape (n, 2)."""
-        last = len(LEDGERS) + len(JOINT_LEDGERS) * len(self.mechanism.clearances)
-        return self.rows.values[:, self.rows.values.shape[1] - last :]
+        return self.rows.ledgers[:, LEDGERS.index("damping")]
 
     normal_dissipation = _over_joints(
         "normal_dissipation", "Energy dissipated by the normal forces since the start in J, (n,)."
