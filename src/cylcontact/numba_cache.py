@@ -33,7 +33,7 @@ PARTS = ("impact", "laws", "mechanism", "numba_cache")
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
-def compiled(function: _Function) -> _Function:
+def compiled(function: _Function, **settings: Any) -> _Function:
     """Compile a function that Python calls, and cache it on disk.
 
     It must be defined in one of the `PARTS`, whose sources name the cache.
@@ -41,7 +41,8 @@ def compiled(function: _Function) -> _Function:
     folder, before = _folder(), _SETTINGS.CACHE_DIR
     _SETTINGS.CACHE_DIR = str(folder or "")  # numba reads it now, not when it compiles
     try:
-        compiler = _njit(cache=folder is not None, no_cfunc_wrapper=True, nogil=True, **_OPTIONS)
+        options = {"cache": folder is not None, "no_cfunc_wrapper": True, "nogil": True}
+        compiler = _njit(**options, **_OPTIONS, **settings)
         return cast(_Function, compiler(function))
     finally:
         _SETTINGS.CACHE_DIR = before

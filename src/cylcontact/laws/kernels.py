@@ -163,7 +163,7 @@ def inlined_load(kind: int, parameters: FloatArray, penetration: float) -> float
     return _load(kind, parameters, penetration)
 
 
-kernel_load = compiled(inlined_load)
+kernel_load = compiled(inlined_load, forceinline=True)
 
 
 @inlined
