@@ -405,15 +405,11 @@ def compare(
 
     read = [fitting.FitResult.read(path) for path in results]
     often = Counter(result.name for result in read)
-    # Fits of one table have its name.
-    say(
-        fitting.compare(
-            [
-                result.model_copy(update={"name": path.stem}) if often[result.name] > 1 else result
-                for path, result in zip(results, read, strict=True)
-            ]
-        )
-    )
+    named = [  # fits of one table have its name
+        result.model_copy(update={"name": path.stem}) if often[result.name] > 1 else result
+        for path, result in zip(results, read, strict=True)
+    ]
+    say(fitting.compare(named))
 
 
 def verify(

@@ -264,8 +264,8 @@ class Run:
 
     def penetration(self, number: int) -> float:
         """Return δ of a joint at the present state in m."""
-        time, values = self.state.time, self.state.values[: self.scale.size]
-        return integrate.penetration(time, values, self.model.joints[number], self.model)
+        values, joint = self.state.values[: self.scale.size], self.model.joints[number]
+        return integrate.penetration(self.state.time, values, joint, self.model)
 
     def _law_left(self, number: int) -> LawDomainError:
         joint, record = self.mechanism.clearances[number], self.model.joints[number]
