@@ -82,6 +82,12 @@ def test_only_the_name_of_a_module_and_a_function_is_imported(fit, tmp_path, nam
     refused(fit, tmp_path, "cannot be imported: it does not name", law(f"return {POWER}"), name)
 
 
+def test_a_law_of_ones_own_takes_no_housing(fit):
+    own = law(f"return {POWER}"), "mine:load", "rms-log-load"
+    code, _, errors = fit(*own, "--R-o", "20", "--clamp", "rim")
+    assert (code, "'mine:load': knows no housing" in errors) == (2, True)
+
+
 def test_what_a_law_prints_is_no_part_of_the_report(fit):
     _, plain, _ = fit(law(f"return {POWER}"))
     code, said, _ = fit(law(f"print('a look'); return {POWER}"))

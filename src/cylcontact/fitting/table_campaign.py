@@ -303,7 +303,7 @@ def campaign_of(name: str, settings: dict[str, Any], source: str) -> Campaign | 
 
 
 def _law_model(law: str, spec: MeasuredSpec, folder: Path, source: str) -> LawModel:
-    if is_user_law(law):
+    if is_user_law(law) and spec.housing is None:
         return user_model(law, spec.contact, source, folder, Path.cwd())
     return _package_model(law, spec, source)
 
