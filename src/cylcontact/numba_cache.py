@@ -19,6 +19,8 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.extending import register_jitable
 
+from cylcontact.arrays import FloatArray
+
 # Typed as Any: numba declares neither attributes nor every option to a type checker.
 _SETTINGS: Any = numba.config
 _njit: Any = numba.njit
@@ -70,6 +72,13 @@ def merged(function: _Function) -> _Function:
     What is called or inlined is compiled alone, and once more with each of its callers, and theirs.
     """
     return cast(_Function, _njit(inline="always", **_OPTIONS)(function))
+
+
+@inlined
+def copy_to(values: FloatArray, out: FloatArray) -> None:
+    """Copy a row in compiled code; of `out[:] = values` numba compiles a message for seconds."""
+    for n in range(values.size):
+        out[n] = values[n]
 
 
 @cache

@@ -48,8 +48,8 @@ class Table:
     steps: list[str] = field(default_factory=list)
 
     @property
-    def about_header(self) -> str:
-        """What an error about columns adds for a workbook: where their names are read."""
+    def header_rule(self) -> str:
+        """The rule on where a workbook's column names stand, for errors; empty for other tables."""
         if Path(self.source).suffix.lower() != ".xlsx":
             return ""
         return " (the first sheet with cells is read, and its first row must hold the names)"

@@ -39,7 +39,7 @@ NAMES = ("..mine:load", "/etc/mine:load", "mine:", ":load", "mine:a.b")
 @pytest.fixture
 def fit(tmp_path, run, monkeypatch):
     """Fit a law of a module mine.py to points of a power law, with little patience."""
-    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # of mine.py, beside it
     table = write_measured(tmp_path / "measured.csv", "power", "internal")
 
     def fit(module, law="mine:load", objective="rms-log-load", *more):

@@ -78,7 +78,7 @@ def require_found(found: Mapped, quantity: str) -> None:
         f"{option_for(quantity, found.left_out)}"
     )
     remedy = f"add {spellings(quantity)}{others if found.left_out else ''}"
-    rule = f"is required{found.table.about_header}"
+    rule = f"is required{found.table.header_rule}"
     raise InputError(found.table.source, quantity, None, rule, remedy)
 
 

@@ -337,7 +337,7 @@ def _require_all(found: Mapped, values: Mapping[str, object], contact: Contact) 
             lacks.append(f"the material of the {role}")
             needs.append(f"material_{body}")
     if len(lacks) > 1 and {"load", "penetration"} - {*values}:
-        rule = f"lacks {', '.join(lacks)}{found.table.about_header}"
+        rule = f"lacks {', '.join(lacks)}{found.table.header_rule}"
         named = ", ".join(map(repr, found.left_out[:_LISTED]))
         option = option_for("penetration" if "load" in values else "load", found.left_out)
         others = f"; name one of {named} with {option}" if named else ""

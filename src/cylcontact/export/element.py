@@ -170,8 +170,8 @@ class Element:
     @property
     def results(self) -> list[Result]:
         """The parts of the wrench."""
-        sizes = {name: sum(self.program.work[name].shape) for name in self.meanings}
-        return [Result(name, sizes[name], *about) for name, about in self.meanings.items()]
+        fields = self.program.work  # of a number the shape is ()
+        return [Result(name, sum(fields[name].shape), *a) for name, a in self.meanings.items()]
 
     def comment(self, mark: str) -> str:
         """Return the comment at the top of a file, each line behind a `mark`."""

@@ -45,7 +45,7 @@ _FUNCTIONS = (
         "load_at", "energy_at", "rotate", "resolve", "cross", "move", "section", "seek",
         "reach_faces", "reach", "slide", "press", "onset_at", "press_piece",
         "free_distance", "press_straight", "first_touch", "press_crowned", "press_rims",
-        "press_faces", "finish", "reset", "lose", "evaluate", "accept",
+        "press_faces", "finish", "reset", "invalidate", "evaluate", "accept",
     )),
 )  # fmt: skip
 

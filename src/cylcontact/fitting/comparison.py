@@ -90,10 +90,11 @@ def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
     """Return results of one law and contact side by side, for the renderings of such a table."""
     # Some results of a group may be of data for which nothing was published.
     published = next((r.published.coefficients for r in results if r.published), None)
+    coefficients = [_coefficients(result) for result in results]
     rows: dict[str, list[str | None]] = {
         label: [
             f"{published[name]:g}" if published else None,
-            *(_coefficient(r, name) for r in results),
+            *(texts[name] for texts in coefficients),
         ]
         for name, label in labels(results[0]).items()
     }
@@ -105,10 +106,13 @@ def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
     return rows
 
 
-def _coefficient(result: FitResult, name: str) -> str:
-    """Return a coefficient as text, with its standard error if there is one."""
-    value, error = map(float, result.to_frame().loc[name, ["value", "standard_error"]])
-    return f"{value:.5g} ± {error:.2g}" if error > 0 else f"{value:.5g}"
+def _coefficients(result: FitResult) -> dict[str, str]:
+    """Return the coefficients as texts, with standard errors where there are any."""
+    errors = result.to_frame()["standard_error"]
+    return {
+        name: f"{value:.5g} ± {errors[name]:.2g}" if errors[name] > 0 else f"{value:.5g}"
+        for name, value in result.coefficients.items()
+    }
 
 
 def _add_differences(rows: dict[str, list[str | None]], result: FitResult) -> None:

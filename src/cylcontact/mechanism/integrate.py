@@ -24,7 +24,7 @@ from cylcontact.mechanism import contact, dop853
 from cylcontact.mechanism.contact import Joint
 from cylcontact.mechanism.dop853 import STAGES, Model, later, rates_at, step
 from cylcontact.mechanism.slider_crank import Turn
-from cylcontact.numba_cache import called, compiled, inlined, merged
+from cylcontact.numba_cache import called, compiled, copy_to, inlined, merged
 
 # Where a run is: time in s, the next step in s (0 at a start), the error of the last one,
 # evaluations so far, how many steps have ended at the kink that they start from since one last
@@ -86,13 +86,6 @@ class Start(NamedTuple):
     turn: Turn
     y: FloatArray
     looks: FloatArray
-
-
-@inlined
-def _copy(values: FloatArray, out: FloatArray) -> None:
-    """Copy an array; numba takes seconds to compile what it would say if shapes differed."""
-    for n in range(out.size):
-        out[n] = values[n]
 
 
 @called
@@ -267,7 +260,7 @@ def _land(
             low = x
         else:
             high = x
-        _copy(new, m.stage)
+        copy_to(new, m.stage)
         _shift(_AT_SLOPE, m.stage, m.rates)
         delta, _, v_t, _, _ = _look(later(turn, _AT_SLOPE, m.crank), m.stage, joint, m)
         rise = _margin(kind, delta, v_t, joint) - g
@@ -433,10 +426,8 @@ def _record(
     """Write a row and return the number of the next."""
     times, states, touching, onset_rates = buffers
     times[row] = now.time
-    for n in range(y.size):
-        states[row, n] = y[n]
-    for n in range(ledgers.size):
-        states[row, y.size + n] = ledgers[n]
+    copy_to(y, states[row])
+    copy_to(ledgers, states[row, y.size :])
     for k in range(joints.shape[0]):
         touching[row, k], onset_rates[row, k] = joints[k].touching != 0, joints[k].onset_rate
     return row + 1
@@ -457,31 +448,28 @@ def _accelerate(h: float, before: FloatArray, after: FloatArray, out: FloatArray
     """Write the mean size of ë over a step for every joint, and update the looks before it."""
     for k in range(out.size):
         out[k] = math.hypot(after[k, 3] - before[k, 3], after[k, 4] - before[k, 4]) / h
-    for k in range(out.size):
-        _copy(after[k], before[k])
+        copy_to(after[k], before[k])
 
 
 @called
 def _good_step(
     now: Now,
     at: Start,
-    after: FloatArray,
-    new: FloatArray,
-    accelerations: FloatArray,
     end: float,
-    tolerances: tuple[float, FloatArray, float],
     m: Model,
+    tolerances: tuple[float, FloatArray, float],
+    space: Space,
 ) -> tuple[int, float, float]:
     """Repeat a step, shorter, until it is within the tolerances and ends at the first event in it.
 
     Written are the state at its end, the time there, and the next step. Returned are what
     `_examine` does; a length of 0 if no step is small enough.
     """
-    relative, absolute, max_step = tolerances
+    (relative, absolute, max_step), (new, looks, after, accelerations) = tolerances, space
     t, grow = at.time, _GROW
     while True:
         wanted = min(now.step, max_step)
-        h = _length(now, at.looks, accelerations, end, max_step, m.joints)
+        h = _length(now, looks, accelerations, end, max_step, m.joints)
         if not t + h > t:
             return _NOTHING, 0.0, 0.0
         step(t, h, at.turn, at.y, new, m)
@@ -535,12 +523,12 @@ def integrate(
         rates_at(now.time, turn, y, 0, m)
         now.evaluations += 1
         at = Start(now.time, turn, y, looks)
-        event, length, rest = _good_step(now, at, after, new, accelerations, end, tolerances, m)
+        event, length, rest = _good_step(now, at, end, m, tolerances, space)
         if length == 0.0:
             return rows, COLLAPSED
         dop853.sum_ledgers(length, rest, ledgers, m.rates)
         _shift(rest, new, m.rates)
-        _copy(new, y)
+        copy_to(new, y)
         turn = dop853.clock(now.time, m.crank)
         _look_at_all(turn, y, m, after)
         _accelerate(length, looks, after, accelerations)

@@ -364,7 +364,7 @@ def _percentiles(dt: FloatArray, values: FloatArray) -> list[float]:
     if not dt.sum() > 0:
         return [float("nan")] * len(FORCE_PERCENTILES)
     weight, sample = np.repeat(dt, values.shape[1]), values.ravel()
-    order = np.argsort(sample)
+    order = np.argsort(sample, kind="stable")
     share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
     return [float(np.interp(percent / 100, share, sample[order])) for percent in FORCE_PERCENTILES]
 

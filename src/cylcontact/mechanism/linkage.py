@@ -28,7 +28,7 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
 from cylcontact.mechanism import contact
 from cylcontact.mechanism.model import Joint, Mechanism
-from cylcontact.numba_cache import called, compiled, inlined
+from cylcontact.numba_cache import called, compiled, copy_to, inlined
 
 REVOLUTE, PRISMATIC, DRIVER = 0, 1, 2
 # The kind of a joint, and how many constraints it makes.
@@ -414,8 +414,7 @@ def derivatives(
     w = room(m.work, size, m.constraints)
     q, v, lam = y[:size], y[size:], w.right
     constrain(t, q, v, m.constraints, w)
-    for n in range(size):
-        w.force[n] = m.inertia[2, n]
+    copy_to(m.inertia[2], w.force)
     driving, damping = _push(q, v, w, m.springs, m.loads)
     _touch(q, v, w, joints, laws, rates[row, ledger + 2 :])
     for r in range(lam.size):

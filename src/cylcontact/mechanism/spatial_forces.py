@@ -631,7 +631,7 @@ def reset(w: Record) -> None:
 
 
 @called
-def lose(w: Record) -> None:
+def invalidate(w: Record) -> None:
     """Write NaN as the wrench of a motion that is not a number."""
     motion = 0.0
     for k in range(3):
@@ -680,7 +680,7 @@ def evaluate(
         if joint.face_stiffness > 0.0:
             press_faces(w, joint)
         finish(w, joint)
-    lose(w)
+    invalidate(w)
     for side in range(4):
         w.penetration[side] /= joint.in_mm
         w.penetration_rate[side] /= joint.in_mm
