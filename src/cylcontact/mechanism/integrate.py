@@ -426,8 +426,10 @@ def _record(
     """Write a row and return the number of the next."""
     times, states, touching, onset_rates = buffers
     times[row] = now.time
-    copy_to(y, states[row])
-    copy_to(ledgers, states[row, y.size :])
+    for n in range(y.size):
+        states[row, n] = y[n]
+    for n in range(ledgers.size):
+        states[row, y.size + n] = ledgers[n]
     for k in range(joints.shape[0]):
         touching[row, k], onset_rates[row, k] = joints[k].touching != 0, joints[k].onset_rate
     return row + 1
@@ -455,21 +457,23 @@ def _accelerate(h: float, before: FloatArray, after: FloatArray, out: FloatArray
 def _good_step(
     now: Now,
     at: Start,
+    after: FloatArray,
+    new: FloatArray,
+    accelerations: FloatArray,
     end: float,
-    m: Model,
     tolerances: tuple[float, FloatArray, float],
-    space: Space,
+    m: Model,
 ) -> tuple[int, float, float]:
     """Repeat a step, shorter, until it is within the tolerances and ends at the first event in it.
 
     Written are the state at its end, the time there, and the next step. Returned are what
     `_examine` does; a length of 0 if no step is small enough.
     """
-    (relative, absolute, max_step), (new, looks, after, accelerations) = tolerances, space
+    relative, absolute, max_step = tolerances
     t, grow = at.time, _GROW
     while True:
         wanted = min(now.step, max_step)
-        h = _length(now, looks, accelerations, end, max_step, m.joints)
+        h = _length(now, at.looks, accelerations, end, max_step, m.joints)
         if not t + h > t:
             return _NOTHING, 0.0, 0.0
         step(t, h, at.turn, at.y, new, m)
@@ -523,7 +527,7 @@ def integrate(
         rates_at(now.time, turn, y, 0, m)
         now.evaluations += 1
         at = Start(now.time, turn, y, looks)
-        event, length, rest = _good_step(now, at, end, m, tolerances, space)
+        event, length, rest = _good_step(now, at, after, new, accelerations, end, tolerances, m)
         if length == 0.0:
             return rows, COLLAPSED
         dop853.sum_ledgers(length, rest, ledgers, m.rates)
