@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks.harness import Row
 from benchmarks.page import PAGE, RESULTS, load, page, save
-from cylcontact.files import replacing
+from cylcontact.files.writing import replacing
 
 BENCHMARKS = (
     "law", "sampling", "search", "calibration", "mechanism", "finite_element", "start_up",

@@ -19,7 +19,7 @@ from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.runs import searches
 from cylcontact.mechanism import cases, read_mechanism
 from cylcontact.mechanism.study import Plan, run_case, sweep
-from cylcontact.parallel import Cluster, Workers, call, collect
+from cylcontact.support.parallel import Cluster, Workers, call, collect
 
 ROOT = Path(__file__).parents[1]
 WORKERS, ROUNDS, RUNS, EMPTY = (1, 2, 4, 8), 3, 64, 500

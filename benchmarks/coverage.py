@@ -21,7 +21,7 @@ import pandas as pd
 from joblib import Parallel, delayed
 
 import cylcontact as cc
-from cylcontact.files import replacing
+from cylcontact.files.writing import replacing
 from cylcontact.fitting import FitResult
 
 ROOT = Path(__file__).parents[1]

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from benchmarks.mechanism import SPEC
+from cylcontact.files.spec import read_toml
 from cylcontact.mechanism import Mechanism, mechanism_from
-from cylcontact.spec import read_toml
 
 
 class Statistics(NamedTuple):

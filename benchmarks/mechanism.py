@@ -12,9 +12,9 @@ import numpy as np
 
 from benchmarks.exudyn_peer import Run, simulate_in_exudyn
 from benchmarks.harness import Row, Side, rows, timings
-from cylcontact.choices import METHODS
+from cylcontact.files.spec import read_toml
 from cylcontact.mechanism import long_run, mechanism_from, read_mechanism, simulate
-from cylcontact.spec import read_toml
+from cylcontact.support.choices import METHODS
 
 SPEC = Path(__file__).parents[1] / "datasets" / "slider_crank.toml"
 # Where Exudyn and we are compared: elastic, without friction, so that the force laws are the

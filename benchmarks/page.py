@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.harness import Row
-from cylcontact.files import replacing
-from cylcontact.reading import marked, unmarked
+from cylcontact.files.reading import marked, unmarked
+from cylcontact.files.writing import replacing
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS, PAGE = ROOT / "datasets" / "benchmarks.json", ROOT / "docs" / "speed.md"

@@ -10,13 +10,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
-from cylcontact.arrays import FloatArray
-from cylcontact.materials import MaterialRow
-from cylcontact.pair import CylinderPair
+from cylcontact.bodies.material import MaterialRow
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.plots import new_figure
 from cylcontact.plots.figure import StyledFigure, panel_title, plain_log, round_ticks
 from cylcontact.plots.limit_curves import limit_clearances
 from cylcontact.plots.style import staggered
+from cylcontact.support.arrays import FloatArray
 
 from .paper import FIG7_CLEARANCES, LOADS, RADII
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cylcontact.arrays import FloatArray
-from cylcontact.materials import Material
+from cylcontact.bodies.material import Material
+from cylcontact.support.arrays import FloatArray
 
 from .paper import Y_SWITCH, Domain, difference
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from cylcontact.pair import Contact
+from cylcontact.bodies.pair import Contact
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.sketch import (
     ARROW,

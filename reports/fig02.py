@@ -11,13 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from cylcontact.arrays import FloatArray
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.fitting.power_fit import PowerFit, fit_power_to_law
 from cylcontact.laws import Johnson, PowerLaw
-from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_number
 from cylcontact.plots.style import ACCENT, QUIET
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray
 
 from .paper import FIG2_DR, FIG2_FITS, GOOD_CORRELATION
 from .power_fits import FIG2_LOADS, reference_pair

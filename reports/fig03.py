@@ -12,11 +12,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cylcontact.arrays import FloatArray
+from cylcontact.bodies.material import Material, material_in_MPa
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.fitting.power_fit import fit_power
 from cylcontact.laws import Enhanced
-from cylcontact.materials import Material, material_in_MPa
-from cylcontact.pair import Contact, CylinderPair
 from cylcontact.plots.figure import (
     Drawing,
     legend_below,
@@ -26,6 +25,7 @@ from cylcontact.plots.figure import (
     plain_number,
 )
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray
 
 from .paper import TRAINING_DR, TRAINING_LOADS
 from .power_fits import ends_spread, johnson_points

@@ -13,12 +13,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from cylcontact import limits
-from cylcontact.arrays import FloatArray
 from cylcontact.datasets.finite_element import Solution, solve
 from cylcontact.laws.conformal import pressure as persson_pressure
 from cylcontact.plots.figure import Drawing, legend_below, new_figure, panel_title
 from cylcontact.plots.style import COLOURS
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray
 
 from .finite_elements import (
     choices,

@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from cylcontact.arrays import FloatArray
 from cylcontact.mechanism import Trajectory, simulate
 from cylcontact.mechanism.drawing import (
     BEARING,
@@ -23,6 +22,7 @@ from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.sketch import ARROW, OUTLINE, POINTER, THIN, Point, cross
 from cylcontact.plots.style import ACCENT, small_text
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray
 
 from .slider_crank import assumed, mechanism
 

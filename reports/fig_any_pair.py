@@ -9,12 +9,12 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import Conformal, ContactLaw, ExplicitPair, Parametric
-from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, LINE_STYLES
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray, as_floats
 
 from .joints import draw_plane, error_table
 

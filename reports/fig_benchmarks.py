@@ -12,11 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from cylcontact.errors import InputError
+from cylcontact.files.reading import unmarked
 from cylcontact.plots.figure import Drawing, figure_of_lines, plain_log, round_ticks
 from cylcontact.plots.style import ACCENT, QUIET, small_text
-from cylcontact.reading import unmarked
 from cylcontact.reports.bench import Bench
+from cylcontact.support.errors import InputError
 
 CAPTION = (
     "Time that other software takes, in units of the time that cylcontact takes for the same task "

@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from cylcontact.arrays import FloatArray
 from cylcontact.laws import Conformal, Housing, difference_percent
 from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS, QUIET
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray
 
 from .joints import ALUMINIUM, STEEL, Joint, label_of, origins_of, pair_of
 

@@ -9,14 +9,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import Conformal, Housing, difference_percent
 from cylcontact.laws.explicit import CALIBRATED
-from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure, plain_log
 from cylcontact.plots.style import COLOURS
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import STEEL
+from cylcontact.support.arrays import FloatArray
 
 from .universal import (
     EXTERNAL_PHI,

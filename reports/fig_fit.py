@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from cylcontact.fits import Fit
+from cylcontact.bodies.fits import Fit
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import Parametric
 from cylcontact.limits import yield_load
-from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure, plain_log
 from cylcontact.plots.style import COLOURS, LINE_STYLES
 from cylcontact.reports.bench import Bench

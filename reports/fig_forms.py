@@ -12,12 +12,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Transform
 
-from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.polish import minimise_largest
 from cylcontact.laws import Persson
 from cylcontact.plots.figure import Drawing, figure_of_lines, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, small_text
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray, as_floats
 
 from .universal import PHI_MAX, PHI_MIN, UNIT_PAIR
 

@@ -13,13 +13,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
 
-from cylcontact.arrays import FloatArray
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.laws import Conformal, Explicit, Housing, Johnson, Sector
-from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure, plain_log
 from cylcontact.plots.style import COLOURS, QUIET
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray
 
 from .joints import STEEL, origins_of
 

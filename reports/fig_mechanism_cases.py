@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from cylcontact.mechanism.joint import TANGENT_FROM
+from cylcontact.joint.clearance import TANGENT_FROM
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import QUIET, small_text
 from cylcontact.reports.bench import Bench

@@ -9,7 +9,6 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
-from cylcontact.errors import InputError
 from cylcontact.fitting.comparison import CSV_COLUMNS
 from cylcontact.fitting.records import SAME_BASIN
 from cylcontact.plots.figure import (
@@ -22,6 +21,7 @@ from cylcontact.plots.figure import (
 )
 from cylcontact.plots.style import COLOURS, MARKERS
 from cylcontact.reports.bench import Bench
+from cylcontact.support.errors import InputError
 
 CAMPAIGN = "internal"
 CAPTION = (

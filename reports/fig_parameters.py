@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from cylcontact.arrays import FloatArray
 from cylcontact.export import CODES, contact_parameters
 from cylcontact.mechanism import ClearanceJoint, joint_from
 from cylcontact.plots.figure import Drawing, new_figure, plain_log
 from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS, QUIET
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray
 
 from .joints import STEEL
 

@@ -9,11 +9,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cylcontact.arrays import FloatArray
 from cylcontact.impact import FACTORS, achieved_restitution, hysteresis_factor
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import QUIET
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray
 
 GROUPS = (
     (

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.axes import Axes
 
+from cylcontact.bodies.pair import CONTACTS
 from cylcontact.fitting.results import LawFit
-from cylcontact.pair import CONTACTS
 from cylcontact.plots.figure import (
     Drawing,
     StyledFigure,

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from cylcontact.mechanism.spatial import EDGES
+from cylcontact.joint.spatial import EDGES
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import COLOURS
 from cylcontact.reports.bench import Bench

@@ -9,12 +9,12 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import AutoMinorLocator
 
-from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws.conformal import Bodies
 from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
 from cylcontact.plots.maps import RIM, add_scale, draw_contours, label_contours
 from cylcontact.plots.style import small_text
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray, as_floats
 
 from .joints import (
     ALUMINIUM,

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.finite_element import Study, read_study, read_table
-from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
-from cylcontact.materials import Material
-from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
+from cylcontact.support.errors import InputError
 
 # Set-ups and tables of a bench.
 FOLDER = Path("datasets", "finite_element")

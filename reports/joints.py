@@ -13,10 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import FixedLocator, FuncFormatter
 
-from cylcontact.arrays import FloatArray
-from cylcontact.pair import CylinderPair
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.plots.maps import signed
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray
 
 from .paper import ELASTIC, origins
 

@@ -8,9 +8,9 @@ from itertools import product
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
 from cylcontact.fitting.power_fit import PowerFit
 from cylcontact.reports.claims import agrees_as_printed
+from cylcontact.support.arrays import FloatArray
 
 from .paper import FIG2_FITS
 from .power_fits import fig2_fit, stepped_loads

@@ -18,14 +18,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from cylcontact.arrays import FloatArray
-from cylcontact.journal import Journal
+from cylcontact.files.journal import Journal, call_for, run_recorded
 from cylcontact.laws import LAWS
 from cylcontact.mechanism import Case, Mechanism, Statistics, long_run, mechanism_from
 from cylcontact.mechanism.batch_means import BatchMeans
-from cylcontact.parallel import Call, call, call_for, run_recorded
-from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench, MissingInputError, call_in_bench
+from cylcontact.support.arrays import FloatArray
+from cylcontact.support.parallel import Call, call
+from cylcontact.support.progress import Progress, silent
 
 from .paper import JOINT_CLEARANCES
 from .slider_crank import CASES, PAPER_CASES, SPEC, limit_reached, mechanism

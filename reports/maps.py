@@ -21,17 +21,17 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from cylcontact.bodies.material import MaterialRow
 from cylcontact.datasets.grid import grid_from
-from cylcontact.errors import InputError
 from cylcontact.laws import LAWS, ContactLaw, Enhanced, difference_percent, reference_law
 from cylcontact.limits import yield_load
-from cylcontact.materials import MaterialRow
-from cylcontact.plain_text import as_label, brief
 from cylcontact.plots import Drawing, new_figure, plot_map
 from cylcontact.plots.difference_map import map_grid
 from cylcontact.plots.figure import panel_title, plain_log, plain_number
 from cylcontact.plots.maps import add_scale
 from cylcontact.reports.bench import Bench
+from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import as_label, brief
 
 from .paper import (
     COMPARED_CLEARANCES,

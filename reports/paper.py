@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact import limits
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.bodies.material import Material, MaterialRow
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws import Enhanced, Johnson, difference_percent
 from cylcontact.laws.enhanced import PUBLISHED_DR
-from cylcontact.materials import Material, MaterialRow
-from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.paper import Paper
+from cylcontact.support.arrays import FloatArray, as_floats
 
 Interval = tuple[float, float]
 

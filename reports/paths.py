@@ -13,11 +13,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from cylcontact.arrays import as_floats
 from cylcontact.mechanism import Case, Trajectory
 from cylcontact.plots.figure import Drawing, legend_below, new_figure, panel_title
 from cylcontact.plots.style import COLOURS, LINE_STYLES, QUIET
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import as_floats
 
 from .paper import FRICTIONS, RESTITUTIONS
 from .slider_crank import CASES, LAW_NAMES, assumed, horizons, law_ends, mechanism, simulated

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
 from cylcontact.laws import Johnson
-from cylcontact.materials import Material
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats
 
 from .paper import E_REFERENCE, FIG2_DR, NU_REFERENCE
 

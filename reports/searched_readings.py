@@ -21,15 +21,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from cylcontact.arrays import FloatArray
+from cylcontact.bodies.pair import CONTACTS, Contact
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.objectives import ON_ROWS, Problem
 from cylcontact.fitting.polish import minimise, polish
 from cylcontact.laws import PUBLISHED
 from cylcontact.laws.law import Parameter
-from cylcontact.pair import CONTACTS, Contact
 from cylcontact.reports.bench import Bench
+from cylcontact.support.arrays import FloatArray
 
 FILE = "datasets/readings.csv"
 COLUMNS = (

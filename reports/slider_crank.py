@@ -13,7 +13,8 @@ import numpy as np
 import pandas as pd
 from scipy.integrate import quad
 
-from cylcontact.arrays import FloatArray
+from cylcontact.bodies.pair import CylinderPair
+from cylcontact.joint.clearance import TANGENT_FROM
 from cylcontact.laws import LAWS
 from cylcontact.mechanism import (
     Case,
@@ -24,11 +25,10 @@ from cylcontact.mechanism import (
     read_mechanism,
     simulate,
 )
-from cylcontact.mechanism.joint import TANGENT_FROM
 from cylcontact.mechanism.model import Body
-from cylcontact.pair import CylinderPair
 from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
 from cylcontact.reports.bench import Bench, MissingInputError
+from cylcontact.support.arrays import FloatArray
 
 from .paper import FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUTIONS
 

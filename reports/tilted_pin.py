@@ -32,7 +32,7 @@ from scipy.optimize import least_squares
 from scipy.sparse.linalg import splu
 from skfem.helpers import dot
 
-from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray, as_floats
 
 FILE = "datasets/tilted_pin.csv"
 NU, OUTER, BEYOND = 0.3, 4.0, 0.5

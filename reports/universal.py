@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.bodies.material import material_in_MPa
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.fitting.results import LawFit
 from cylcontact.laws import (
     ContactLaw,
@@ -23,9 +24,8 @@ from cylcontact.laws import (
     Winkler,
     explicit_penetration,
 )
-from cylcontact.materials import material_in_MPa
-from cylcontact.pair import CylinderPair
 from cylcontact.reports.laws_bounds import BOUNDED, STEEL
+from cylcontact.support.arrays import FloatArray, as_floats
 
 # E* = 1 MPa and ΔR = 1 mm, so that a load is φ and a penetration is d.
 _UNIT = material_in_MPa("unit", 2.0, 0.0)

@@ -12,7 +12,7 @@ import sys
 import numpy as np
 
 from cylcontact import CylinderPair, laws
-from cylcontact.materials import shipped_materials
+from cylcontact.bodies.material import shipped_materials
 
 SEED, NOISE = 20150101, 0.03
 RADIUS = 10.0

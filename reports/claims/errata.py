@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.impact import friction_load
 from cylcontact.laws import Enhanced
-from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, untestable
 

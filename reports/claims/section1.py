@@ -6,13 +6,13 @@ import numpy as np
 from scipy.optimize import brentq
 
 from cylcontact import limits
-from cylcontact.arrays import BoolArray, FloatArray
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws import Enhanced, Johnson, Persson
-from cylcontact.materials import Material
-from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined
 from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
+from cylcontact.support.arrays import BoolArray, FloatArray
 
 from .. import paper
 from ..paper import STEEL

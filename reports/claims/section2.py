@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import lambertw
 
-from cylcontact.arrays import FloatArray
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.impact import achieved_restitution, exact_factor, lankarani_nikravesh
 from cylcontact.laws import Enhanced, Johnson, LankaraniNikravesh
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
-from cylcontact.materials import Material
-from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined, with_unit
+from cylcontact.support.arrays import FloatArray
 
 from .. import paper
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
+from cylcontact.bodies.pair import Contact
 from cylcontact.fitting.power_fit import PowerFit
 from cylcontact.laws import Enhanced
-from cylcontact.pair import Contact
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, Reading, agrees_as_printed, claim
+from cylcontact.support.arrays import FloatArray
 
 from .. import paper
 from ..load_lists import WIDER_FOUND, WIDER_SEARCH, expected_matches, external_matches

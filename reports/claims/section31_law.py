@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq, linprog
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.bodies.pair import Contact
 from cylcontact.fitting.power_fit import fit_power
 from cylcontact.laws import PUBLISHED, Enhanced, InternalCoefficients
-from cylcontact.pair import Contact
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, agrees_as_printed, claim
+from cylcontact.support.arrays import FloatArray, as_floats
 
 from .. import paper
 from ..paper import WINDOW

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import asdict, astuple, replace
 from typing import Any
 
+from cylcontact.bodies.pair import CONTACTS, Contact
 from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.polish import minimise, polish
 from cylcontact.laws import PUBLISHED
-from cylcontact.pair import CONTACTS, Contact
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim
 

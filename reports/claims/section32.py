@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 
-from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, Reading, check, claim, with_unit
+from cylcontact.support.arrays import FloatArray, as_floats
 
 from .. import paper
 from ..finite_elements import penetrations, table

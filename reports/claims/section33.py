@@ -9,12 +9,12 @@ from itertools import product
 import numpy as np
 
 from cylcontact import limits
-from cylcontact.arrays import FloatArray
-from cylcontact.materials import Material
+from cylcontact.bodies.material import Material
+from cylcontact.limits.yield_search import Criterion
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, Reading, claim
 from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
-from cylcontact.yield_search import Criterion
+from cylcontact.support.arrays import FloatArray
 
 from .. import paper
 from ..readings import below, found, reading

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from cylcontact import limits
-from cylcontact.materials import Material
+from cylcontact.bodies.material import Material
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import (
     Finding,

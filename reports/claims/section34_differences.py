@@ -8,10 +8,10 @@ from functools import partial
 
 import numpy as np
 
-from cylcontact.arrays import BoolArray, FloatArray, as_floats
-from cylcontact.materials import Material
+from cylcontact.bodies.material import Material
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, Reading, claim, with_unit
+from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 
 from .. import paper
 from ..extremes import (

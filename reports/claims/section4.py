@@ -9,9 +9,9 @@ from functools import lru_cache
 
 import pandas as pd
 
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import LAWS
 from cylcontact.mechanism import Case, Trajectory, mechanism_from, simulate
-from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, Reading, claim, with_unit
 

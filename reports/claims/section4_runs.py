@@ -8,10 +8,10 @@ from dataclasses import replace
 import pandas as pd
 
 from cylcontact.mechanism import Case
-from cylcontact.progress import Progress
 from cylcontact.reports.bench import Bench, MissingInputError
 from cylcontact.reports.claims import Finding, claim, joined
 from cylcontact.reports.claims import Reading as Found
+from cylcontact.support.progress import Progress
 
 from ..long_runs import FEW, FIRST, MANY, SETS, SHORT, long_runs
 from ..paper import INTEGRATOR, JOINT_CLEARANCES, JOINT_LAWS, TABLE_2, WINDOW

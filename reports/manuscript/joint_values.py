@@ -9,15 +9,15 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from cylcontact.arrays import FloatArray
 from cylcontact.impact import FACTORS, achieved_restitution, exact_factor, hysteresis_factor
+from cylcontact.joint.clearance import TANGENT_FROM
 from cylcontact.limits import yield_load
 from cylcontact.mechanism import Case
 from cylcontact.mechanism.batch_means import BATCHES
-from cylcontact.mechanism.joint import TANGENT_FROM
 from cylcontact.mechanism.study import AGREEMENT
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.manuscript import number
+from cylcontact.support.arrays import FloatArray
 
 from ..claims.section4 import first_impact
 from ..long_runs import (

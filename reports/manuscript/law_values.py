@@ -13,14 +13,13 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from cylcontact import laws
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.laws import arcs, explicit, explicit_pair
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housed import needs_series
 from cylcontact.limits import first_yield, yield_load
-from cylcontact.materials import Material
-from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import (
     BOUNDED,
@@ -30,6 +29,7 @@ from cylcontact.reports.laws_bounds import (
     johnson_shortfall,
 )
 from cylcontact.reports.manuscript import number
+from cylcontact.support.arrays import FloatArray, as_floats
 
 from .. import fig_housing
 from ..fig_any_pair import EDGE, PHI, possible_pairs

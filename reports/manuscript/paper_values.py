@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from cylcontact.bodies.pair import CONTACTS, Contact
 from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.objectives import collect_samples, form_of
@@ -16,7 +17,6 @@ from cylcontact.fitting.records import FAIRLY, SAME_BASIN, TOLERANCE
 from cylcontact.fitting.results import LawFit
 from cylcontact.laws import PUBLISHED
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN, PUBLISHED_DR
-from cylcontact.pair import CONTACTS, Contact
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Claim, Verdict
 from cylcontact.reports.claims import ledger as claims_of

@@ -4,14 +4,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cylcontact import fits, laws, limits, sizing
-    from cylcontact import impact as dissipation
-    from cylcontact import impact as friction
-    from cylcontact.errors import InputError
+    from cylcontact import laws, limits
+    from cylcontact.bodies import fits
+    from cylcontact.bodies.material import Material
+    from cylcontact.bodies.pair import CylinderPair
     from cylcontact.fitting import choose, fit
+    from cylcontact.impact import dissipation, friction
     from cylcontact.laws import ContactLaw
-    from cylcontact.materials import Material
-    from cylcontact.pair import CylinderPair
+    from cylcontact.limits import sizing
+    from cylcontact.support.errors import InputError
 
 __all__ = [
     "ContactLaw",
@@ -26,6 +27,7 @@ __all__ = [
     "fits",
     "fitting",
     "friction",
+    "joint",
     "laws",
     "limits",
     "mechanism",
@@ -39,11 +41,18 @@ __version__ = "1.0.0rc1"
 # needs no numbers begins at once.
 _IN = {
     "ContactLaw": "laws",
-    "CylinderPair": "pair",
-    "InputError": "errors",
-    "Material": "materials",
+    "CylinderPair": "bodies.pair",
+    "InputError": "support.errors",
+    "Material": "bodies.material",
     "choose": "fitting",
     "fit": "fitting",
+}
+# Modules of a package that the public face shows at its top.
+_DEEPER = {
+    "dissipation": "impact.dissipation",
+    "fits": "bodies.fits",
+    "friction": "impact.friction",
+    "sizing": "limits.sizing",
 }
 
 
@@ -53,8 +62,7 @@ def __getattr__(name: str) -> Any:
     if name in _IN:
         value = getattr(import_module(f"cylcontact.{_IN[name]}"), name)
     else:
-        module = "impact" if name in ("dissipation", "friction") else name
-        value = import_module(f"cylcontact.{module}")
+        value = import_module(f"cylcontact.{_DEEPER.get(name, name)}")
     globals()[name] = value
     return value
 

@@ -8,8 +8,8 @@ import pytest
 from benchmarks.calculix import run_case
 from cylcontact import InputError, laws, limits
 from cylcontact.datasets.finite_element import Setup, solve, solver
-from cylcontact.stress import in_pin, in_plate, pressure_along
-from cylcontact.yield_search import equivalent
+from cylcontact.limits.stress import in_pin, in_plate, pressure_along
+from cylcontact.limits.yield_search import equivalent
 from tests.support.finite_element_series import PinInRing
 from tests.support.programs import require_program
 

@@ -10,8 +10,8 @@ import pytest
 from cylcontact import InputError
 from cylcontact.datasets.columns import is_unloading
 from cylcontact.datasets.measurements import measurements_of, read_measured
-from cylcontact.tables import MAX_ROWS
-from cylcontact.units import column_named
+from cylcontact.files.table import MAX_ROWS
+from cylcontact.files.units import column_named
 from tests.support.programs import require_package
 
 PAIR = {"E_GPa": 207.0, "nu": 0.3, "dR_um": 50.0}

@@ -10,8 +10,8 @@ import pytest
 
 from cylcontact import CylinderPair, Material, choose, laws
 from cylcontact.fitting import read_campaign
-from cylcontact.html_repr import table_html
 from cylcontact.mechanism import read_mechanism, simulate
+from cylcontact.support.html_repr import table_html
 
 ROOT = Path(__file__).resolve().parents[2]
 

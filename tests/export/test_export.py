@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact.bodies.material import material_in_MPa
 from cylcontact.export import EXPORTABLE, export, export_named
 from cylcontact.export.exported_law import exported, require_contact_law
 from cylcontact.export.in_housing import InHousing, law_in_housing
@@ -19,7 +20,6 @@ from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.lambert import branch_distance
 from cylcontact.laws.logarithmic import adjusted_logarithmic
 from cylcontact.laws.user import user_law
-from cylcontact.materials import material_in_MPa
 from tests.support.export_runners import RUNNERS, module_of, require_jax, run_octave
 
 RESULTS = Path(__file__).parents[2] / "fitting" / "results"

@@ -6,8 +6,8 @@ import zipfile
 import numpy as np
 import pytest
 
+from cylcontact.files.spec import read_toml
 from cylcontact.mechanism import joint_from, read_joint
-from cylcontact.spec import read_toml
 from tests.support.fmu_masters import (
     OUTPUTS,
     REALS,

@@ -6,9 +6,9 @@ import pytest
 
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
-from cylcontact.choices import CHOICE_FILES
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.choice import laws_for
+from cylcontact.support.choices import CHOICE_FILES
 from tests.support.measured_files import STEEL
 from tests.support.noisy_series import PAIR, readings
 from tests.support.spec_files import tree

@@ -11,7 +11,7 @@ from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.profiles import profiles
 from cylcontact.fitting.records import SAME_BASIN
 from cylcontact.fitting.runs import run_all, searches
-from cylcontact.progress import silent
+from cylcontact.support.progress import silent
 from tests.support.own_grids import GRIDS, campaign_of
 
 ROOT = Path(__file__).resolve().parents[2]

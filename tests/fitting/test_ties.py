@@ -13,7 +13,7 @@ from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.fitting import FitResult, calibrate, fit, read_campaign
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.problem import evaluate, require_valid
-from cylcontact.progress import silent
+from cylcontact.support.progress import silent
 from tests.support.spec_files import DROP, write_bench
 
 NAMES = ("a", "b", "n")

@@ -12,7 +12,7 @@ from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.objectives import collect_samples
 from cylcontact.fitting.table_campaign import read_campaign
 from cylcontact.laws import explicit_pair, glauert, parametric
-from cylcontact.progress import silent
+from cylcontact.support.progress import silent
 
 ROOT = Path(__file__).resolve().parents[2]
 STEEL, ALUMINIUM = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)

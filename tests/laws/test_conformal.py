@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from cylcontact import CylinderPair
+from cylcontact.bodies.material import material_in_MPa
 from cylcontact.laws import Persson
 from cylcontact.laws.foundation import DEPTH, Winkler
-from cylcontact.materials import material_in_MPa
 from tests.support.strategies import powers_of_ten
 
 LAW = Persson()

@@ -9,9 +9,9 @@ from hypothesis import settings as hypothesis_settings
 from mpmath import mp
 
 from cylcontact import CylinderPair, InputError, Material
+from cylcontact.bodies.material import material_in_MPa
 from cylcontact.laws import Conformal, Housing, Johnson
 from cylcontact.limits import hertz_stress
-from cylcontact.materials import material_in_MPa
 from tests.support.strategies import powers_of_ten
 
 LAW = Conformal()

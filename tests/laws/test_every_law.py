@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact.bodies.pair import CONTACTS
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws.kernels import TABLE, kernel, kernel_energy
 from cylcontact.laws.tabulated import TABLE_ERROR
-from cylcontact.pair import CONTACTS
 from tests.support.strategies import NOT_TOUCHING, ROUNDING, powers_of_ten
 
 METHODS = ("load", "penetration", "stiffness")

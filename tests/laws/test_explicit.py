@@ -7,9 +7,9 @@ import pytest
 from mpmath import mp, mpf
 
 from cylcontact import CylinderPair, InputError, laws
+from cylcontact.bodies.material import material_in_MPa
 from cylcontact.fitting import FitResult
 from cylcontact.laws.explicit import CALIBRATED
-from cylcontact.materials import material_in_MPa
 
 UNIT = material_in_MPa("of unit composite modulus", E=2.0, nu=0.0)
 LAW = laws.Explicit()

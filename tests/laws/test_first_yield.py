@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from cylcontact import CylinderPair, Material, laws, limits
-from cylcontact.stress import pressure_along
+from cylcontact.limits.stress import pressure_along
 from tests.laws.test_stress import michell
 
 STEEL = Material("steel", 207e3, 0.3, yield_stress=250.0)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material
-from cylcontact.fits import Fit
+from cylcontact.bodies.fits import Fit
+from cylcontact.files.spec import read_toml
 from cylcontact.mechanism import joint_from, mechanism_from
-from cylcontact.spec import read_toml
 from tests.support.spec_files import DROP, changed
 
 STEEL, BRONZE = Material("steel", 207e3, 0.3), Material("bronze", 110e3, 0.34)

@@ -6,12 +6,12 @@ from mpmath import mp
 
 from benchmarks.calculix import run_case
 from cylcontact import CylinderPair, InputError, Material
+from cylcontact.bodies.material import material_in_MPa
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.datasets.finite_element.solver import clamped_nodes
 from cylcontact.laws import Conformal, Housing, Sector, glauert
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housing import pressure_harmonics
-from cylcontact.materials import material_in_MPa
 from tests.support.programs import require_program
 from tests.support.ring_elements import RingOfElements
 

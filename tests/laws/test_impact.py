@@ -18,8 +18,8 @@ from cylcontact.impact import (
     friction_load,
     hysteresis_factor,
 )
+from cylcontact.joint import contact
 from cylcontact.laws import Enhanced, Johnson, PowerLaw
-from cylcontact.mechanism import contact
 from tests.support.strategies import ROUNDING
 
 PUBLISHED = [name for name in FACTORS if name != "exact"]

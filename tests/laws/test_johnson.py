@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from cylcontact import CylinderPair, Material
+from cylcontact.bodies.material import material_in_MPa
 from cylcontact.laws import Johnson
-from cylcontact.materials import material_in_MPa
 from tests.support.strategies import ROUNDING, fractions, gaps, moduli, pairs, ratios
 
 LAW = Johnson()

@@ -3,7 +3,13 @@
 import pytest
 
 from cylcontact import InputError, Material
-from cylcontact.materials import COLUMNS, SHIPPED, known_materials, material_in_MPa, read_materials
+from cylcontact.bodies.material import (
+    COLUMNS,
+    SHIPPED,
+    known_materials,
+    material_in_MPa,
+    read_materials,
+)
 from tests.support.spec_files import assert_told
 from tests.support.strategies import ROUNDING
 

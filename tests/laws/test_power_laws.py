@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from cylcontact import CylinderPair, InputError
+from cylcontact.bodies.material import material_in_MPa
 from cylcontact.laws import LankaraniNikravesh, PowerClearance, PowerLaw
-from cylcontact.materials import material_in_MPa
 from tests.support.strategies import materials, powers_of_ten
 
 exponents = st.floats(1.0, 2.0)

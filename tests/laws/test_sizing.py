@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, laws, limits
-from cylcontact.fits import Fit
-from cylcontact.sizing import bands, find, half_width
+from cylcontact.bodies.fits import Fit
+from cylcontact.limits.sizing import bands, find, half_width
 
 STEEL = Material("steel", 207e3, 0.3, 500.0, 12e-6)
 BRONZE = Material("bronze", 110e3, 0.34, 220.0, 18e-6)

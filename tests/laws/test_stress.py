@@ -5,8 +5,8 @@ import pytest
 
 from cylcontact.laws.conformal import persson_pressure
 from cylcontact.laws.glauert import glauert
-from cylcontact.stress import in_pin, in_plate, pressure_along
-from cylcontact.yield_search import equivalent
+from cylcontact.limits.stress import in_pin, in_plate, pressure_along
+from cylcontact.limits.yield_search import equivalent
 
 # Arcs, β and κ of the plate: equal bodies, a soft pin, a stiff pin.
 CASES = [

@@ -10,14 +10,14 @@ import pytest
 
 from cylcontact import CylinderPair, InputError, Material, dissipation
 from cylcontact.export import export_joint
+from cylcontact.files.spec import read_toml
+from cylcontact.joint import contact
+from cylcontact.joint.contact import BEYOND_LAW, YIELDS
 from cylcontact.mechanism import (
-    contact,
     joint_from,
     read_joint,
     simulate,
 )
-from cylcontact.mechanism.contact import BEYOND_LAW, YIELDS
-from cylcontact.spec import read_toml
 from tests.support.joint_runners import RUNNERS, run_c, run_library
 from tests.support.mechanism_cases import slider_crank
 from tests.support.spec_files import DROP, changed

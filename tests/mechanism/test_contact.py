@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from cylcontact import impact
+from cylcontact.joint import contact
 from cylcontact.laws import LAWS
-from cylcontact.mechanism import contact
 from tests.support.mechanism_cases import slider_crank
 
 RNG = np.random.default_rng(8)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from cylcontact import InputError
+from cylcontact.joint.clearance import TANGENT_FROM
 from cylcontact.laws import Johnson
 from cylcontact.mechanism import LawDomainError, mechanism_from, simulate
 from cylcontact.mechanism import run as running
-from cylcontact.mechanism.joint import TANGENT_FROM
 from cylcontact.mechanism.run import Run, State, settings_for
 from cylcontact.mechanism.study import eccentricity_at
-from cylcontact.progress import silent
+from cylcontact.support.progress import silent
 from tests.support.mechanism_cases import (
     CASES,
     FOUR_BAR,

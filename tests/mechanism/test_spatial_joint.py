@@ -10,16 +10,16 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from cylcontact import InputError
+from cylcontact.files.spec import read_toml
+from cylcontact.joint import spatial_forces
+from cylcontact.joint.spatial_forces import OUTSIDE, RIM_MISSING, UNLIKE, WORK
 from cylcontact.mechanism import (
     JointState,
     SpatialJoint,
     SpatialState,
     joint_from,
     read_joint,
-    spatial_forces,
 )
-from cylcontact.mechanism.spatial_forces import OUTSIDE, RIM_MISSING, UNLIKE, WORK
-from cylcontact.spec import read_toml
 from tests.support.spatial_cases import FIXED, body, joint_for, motions, run_library
 from tests.support.spec_files import DROP, changed
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cylcontact import InputError, Material
+from cylcontact.files.spec import read_toml
 from cylcontact.mechanism import joint_from, mechanism_from, read_mechanism
-from cylcontact.spec import read_toml
 from tests.support.mechanism_cases import FOUR_BAR, ROOT, SLIDER_CRANK
 from tests.support.spec_files import DROP, changed
 

@@ -8,8 +8,8 @@ import pytest
 from _cylcontact_bench import tilted_pin
 from _cylcontact_bench.fig_tilt import mesh_change
 
-from cylcontact.mechanism.spatial import EDGES, SpatialJoint
-from cylcontact.spec import read_toml
+from cylcontact.files.spec import read_toml
+from cylcontact.joint.spatial import EDGES, SpatialJoint
 
 NU = tilted_pin.NU
 WHOLE = np.array([0.0, 1.0])

@@ -8,10 +8,11 @@ from dataclasses import replace
 
 import pytest
 
-from cylcontact import InputError, parallel
+from cylcontact import InputError
+from cylcontact.files.reading import require_file
 from cylcontact.fitting import calibrate
-from cylcontact.parallel import Cluster, call, run_calls
-from cylcontact.reading import require_file
+from cylcontact.support import parallel
+from cylcontact.support.parallel import Cluster, call, run_calls
 from tests.support.dask_cluster import LoopbackCluster, kill
 from tests.support.spec_files import assert_told
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from cylcontact import InputError
-from cylcontact.files import replacing, replacing_all, require_suffix, require_writable
+from cylcontact.files.reading import plain_number, read_bytes, unmarked
+from cylcontact.files.spec import read_toml
+from cylcontact.files.writing import replacing, replacing_all, require_suffix, require_writable
 from cylcontact.fitting import FitResult
-from cylcontact.reading import plain_number, read_bytes, unmarked
-from cylcontact.spec import read_toml
 from tests.support.spec_files import assert_told, tree, write_bench
 
 REMEDY = "choose a file in a folder you may write to"

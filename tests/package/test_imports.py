@@ -10,44 +10,16 @@ import pytest
 import cylcontact
 
 PACKAGE = Path(cylcontact.__file__).parent
-# Each layer may import those before it, and its own.
-LAYERS = (
-    {"choices", "errors", "plain_text"},
-    {
-        "arrays",
-        "files",
-        "html_repr",
-        "journal",
-        "numba_cache",
-        "parallel",
-        "progress",
-        "provenance",
-        "reading",
-        "spec",
-        "tables",
-        "text_tables",
-        "units",
-    },
-    {"fits", "material_spec", "materials", "pair"},
-    {"laws"},
-    {"housing_spec", "stress"},
-    {"yield_search"},
-    {"housing_stress"},
-    {"limits", "impact", "sizing"},
-    {"datasets", "plots"},
-    {"fitting", "mechanism"},
-    {"export", "reports"},
-    {"cli"},
+# Each package may import those before it, and its own.
+ORDER = (
+    *("support", "files", "bodies", "laws", "limits", "impact", "datasets", "plots", "fitting"),
+    *("joint", "mechanism", "export", "reports", "cli"),
 )
 MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
 
 
 def part_of(path):
     return path.relative_to(PACKAGE).with_suffix("").parts[0]
-
-
-def layer(part):
-    return next(depth for depth, parts in enumerate(LAYERS) if part in parts)
 
 
 def imported_parts(path):
@@ -59,11 +31,14 @@ def imported_parts(path):
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_no_module_imports_from_a_later_layer(path):
-    own = layer(part_of(path))
-    known = set().union(*LAYERS)
-    later = [part for part in imported_parts(path) if part in known and layer(part) > own]
+def test_no_module_imports_from_a_later_package(path):
+    own = ORDER.index(part_of(path))
+    later = [part for part in imported_parts(path) if part in ORDER and ORDER.index(part) > own]
     assert not later
+
+
+def test_no_module_is_loose_at_the_root():
+    assert {part_of(path) for path in MODULES} <= set(ORDER)
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,8 @@ import json
 import pytest
 
 from cylcontact import InputError
+from cylcontact.files.journal import Journal
 from cylcontact.fitting import calibrate
-from cylcontact.journal import Journal
 from tests.support.spec_files import assert_told
 
 ANEW = "run without --resume"

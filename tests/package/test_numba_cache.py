@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import cylcontact
-from cylcontact.numba_cache import PARTS
+from cylcontact.support.numba_cache import PARTS
 
 pytestmark = pytest.mark.slow
 
@@ -19,7 +19,7 @@ PACKAGE = Path(cylcontact.__file__).parent
 COMPILED = [
     path
     for path in PACKAGE.rglob("*.py")
-    if "cylcontact.numba_cache import" in path.read_text(encoding="utf-8")
+    if "cylcontact.support.numba_cache import" in path.read_text(encoding="utf-8")
 ]
 PROGRAM = """
 import numpy as np, cylcontact as cc

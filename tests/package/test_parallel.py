@@ -8,7 +8,7 @@ import joblib
 import pytest
 
 from cylcontact import InputError
-from cylcontact.parallel import Cluster, call, run_calls
+from cylcontact.support.parallel import Cluster, call, run_calls
 from tests.support.spec_files import assert_told
 
 posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")

@@ -13,12 +13,12 @@ from PIL import Image
 
 import cylcontact
 from cylcontact import InputError
-from cylcontact.materials import COLUMNS
-from cylcontact.parallel import call, run_calls
+from cylcontact.bodies.material import COLUMNS
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import JOURNAL, FigureOptions
 from cylcontact.reports.bench import Bench, call_in_bench
 from cylcontact.reports.build import build, chosen_recipes, draw, find_recipes, write
+from cylcontact.support.parallel import call, run_calls
 from tests.support.drawn_figures import BENCH
 from tests.support.figure_files import embedded_fonts, page_mm
 from tests.support.spec_files import tree

@@ -20,7 +20,7 @@ from _cylcontact_bench.trends import Change, trend
 from scipy.optimize import bisect, least_squares, minimize, minimize_scalar
 from scipy.stats import ttest_ind_from_stats
 
-from cylcontact.materials import shipped_materials
+from cylcontact.bodies.material import shipped_materials
 from cylcontact.mechanism import Case, long_run
 from tests.support.drawn_figures import BENCH
 from tests.support.paper_equations import (

@@ -10,8 +10,8 @@ from _cylcontact_bench.slider_crank import law_limit, limit_reached, mechanism, 
 from PIL import Image
 from scipy.integrate import quad
 
+from cylcontact.joint.contact import stored_energy
 from cylcontact.mechanism import Case
-from cylcontact.mechanism.contact import stored_energy
 from cylcontact.reports.bench import Bench
 from tests.support.paper_equations import e_star, effective_radius, johnson, johnson_end
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import cloudpickle
 import pytest
 
-from cylcontact.files import replacing
+from cylcontact.files.writing import replacing
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import JOURNAL, FigureOptions
 from cylcontact.reports.bench import Bench

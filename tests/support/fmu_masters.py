@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 from cylcontact.export.fmu import model_of
 from cylcontact.export.joint import element_of
+from cylcontact.joint.clearance import JointState
 from cylcontact.mechanism import read_joint
-from cylcontact.mechanism.joint import JointState
 
 JOINT = Path(__file__).resolve().parents[2] / "datasets/joint.toml"
 REALS = [v.name for v in model_of(element_of(read_joint(JOINT))).variables if v.unit]

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from cylcontact import CylinderPair, InputError, Material, laws
-from cylcontact.pair import CONTACTS
+from cylcontact.bodies.pair import CONTACTS
 
 ROOT = Path(__file__).parents[2]
 FOLDER = Path(__file__).parents[1] / "golden"

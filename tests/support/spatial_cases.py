@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cylcontact.files.spec import read_toml
 from cylcontact.mechanism import SpatialJoint, SpatialState
-from cylcontact.spec import read_toml
 from tests.support.spec_files import changed
 
 EXAMPLE = read_toml(Path(__file__).resolve().parents[2] / "datasets/spatial_joint.toml")

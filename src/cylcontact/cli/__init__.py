@@ -20,7 +20,7 @@ import typer
 from cylcontact.cli.app import app
 from cylcontact.cli.signals import stopped_by_signals
 from cylcontact.cli.terminal import say
-from cylcontact.errors import InputError
+from cylcontact.support.errors import InputError
 
 __all__ = ["main"]
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from cylcontact.choices import BRANCHES, CHOICE_FILES, DESIGN_FILES, FIT_FILES, is_table, listed
 from cylcontact.cli.options import (
     FORCE,
     JOBS,
@@ -43,9 +42,17 @@ from cylcontact.cli.pair import (
     option_of,
 )
 from cylcontact.cli.terminal import progress_bars, resumable, say
-from cylcontact.errors import InputError, require
-from cylcontact.files import replacing, require_suffix, require_writable, write_table
-from cylcontact.reading import marked, plain_number, require_file
+from cylcontact.files.reading import marked, plain_number, require_file
+from cylcontact.files.writing import replacing, require_suffix, require_writable, write_table
+from cylcontact.support.choices import (
+    BRANCHES,
+    CHOICE_FILES,
+    DESIGN_FILES,
+    FIT_FILES,
+    is_table,
+    listed,
+)
+from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
     from cylcontact.fitting import Campaign, FitResult, TableCampaign

@@ -9,11 +9,11 @@ from collections.abc import Iterable
 from fnmatch import fnmatch
 from pathlib import Path
 
-from cylcontact.choices import first_of
 from cylcontact.cli.options import argument
 from cylcontact.cli.terminal import say
-from cylcontact.errors import InputError
-from cylcontact.files import replacing_all, require_writable, shipped_bench
+from cylcontact.files.writing import replacing_all, require_writable, shipped_bench
+from cylcontact.support.choices import first_of
+from cylcontact.support.errors import InputError
 
 FOLDERS = ("datasets", "fitting", "notebooks", "reports")
 # Files that commands and users add to a checkout; a wheel has none of them.

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from cylcontact.choices import CODES, JOINT_TARGETS, TARGETS, listed
 from cylcontact.cli.options import (
     argument,
     interval,
@@ -21,13 +20,14 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.pair import PAIR, blaming_options, option_of, pair_of, read_housing
 from cylcontact.cli.terminal import say
-from cylcontact.errors import InputError, require
-from cylcontact.files import replacing_all, require_suffix, shipped_bench
-from cylcontact.reading import plain_number
+from cylcontact.files.reading import plain_number
+from cylcontact.files.writing import replacing_all, require_suffix, shipped_bench
+from cylcontact.support.choices import CODES, JOINT_TARGETS, TARGETS, listed
+from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
+    from cylcontact.bodies.pair import CylinderPair
     from cylcontact.laws import Housing
-    from cylcontact.pair import CylinderPair
 
 
 def _temperatures(text: str) -> tuple[float, float]:
@@ -60,14 +60,14 @@ def laws(
     Without options it is a steel pin (207 GPa, 0.3) in a hole of 10 mm radius with ΔR = 0.05 mm.
     With --fit it begins with the band of the fit. For the length of --find the load is the total.
     """
+    from cylcontact.bodies.pair import unusual_lengths
+    from cylcontact.files.units import load_in_N_per_mm
     from cylcontact.laws.user import user_law
     from cylcontact.limits import yield_warning
-    from cylcontact.pair import unusual_lengths
     from cylcontact.reports import laws_to_use
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.laws_table import listing as all_laws
     from cylcontact.reports.laws_table import to_text
-    from cylcontact.units import load_in_N_per_mm
 
     around = read_housing(pair, "laws")
     cylinders = pair_of(pair, "laws")
@@ -105,8 +105,8 @@ def _of_fit(
     """Print the bands of a fit, and return the pair in its middle."""
     from dataclasses import replace
 
-    from cylcontact.fits import Fit
-    from cylcontact.sizing import bands
+    from cylcontact.bodies.fits import Fit
+    from cylcontact.limits.sizing import bands
 
     sizes = ("dR_mm", "R_i_mm", "R_j_mm", "hole_diameter", "pin_diameter")
     for name in filter(given.__contains__, sizes):
@@ -134,8 +134,8 @@ def _find(
 ) -> None:
     """Print the clearance, modulus or length that meets a stiffness or a penetration."""
     from cylcontact.laws import Parametric
-    from cylcontact.sizing import UNKNOWNS
-    from cylcontact.sizing import find as found
+    from cylcontact.limits.sizing import UNKNOWNS
+    from cylcontact.limits.sizing import find as found
 
     with blaming_options({"stiffness": "--stiffness", "load": "--load", "": "--find"}, "laws"):
         depth = None if penetration is None else 1e-3 * penetration
@@ -203,7 +203,7 @@ def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) 
     from cylcontact.export import export_named
     from cylcontact.export.in_housing import law_in_housing
     from cylcontact.export.language import require_callable
-    from cylcontact.housing_spec import in_housing
+    from cylcontact.laws.housing_spec import in_housing
 
     if out is not None:
         require_callable(target, out.stem)
@@ -245,9 +245,9 @@ def _export_parameters(
     out: Path | None,
 ) -> None:
     """Print the parameters of a code's own contact, or write them to the file `out`."""
+    from cylcontact.bodies.pair import unusual_lengths
     from cylcontact.export import contact_parameters
     from cylcontact.mechanism import read_joint
-    from cylcontact.pair import unusual_lengths
 
     rule = f"is missing for {code}"
     if path is None:
@@ -268,10 +268,10 @@ def _export_parameters(
 
 def _export_joint(path: Path, target: str, out: Path | None, pair: Mapping[str, Any]) -> None:
     """Write a joint as a force element, next to the file `out`."""
+    from cylcontact.bodies.pair import unusual_lengths
     from cylcontact.export import export_joint
+    from cylcontact.files.spec import read_toml
     from cylcontact.mechanism import ClearanceJoint, SpatialJoint, read_joint
-    from cylcontact.pair import unusual_lengths
-    from cylcontact.spec import read_toml
 
     others = {option_of(name): value for name, value in pair.items() if name != "materials"}
     _refuse(others, "is in the file of the joint already", "leave it out, or --joint")

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from cylcontact import choices
-from cylcontact.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, listed
 from cylcontact.cli.options import (
     JOBS,
     MATERIALS,
@@ -26,8 +24,10 @@ from cylcontact.cli.options import (
     takes,
 )
 from cylcontact.cli.terminal import progress_bars, resumable, say
-from cylcontact.errors import InputError, require
-from cylcontact.files import write_table
+from cylcontact.files.writing import write_table
+from cylcontact.support import choices
+from cylcontact.support.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, listed
+from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -71,7 +71,7 @@ def _combined(changes: Mapping[str, Any]) -> list[Case]:
 
 def _of_fit(code: str, mechanism: Mechanism) -> list[float]:
     """Return the radial clearances of the tightest, the middle and the loosest pair in mm."""
-    from cylcontact.fits import Fit
+    from cylcontact.bodies.fits import Fit
 
     fit = Fit.read(code, "sweep", "--fit")
     fit.require_clearance("sweep", "--fit")

@@ -13,10 +13,10 @@ from typing import Any
 
 import typer
 
-from cylcontact.errors import InputError
-from cylcontact.files import require_apart, require_suffix, require_writable
-from cylcontact.reading import plain_number
-from cylcontact.units import length_in_mm
+from cylcontact.files.reading import plain_number
+from cylcontact.files.units import length_in_mm
+from cylcontact.files.writing import require_apart, require_suffix, require_writable
+from cylcontact.support.errors import InputError
 
 RESULTS = Path("fitting/results")
 # Keys of tables of functions, which are slow to import; tests/cli/test_commands.py compares them.
@@ -198,7 +198,7 @@ def _or_all(jobs: int | None) -> int:
 
 
 def _cluster(address: str | None) -> Any:
-    from cylcontact.parallel import Cluster
+    from cylcontact.support.parallel import Cluster
 
     return None if address is None else Cluster(address)
 

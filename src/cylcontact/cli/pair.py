@@ -10,15 +10,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cylcontact.choices import CONTACTS, Contact, listed
 from cylcontact.cli.options import Options, Read, length, number, option, reader
-from cylcontact.errors import InputError, require
-from cylcontact.reading import plain_number
+from cylcontact.files.reading import plain_number
+from cylcontact.support.choices import CONTACTS, Contact, listed
+from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
-    from cylcontact.housing_spec import HousingSpec
+    from cylcontact.bodies.pair import CylinderPair
     from cylcontact.laws import Housing
-    from cylcontact.pair import CylinderPair
+    from cylcontact.laws.housing_spec import HousingSpec
 
 _PANEL: dict[str, Any] = {"rich_help_panel": "The pair of cylinders"}
 
@@ -32,7 +32,7 @@ def _length(help: str, name: str) -> tuple[Any, Any]:
 
 
 def _modulus(text: str) -> float:
-    from cylcontact.materials import modulus_in_MPa
+    from cylcontact.bodies.material import modulus_in_MPa
 
     return float(modulus_in_MPa(text, "", ""))
 
@@ -139,8 +139,8 @@ def housing_of(given: dict[str, Any], source: str, contact: str) -> HousingSpec 
     data = {key: given.pop(key) for key in keys if key in given}
     if not data:
         return None
-    from cylcontact.housing_spec import HousingSpec
-    from cylcontact.spec import parse_spec
+    from cylcontact.files.spec import parse_spec
+    from cylcontact.laws.housing_spec import HousingSpec
 
     _require_internal(source, contact, "leave out --R-o and --clamp, or give --contact internal")
     data |= data.pop("clamp", {})
@@ -159,7 +159,7 @@ def read_housing(given: dict[str, Any], source: str) -> Housing | None:
 
 
 def _own_table(given: Mapping[str, Any], source: str) -> Path | None:
-    from cylcontact.materials import own_table
+    from cylcontact.bodies.material import own_table
 
     return own_table(given.get("materials"), Path(), source, "--materials")
 
@@ -189,8 +189,8 @@ def blaming_options(options: Mapping[str, str], source: str = "") -> Iterator[No
 
 def pair_of(given: Mapping[str, Any], source: str) -> CylinderPair:
     """Return the pair that options give, and for the rest that which is compared by default."""
-    from cylcontact.materials import Material, find_material, known_materials, material_in_MPa
-    from cylcontact.pair import CylinderPair, roles
+    from cylcontact.bodies.material import Material, find_material, known_materials, material_in_MPa
+    from cylcontact.bodies.pair import CylinderPair, roles
     from cylcontact.reports.laws_table import case
 
     default, contact = case(), given.get("contact", "internal")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from cylcontact.choices import FORMATS, listed
 from cylcontact.cli.options import (
     JOBS,
     RESULTS_FOLDER,
@@ -17,8 +16,9 @@ from cylcontact.cli.options import (
     several,
 )
 from cylcontact.cli.terminal import progress_bars, say
-from cylcontact.errors import InputError, require
-from cylcontact.files import replacing, require_apart, write_table
+from cylcontact.files.writing import replacing, require_apart, write_table
+from cylcontact.support.choices import FORMATS, listed
+from cylcontact.support.errors import InputError, require
 
 
 def figure(

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import typer
 
-from cylcontact.plain_text import brief, visible
-from cylcontact.progress import Progress
+from cylcontact.support.plain_text import brief, visible
+from cylcontact.support.progress import Progress
 
 
 def say(text: object, err: bool = False) -> None:

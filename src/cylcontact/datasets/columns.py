@@ -8,11 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from cylcontact.arrays import BoolArray, FloatArray, IndexArray
-from cylcontact.choices import BRANCHES, Branch, first_of
-from cylcontact.errors import InputError
-from cylcontact.tables import Table, require_rows
-from cylcontact.units import (
+from cylcontact.files.table import Table, require_rows
+from cylcontact.files.units import (
     LABELS,
     Column,
     is_unit,
@@ -21,6 +18,9 @@ from cylcontact.units import (
     spellings,
     unit_in,
 )
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray
+from cylcontact.support.choices import BRANCHES, Branch, first_of
+from cylcontact.support.errors import InputError
 
 # Names of columns that a step or an error lists.
 _LISTED = 8

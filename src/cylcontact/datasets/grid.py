@@ -11,13 +11,13 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from cylcontact.arrays import FloatArray, IndexArray
+from cylcontact.bodies.material import LARGEST_MODULUS, material_in_MPa
+from cylcontact.bodies.pair import Contact, CylinderPair, are_possible
 from cylcontact.datasets.tabulated import FINITE_ELEMENT, TabulatedReference, with_table
-from cylcontact.errors import InputError
+from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
 from cylcontact.laws import REFERENCES, ContactLaw, reference_law
-from cylcontact.materials import LARGEST_MODULUS, material_in_MPa
-from cylcontact.pair import Contact, CylinderPair, are_possible
-from cylcontact.spec import Spec, broken, parse_spec, read_toml
+from cylcontact.support.arrays import FloatArray, IndexArray
+from cylcontact.support.errors import InputError
 
 _POSITIVE_AXES = ("E", "dR", "load")
 # How the axes of either kind of grid are asked for.

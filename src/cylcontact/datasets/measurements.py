@@ -19,8 +19,15 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from cylcontact import limits
-from cylcontact.arrays import BoolArray, FloatArray
-from cylcontact.choices import Branch
+from cylcontact.bodies.material import (
+    LARGEST_MODULUS,
+    MaterialRow,
+    find_material,
+    known_materials,
+    material_in_MPa,
+    shipped_materials,
+)
+from cylcontact.bodies.pair import Contact, CylinderPair, roles, unusual_lengths
 from cylcontact.datasets.columns import (
     PAIR_COLUMNS,
     Mapped,
@@ -30,20 +37,13 @@ from cylcontact.datasets.columns import (
     option_for,
     require_found,
 )
-from cylcontact.errors import InputError
+from cylcontact.files.spec import Spec
+from cylcontact.files.table import finite_numbers, read_table, table_of_frame, texts
+from cylcontact.files.units import LABELS, Column, column_named, spellings
 from cylcontact.laws import Housing
-from cylcontact.materials import (
-    LARGEST_MODULUS,
-    MaterialRow,
-    find_material,
-    known_materials,
-    material_in_MPa,
-    shipped_materials,
-)
-from cylcontact.pair import Contact, CylinderPair, roles, unusual_lengths
-from cylcontact.spec import Spec
-from cylcontact.tables import finite_numbers, read_table, table_of_frame, texts
-from cylcontact.units import LABELS, Column, column_named, spellings
+from cylcontact.support.arrays import BoolArray, FloatArray
+from cylcontact.support.choices import Branch
+from cylcontact.support.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd

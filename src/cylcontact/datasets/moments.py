@@ -18,9 +18,9 @@ from functools import reduce
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, IndexArray, as_floats, require
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws.logarithmic import LogarithmicLaw
-from cylcontact.pair import CylinderPair
+from cylcontact.support.arrays import FloatArray, IndexArray, as_floats, require
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,13 +17,13 @@ from typing import Any, cast
 
 import numpy as np
 
-from cylcontact.arrays import BoolArray, FloatArray, IndexArray
 from cylcontact.datasets.grid import AnyGrid, Grid
 from cylcontact.datasets.moments import Moments, concatenate, merge, row_moments
-from cylcontact.errors import InputError
-from cylcontact.files import replacing, require_parquet, require_suffix
+from cylcontact.files.writing import replacing, require_parquet, require_suffix
 from cylcontact.laws import LogarithmicLaw
-from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray
+from cylcontact.support.errors import InputError
+from cylcontact.support.parallel import Workers, call, run_calls
 
 # Samples per block: its dozen temporaries, 0.5 MiB each, stay in the cache of a core.
 BLOCK = 1 << 16

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.errors import InputError
-from cylcontact.pair import CylinderPair
+from cylcontact.bodies.pair import CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.errors import InputError
 
 # The name of such a reference in grid specs.
 FINITE_ELEMENT = "finite-element"

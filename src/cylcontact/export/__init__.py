@@ -9,12 +9,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from cylcontact.arrays import require
-from cylcontact.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, Contact, listed
-from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
 from cylcontact.laws.law import ContactLaw, has_formula
 from cylcontact.laws.user import user_law
+from cylcontact.support.arrays import require
+from cylcontact.support.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, Contact, listed
+from cylcontact.support.errors import InputError
 
 if TYPE_CHECKING:
     from cylcontact.export.parameters import contact_parameters

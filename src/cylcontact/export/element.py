@@ -16,8 +16,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from cylcontact.arrays import require
-from cylcontact.choices import JOINT_TARGETS
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.export.exported_law import MEANINGS, paragraph, safe_names
 from cylcontact.export.language import (
     LANGUAGES,
@@ -30,8 +29,9 @@ from cylcontact.export.program import Program
 from cylcontact.laws.formula import FUNCTIONS, flat, names_in, needed, renamed
 from cylcontact.laws.kernels import TABLE, Kernel
 from cylcontact.laws.law import ContactLaw, Law
-from cylcontact.pair import CylinderPair
-from cylcontact.plain_text import comment
+from cylcontact.support.arrays import require
+from cylcontact.support.choices import JOINT_TARGETS
+from cylcontact.support.plain_text import comment
 
 BODIES = {"bearing": "of the body with the hole", "pin": "of the body with the pin"}
 

@@ -12,8 +12,8 @@ from textwrap import wrap
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, require
-from cylcontact.errors import InputError
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.export.language import LANGUAGES, WIDTH, filled_template
 from cylcontact.laws import LAWS, Johnson
 from cylcontact.laws.adapters import ScaledLaw
@@ -31,9 +31,9 @@ from cylcontact.laws.formula import (
     steps_of,
 )
 from cylcontact.laws.law import ContactLaw, Law, has_formula
-from cylcontact.materials import Material
-from cylcontact.pair import CONTACTS, Contact, CylinderPair
-from cylcontact.plain_text import RESERVED, comment, identifier
+from cylcontact.support.arrays import FloatArray, require
+from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import RESERVED, comment, identifier
 
 # Unit and meaning of the arguments and results of exported functions.
 MEANINGS: Mapping[str, tuple[str, str]] = {

@@ -16,14 +16,14 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
-from cylcontact.errors import InputError
 from cylcontact.export.element import BODIES, UNITS, Element
 from cylcontact.export.element import source as element_text
 from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw
 from cylcontact.export.exported_law import source as law_text
 from cylcontact.export.language import Language, filled_template
 from cylcontact.impact import IMPACT_RATE_FLOOR
-from cylcontact.plain_text import comment
+from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import comment
 
 # What pip cannot install, and the folder, suffix and flags of a shared library.
 _COMPILERS = ("cc", "gcc")

@@ -17,13 +17,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws import Explicit, Housing, Sector
 from cylcontact.laws.formula import Formula, Step, steps_of
 from cylcontact.laws.housed import Curve, FiveConstants, series_of
 from cylcontact.laws.law import ContactLaw, Law
 from cylcontact.laws.tabulated import cubic
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats
 
 _FIVE = (
     "f = pi*E_star*penetration/L with depth = penetration/dR and "

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from cylcontact.bodies.material import Material
 from cylcontact.export.element import Element, Motion, law_function
 from cylcontact.export.program import Program
 from cylcontact.impact import RATIO_BEND
+from cylcontact.joint import contact
+from cylcontact.joint.clearance import TANGENT_FROM, ClearanceJoint, JointState, JointWrench
 from cylcontact.laws.kernels import TABLE
-from cylcontact.materials import Material
-from cylcontact.mechanism import contact
-from cylcontact.mechanism.joint import TANGENT_FROM, ClearanceJoint, JointState, JointWrench
-from cylcontact.plain_text import comment
+from cylcontact.support.plain_text import comment
 
 _MOTION = (
     Motion("x", "length", "position of the reference point", "x + ahead*v_x"),

@@ -17,9 +17,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from cylcontact.arrays import require
 from cylcontact.laws.formula import Step, lines_of
-from cylcontact.plain_text import RESERVED
+from cylcontact.support.arrays import require
+from cylcontact.support.plain_text import RESERVED
 
 WIDTH = 90
 _TEMPLATES = Path(__file__).parent / "templates"

@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, least_squares
 
-from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.choices import CODES, listed
 from cylcontact.impact import IMPACT_RATE_FLOOR, achieved_restitution
-from cylcontact.mechanism.contact import stored_energy
-from cylcontact.mechanism.joint import ClearanceJoint
+from cylcontact.joint.clearance import ClearanceJoint
+from cylcontact.joint.contact import stored_energy
+from cylcontact.support.arrays import FloatArray, as_floats, require
+from cylcontact.support.choices import CODES, listed
 
 # The forces of a fit.
 _FORCES = 200

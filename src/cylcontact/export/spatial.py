@@ -10,8 +10,8 @@ import numpy as np
 
 from cylcontact.export.element import Element, Motion
 from cylcontact.export.joint import element_of as planar_element
-from cylcontact.mechanism import contact, spatial_forces
-from cylcontact.mechanism.spatial import SpatialJoint, SpatialState
+from cylcontact.joint import contact, spatial_forces
+from cylcontact.joint.spatial import SpatialJoint, SpatialState
 
 # q + tan(x)/x*(ahead/2)*spin*q, x = ahead*abs(spin)/2: a turn, but for the quaternion's length.
 _HALF = "0.5*ahead*(1 + ahead*ahead*(spin_x*spin_x + spin_y*spin_y + spin_z*spin_z)/12)"

@@ -10,7 +10,7 @@ import numpy as np
 from cylcontact.datasets.grid import AnyGrid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, reduce_grid
-from cylcontact.errors import InputError
+from cylcontact.files.journal import Journal
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.objectives import (
     ON_ROWS,
@@ -26,9 +26,9 @@ from cylcontact.fitting.profiles import profiles
 from cylcontact.fitting.records import MaxDifference, ObjectiveValue, Profile, SampleCounts
 from cylcontact.fitting.results import LawFit
 from cylcontact.fitting.runs import best_of, published_on, run_all, searches
-from cylcontact.journal import Journal
-from cylcontact.parallel import Workers, call, collect
-from cylcontact.progress import Progress, silent
+from cylcontact.support.errors import InputError
+from cylcontact.support.parallel import Workers, call, collect
+from cylcontact.support.progress import Progress, silent
 
 # Sets of coefficients evaluated at a time until the law is defined for one.
 _TRIED = 64

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
 from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid, grid_from, read_grid_data
-from cylcontact.errors import InputError
+from cylcontact.files.provenance import made_with, spec_hash
+from cylcontact.files.reading import beside_or_above
+from cylcontact.files.spec import parse_spec, read_toml
 from cylcontact.fitting.law_models import grid_model_of, units_of
 from cylcontact.fitting.specs import (
     CampaignSpec,
@@ -19,11 +20,10 @@ from cylcontact.fitting.specs import (
     completed,
     parameters_of,
 )
-from cylcontact.html_repr import table_html
 from cylcontact.laws.law import LawModel, Parameter
-from cylcontact.provenance import made_with, spec_hash
-from cylcontact.reading import beside_or_above
-from cylcontact.spec import parse_spec, read_toml
+from cylcontact.support.arrays import FloatArray
+from cylcontact.support.errors import InputError
+from cylcontact.support.html_repr import table_html
 
 _LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
 

@@ -33,9 +33,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from cylcontact.arrays import FloatArray, as_floats, on_one_thread
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants, Indices
-from cylcontact.errors import InputError
 from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.law_models import RIG_NAMES, is_user_law
 from cylcontact.fitting.measured import Fit
@@ -45,12 +44,13 @@ from cylcontact.fitting.results import DataFit
 from cylcontact.fitting.table_campaign import MeasuredTable, TableCampaign, table_of
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.fitting.words import COMPLIANCE, data_warnings, describes
-from cylcontact.housing_spec import takes_housing
 from cylcontact.laws import LAW_TYPES
-from cylcontact.pair import Contact, CylinderPair
-from cylcontact.plain_text import brief
-from cylcontact.progress import Progress, silent
-from cylcontact.text_tables import Table
+from cylcontact.laws.housing_spec import takes_housing
+from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
+from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import brief
+from cylcontact.support.progress import Progress, silent
+from cylcontact.support.text_tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

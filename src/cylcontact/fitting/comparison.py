@@ -19,10 +19,10 @@ from cylcontact.fitting.runs import run_all, searches
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.fitting.words import Rows, item, label_of
-from cylcontact.parallel import Workers
-from cylcontact.plain_text import brief
-from cylcontact.progress import Progress, silent
-from cylcontact.text_tables import Table
+from cylcontact.support.parallel import Workers
+from cylcontact.support.plain_text import brief
+from cylcontact.support.progress import Progress, silent
+from cylcontact.support.text_tables import Table
 
 # The rows below the coefficients where results are compared, with their labels in text, their
 # formats and numbers. Those of the published coefficients are computed on the data of each fit.

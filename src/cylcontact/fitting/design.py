@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.errors import InputError
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.fitting.optimum import Optimum, half_width
-from cylcontact.pair import CylinderPair
-from cylcontact.plain_text import as_label
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import as_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,7 +12,6 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from scipy import special
 
-from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.fitting.measured import MEDIAN_TO_SIGMA, Fit
 from cylcontact.fitting.noise import Covariance, positions
@@ -28,7 +27,8 @@ from cylcontact.fitting.records import (
     SeriesEffect,
     Uncertainty,
 )
-from cylcontact.parallel import Workers, call, collect
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.parallel import Workers, call, collect
 
 # A test fails below this probability.
 SURPRISING = 0.01

@@ -21,8 +21,8 @@ import pygad
 from numpy.random import RandomState
 from numpy.typing import NDArray
 
-from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.fitting.problem import ELITE, Minimum, ParameterSpace
+from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 
 # A crossover of PyGAD: from parents and the shape of the offspring to the offspring.
 _Operator = Callable[[FloatArray, tuple[int, int], pygad.GA], FloatArray]

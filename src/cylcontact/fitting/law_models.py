@@ -18,14 +18,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cylcontact.errors import InputError
-from cylcontact.housing_spec import HousingSpec, in_housing
+from cylcontact.bodies.pair import Contact
 from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.housing import Housing
+from cylcontact.laws.housing_spec import HousingSpec, in_housing
 from cylcontact.laws.law import Coefficients, LawModel, Parameter
 from cylcontact.laws.user import UserFunction, UserLaw
-from cylcontact.pair import Contact
+from cylcontact.support.errors import InputError
 
 MODELS: dict[tuple[str, Contact], LawModel] = {
     (m.law, m.contact): m for law in LAW_TYPES for m in law.models()

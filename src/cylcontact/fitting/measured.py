@@ -19,12 +19,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import least_squares
 
-from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices, Measurements
-from cylcontact.errors import InputError
 from cylcontact.fitting.noise import Covariance, Likelihood, NoiseModel, estimate
 from cylcontact.fitting.problem import Minimum, ParameterSpace, built
 from cylcontact.laws.law import ContactLaw
+from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
+from cylcontact.support.errors import InputError
 
 OBJECTIVES = ("rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load")
 STANDARDISED = "rms-standardised"

@@ -33,9 +33,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.laws.law import ContactLaw
+from cylcontact.support.arrays import FloatArray, as_floats
 
 NOISES = ("constant", "proportional", "both")
 # With fewer series than this, their effects are fixed.

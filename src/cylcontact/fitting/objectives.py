@@ -21,15 +21,15 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.optimize import least_squares, linprog
 
-from cylcontact.arrays import FloatArray, IndexArray, as_floats
+from cylcontact.bodies.material import material_in_MPa
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, blocks, reduce_grid
 from cylcontact.fitting.problem import ParameterSpace, built
 from cylcontact.laws.law import ContactLaw, LawModel
-from cylcontact.materials import material_in_MPa
-from cylcontact.pair import Contact, CylinderPair
-from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.support.arrays import FloatArray, IndexArray, as_floats
+from cylcontact.support.parallel import Workers, call, run_calls
 
 # With E = 2 MPa and ν = 0 the composite modulus is 1 MPa.
 _UNIT = material_in_MPa("of unit composite modulus", 2.0, 0.0)

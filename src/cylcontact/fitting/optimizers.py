@@ -17,9 +17,9 @@ from importlib import import_module
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.errors import InputError
 from cylcontact.fitting.problem import ELITE, Minimum, ParameterSpace
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.errors import InputError
 
 # Differential evolution: Storn and Price (1997), best/1/bin with dithered differences.
 _DE_CONVERGED = 1e-8

@@ -32,13 +32,13 @@ from numpy.typing import ArrayLike
 from scipy import special
 from scipy.optimize import brentq
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.errors import InputError
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.fitting.measured import MEDIAN_TO_SIGMA, Fit
 from cylcontact.fitting.noise import Degrees, Likelihood
 from cylcontact.fitting.records import Interval
 from cylcontact.laws.law import Coefficients, ContactLaw
-from cylcontact.pair import CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.errors import InputError
 
 # Smaller residuals are round-off: the data have no noise.
 ROUNDING = 1e-11

@@ -10,14 +10,14 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.records import Outlier
-from cylcontact.plain_text import as_label, brief
 from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.measured import Curve, draw_curves, draw_readings, draw_residuals
+from cylcontact.support.arrays import FloatArray
+from cylcontact.support.plain_text import as_label, brief
 
 # Points of a curve, and the most pairs and laws with curves of their own.
 _POINTS, _PAIRS, _LAWS = 121, 5, 4

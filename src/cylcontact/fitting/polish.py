@@ -15,7 +15,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.fitting.objectives import (
     Largest,
     PowerForm,
@@ -24,6 +23,7 @@ from cylcontact.fitting.objectives import (
     least_largest,
 )
 from cylcontact.fitting.problem import ParameterSpace
+from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 
 # A restart that gains less than this, relatively, ends the polish.
 _MIN_GAIN = 1e-10

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import ContactLaw
-from cylcontact.pair import CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats, require
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.errors import InputError
 from cylcontact.laws.law import ContactLaw, LawModel, Parameter
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.errors import InputError
 
 # The elite that a genetic search does not evaluate again, a part of every budget.
 ELITE = 2

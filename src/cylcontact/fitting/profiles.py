@@ -14,11 +14,11 @@ from itertools import islice, product
 import numpy as np
 from scipy.optimize import elementwise
 
-from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
 from cylcontact.fitting.objectives import Problem
 from cylcontact.fitting.polish import affordable_starts, climb_down, descend
 from cylcontact.fitting.records import TOLERANCE, Profile
 from cylcontact.laws.law import Coefficients
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray, as_floats
 
 # Values of a coefficient in a profile.
 _CURVE_POINTS = 41

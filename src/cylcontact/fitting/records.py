@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from cylcontact.spec import Spec
+from cylcontact.files.spec import Spec
 
 # Half-widths of an interval, relative to the value, up to which a parameter is well or fairly
 # determined.

@@ -16,10 +16,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import as_floats
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Measurements
-from cylcontact.errors import InputError, short
-from cylcontact.files import replacing
+from cylcontact.files.reading import marked, read_text, unmarked
+from cylcontact.files.spec import Spec, parse_spec, require_other_kind
+from cylcontact.files.units import column_named, load_in_N_per_mm
+from cylcontact.files.writing import replacing
 from cylcontact.fitting.campaign import CampaignBase
 from cylcontact.fitting.design import Design, design
 from cylcontact.fitting.law_models import fitted_law, units_of, user_model, with_rig
@@ -54,12 +56,10 @@ from cylcontact.fitting.words import (
 )
 from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.law import ContactLaw
-from cylcontact.pair import Contact, CylinderPair
-from cylcontact.plain_text import as_label, brief
-from cylcontact.reading import marked, read_text, unmarked
-from cylcontact.spec import Spec, parse_spec, require_other_kind
-from cylcontact.text_tables import Table
-from cylcontact.units import column_named, load_in_N_per_mm
+from cylcontact.support.arrays import as_floats
+from cylcontact.support.errors import InputError, short
+from cylcontact.support.plain_text import as_label, brief
+from cylcontact.support.text_tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

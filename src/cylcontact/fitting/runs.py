@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cylcontact.arrays import FloatArray
-from cylcontact.errors import InputError
+from cylcontact.files.journal import Journal, call_for, run_recorded
+from cylcontact.files.spec import parse_spec
 from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.polish import minimise
 from cylcontact.fitting.problem import Minimum, ParameterSpace
 from cylcontact.fitting.records import Published, RunRecord
 from cylcontact.fitting.specs import GeneticSpec
-from cylcontact.journal import Journal
-from cylcontact.parallel import Call, Workers, call, call_for, run_recorded
-from cylcontact.progress import Progress
-from cylcontact.spec import parse_spec
+from cylcontact.support.arrays import FloatArray
+from cylcontact.support.errors import InputError
+from cylcontact.support.parallel import Call, Workers, call
+from cylcontact.support.progress import Progress
 
 
 def searches(

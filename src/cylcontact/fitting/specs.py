@@ -10,18 +10,18 @@ from typing import Annotated, TypeVar
 
 from pydantic import AfterValidator, Field, model_validator
 
-from cylcontact.choices import Branch
-from cylcontact.errors import InputError
+from cylcontact.bodies.pair import Contact
+from cylcontact.files.spec import Spec, broken
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.measured import LOSSES
 from cylcontact.fitting.noise import NOISES
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.problem import require_valid
-from cylcontact.housing_spec import HousingSpec
+from cylcontact.laws.housing_spec import HousingSpec
 from cylcontact.laws.law import LawModel, Parameter
-from cylcontact.pair import Contact
-from cylcontact.spec import Spec, broken
+from cylcontact.support.choices import Branch
+from cylcontact.support.errors import InputError
 
 _SpecType = TypeVar("_SpecType", bound=Spec)
 

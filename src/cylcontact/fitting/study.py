@@ -10,19 +10,19 @@ from contextlib import closing
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measurements import Indices
-from cylcontact.errors import InputError
+from cylcontact.files.spec import Spec
 from cylcontact.fitting.diagnose import LEVEL, uncertainty_of
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.records import Bootstrap, Interval, Uncertainty
 from cylcontact.fitting.results import DataFit
 from cylcontact.fitting.words import Rows, item, noise_verdicts, noise_warnings
-from cylcontact.parallel import Workers, call, run_calls
-from cylcontact.plain_text import brief
-from cylcontact.progress import Progress, silent
-from cylcontact.spec import Spec
-from cylcontact.text_tables import Table
+from cylcontact.support.arrays import FloatArray
+from cylcontact.support.errors import InputError
+from cylcontact.support.parallel import Workers, call, run_calls
+from cylcontact.support.plain_text import brief
+from cylcontact.support.progress import Progress, silent
+from cylcontact.support.text_tables import Table
 
 
 class NoiseStudy(Spec):

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from cylcontact.arrays import FloatArray
+from cylcontact.bodies.material import own_table
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import (
     Constants,
     MeasuredData,
@@ -22,7 +23,8 @@ from cylcontact.datasets.measurements import (
     read_measured,
     require_positive_penetration,
 )
-from cylcontact.errors import InputError
+from cylcontact.files.reading import beside_or_above
+from cylcontact.files.spec import parse_spec, read_toml
 from cylcontact.fitting.campaign import Campaign, CampaignBase
 from cylcontact.fitting.law_models import (
     RIG_NAMES,
@@ -40,10 +42,8 @@ from cylcontact.fitting.specs import MeasuredSpec, completed, parameters_of
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.law import Coefficients, LawModel, Parameter
 from cylcontact.laws.user import UserFunction, UserLaw
-from cylcontact.materials import own_table
-from cylcontact.pair import Contact, CylinderPair
-from cylcontact.reading import beside_or_above
-from cylcontact.spec import parse_spec, read_toml
+from cylcontact.support.arrays import FloatArray
+from cylcontact.support.errors import InputError
 
 _ZERO_REMEDY = (
     "correct the row, or remove it; readings that are not zeroed need a free offset "

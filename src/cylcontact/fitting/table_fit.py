@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants
+from cylcontact.files.journal import Journal
 from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.optimum import Optimum
@@ -17,11 +19,9 @@ from cylcontact.fitting.records import MaxDifference, ObjectiveValue, SampleCoun
 from cylcontact.fitting.results import DataFit
 from cylcontact.fitting.runs import best_of, descend_from, published_on, run_all, searches
 from cylcontact.fitting.table_campaign import TableCampaign, require_increasing, table_of
-from cylcontact.journal import Journal
 from cylcontact.laws.law import ContactLaw
-from cylcontact.pair import Contact, CylinderPair
-from cylcontact.parallel import Workers, call
-from cylcontact.progress import Progress, silent
+from cylcontact.support.parallel import Workers, call
+from cylcontact.support.progress import Progress, silent
 
 # Descents to so few measurements take less time than starting worker processes.
 _FEW_ROWS = 2_000

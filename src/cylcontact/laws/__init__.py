@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Any
 
-from cylcontact.errors import InputError
 from cylcontact.laws.arcs import ParametricCoefficients
 from cylcontact.laws.conformal import Conformal, Persson
 from cylcontact.laws.enhanced import (
@@ -37,6 +36,7 @@ from cylcontact.laws.power import (
     PowerClearance,
     PowerLaw,
 )
+from cylcontact.support.errors import InputError
 
 __all__ = [
     "LAWS",

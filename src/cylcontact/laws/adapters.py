@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws.law import Coefficients, ContactLaw, LawModel, OverLength, Parameter, depth_of
-from cylcontact.pair import CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats, inside_or_nan, require
 
 # Newton's method takes about eight steps, more only near the end of a law's domain.
 _STEPS = 100

@@ -47,14 +47,21 @@ from typing import Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats, inside_or_nan, require
-from cylcontact.errors import InputError
-from cylcontact.html_repr import law_html
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.adapters import scaled_model
 from cylcontact.laws.glauert import Housed, Remainder, estimated_c, housed, persson_peak, remainder
 from cylcontact.laws.housing import Housing, Kernel, is_number
 from cylcontact.laws.law import BLOCK, LawModel, OverLength, depth_of, require_hole
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.support.arrays import (
+    BoolArray,
+    FloatArray,
+    IndexArray,
+    as_floats,
+    inside_or_nan,
+    require,
+)
+from cylcontact.support.errors import InputError
+from cylcontact.support.html_repr import law_html
 
 # A step of Newton's method of this relative size is the last, because it leaves its square.
 _STEPS, _LAST_STEP = 100, 1e-8

@@ -9,12 +9,12 @@ from typing import ClassVar
 import numpy as np
 from numpy import log, maximum, nan, where
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.errors import InputError
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import Constants, LawModel, constant
 from cylcontact.laws.power import IN_MM, PowerShaped, end, energy, load
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.errors import InputError
 
 # Eq 6d defines Y for internal contact on [0.005, 10[ mm.
 INTERNAL_DR_MIN = 0.005

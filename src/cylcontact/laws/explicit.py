@@ -24,14 +24,14 @@ import numpy as np
 from numpy import log, log1p, pi
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.explicit_pair import load as five_logarithms
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.housed import FiveConstants, five_constants, not_by_itself
 from cylcontact.laws.housing import Housing
 from cylcontact.laws.law import AtPair, Constants, Law, constant, require_hole
 from cylcontact.laws.parametric import Parametric
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats, inside_or_nan, require
 
 
 def load(penetration, pair, c, A, B):

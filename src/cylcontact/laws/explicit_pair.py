@@ -23,12 +23,12 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy import exp, log, log1p, maximum, pi, sqrt
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.arcs import CALIBRATED as P
 from cylcontact.laws.arcs import arc, shares
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import Constants, Law, constant
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats
 
 
 @dataclass(frozen=True)

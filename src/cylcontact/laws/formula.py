@@ -29,13 +29,13 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.errors import InputError
 from cylcontact.laws.lambert import (
     branch_distance,
     branch_distance_steps,
     branch_distance_steps_from_0,
 )
-from cylcontact.plain_text import RESERVED
+from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import RESERVED
 
 # What a formula may call, by the names that these have in exported code.
 FUNCTIONS: dict[str, tuple[Callable[..., Any], ...]] = {

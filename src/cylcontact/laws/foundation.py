@@ -7,10 +7,10 @@ from typing import ClassVar
 
 from numpy import arctan, isfinite, pi, sin, sqrt, where
 
-from cylcontact.arrays import require
 from cylcontact.laws.adapters import scaled_model
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import Law, LawModel, Parameter
+from cylcontact.support.arrays import require
 
 # Half of Z = π·E*·δ/f of Persson's law at complete contact, which gives both laws the same slope
 # there.

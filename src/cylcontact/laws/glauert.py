@@ -36,9 +36,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 
-from cylcontact.arrays import FloatArray, as_floats, on_one_thread
-from cylcontact.errors import InputError
 from cylcontact.laws.housing import Kernel
+from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
+from cylcontact.support.errors import InputError
 
 # Terms of the series, as many again for each 8 of b (large arcs need a small β), and nodes in ε.
 _TERMS, _B_PER_TERMS = 96, 8.0

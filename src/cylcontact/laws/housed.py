@@ -19,14 +19,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.errors import InputError
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws.arcs import CALIBRATED, ParametricCoefficients, arc
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housing import Housing, Kernel, Sector
 from cylcontact.laws.law import AtPair
 from cylcontact.laws.tabulated import cubic
-from cylcontact.pair import CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.errors import InputError
 
 # The nodes in t, and their largest d.
 _T = np.arange(80.0, -16.0, -0.15)

@@ -53,10 +53,10 @@ from numpy.polynomial import Chebyshev
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, IndexArray, as_floats, as_numbers, require
-from cylcontact.errors import InputError
-from cylcontact.materials import Material
-from cylcontact.pair import CylinderPair
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import CylinderPair
+from cylcontact.support.arrays import FloatArray, IndexArray, as_floats, as_numbers, require
+from cylcontact.support.errors import InputError
 
 # g is cut off where its terms, which fall like ρ^(−2n), are below this.
 _LEAST_TERM = 1e-11

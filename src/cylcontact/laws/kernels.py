@@ -22,13 +22,13 @@ from typing import Any, cast
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, require
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import LAW_TYPES
 from cylcontact.laws.formula import Formula, lines_of, needed
 from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, ContactLaw, Law, has_formula
 from cylcontact.laws.tabulated import cubic, tabulate
-from cylcontact.numba_cache import called, compiled, inlined, merged
-from cylcontact.pair import CylinderPair
+from cylcontact.support.arrays import FloatArray, require
+from cylcontact.support.numba_cache import called, compiled, inlined, merged
 
 TABLE = -1
 

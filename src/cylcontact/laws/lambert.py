@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
+from cylcontact.support.arrays import FloatArray
 
 # The start w = r(A + r(B + Cr))/(1 + Dr) with r = √(−ln p), in which w is smooth. Fitted over all
 # positive doubles; the relative error is 5e-4, below 1.5e-4 for w < 5.

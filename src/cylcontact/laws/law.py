@@ -12,10 +12,10 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.html_repr import law_html
+from cylcontact.bodies.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.laws.formula import Formula
-from cylcontact.pair import CONTACTS, Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats, require
+from cylcontact.support.html_repr import law_html
 
 Coefficients = Mapping[str, float]
 

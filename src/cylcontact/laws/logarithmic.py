@@ -24,12 +24,12 @@ import numpy as np
 from numpy import exp, inf, log, pi
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.lambert import branch_distance, branch_share
 from cylcontact.laws.law import ContactLaw, Law, LawModel, Parameter
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats, inside_or_nan, require
 
 # c₀ of `Block`.
 _LAYER = -0.35167539261871

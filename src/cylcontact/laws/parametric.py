@@ -18,14 +18,14 @@ import numpy as np
 from numpy import exp, log, maximum, nan, pi, where
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.arcs import CALIBRATED, ParametricCoefficients, arc, first_arc, shares
 from cylcontact.laws.conformal import Conformal, in_units_of
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.housed import at_pair, curve_of, not_by_itself, table_of
 from cylcontact.laws.housing import Housing
 from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, AtPair, Law
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats, inside_or_nan
 
 # About L − C + C_J for the largest arc, C_J being Johnson's datum, and the least start for L.
 _LAST_L, _LEAST_L = 1.43, 0.1

@@ -10,12 +10,12 @@ import numpy as np
 from numpy import exp, inf, isfinite, log, nan, sqrt, where
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
-from cylcontact.errors import InputError
+from cylcontact.bodies.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import ContactLaw, Law, LawModel, Parameter
-from cylcontact.pair import CONTACTS, Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats, inside_or_nan, require
+from cylcontact.support.errors import InputError
 
 IN_MM = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
 

@@ -6,9 +6,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, IndexArray, as_floats, require
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws.law import ContactLaw
-from cylcontact.pair import CylinderPair
+from cylcontact.support.arrays import FloatArray, IndexArray, as_floats, require
 
 _Number = TypeVar("_Number", float, FloatArray)
 

@@ -25,11 +25,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.errors import InputError
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import AtPair, Law
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray, as_floats, require
+from cylcontact.support.errors import InputError
 
 _NAMING = "name it as module:function; the campaign's folder is searched first, then this one"
 _RELATIVE_STEP = 1e-6

@@ -1,17 +1,17 @@
 """Planar mechanisms with clearance joints: those of Section 4 of the paper, and your own."""
 
-from cylcontact.mechanism.impact import Impact, isolated_impact
-from cylcontact.mechanism.joint import (
+from cylcontact.joint.clearance import (
     ClearanceJoint,
     JointState,
     JointWrench,
     joint_from,
     read_joint,
 )
+from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
+from cylcontact.mechanism.impact import Impact, isolated_impact
 from cylcontact.mechanism.joint_motion import JointMotion
 from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
 from cylcontact.mechanism.run import LawDomainError, RunError, Settings
-from cylcontact.mechanism.spatial import SpatialJoint, SpatialState, SpatialWrench
 from cylcontact.mechanism.statistics import Statistics
 from cylcontact.mechanism.study import (
     Case,

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtri, stdtr, stdtrit
 
-from cylcontact.arrays import BoolArray, FloatArray
+from cylcontact.support.arrays import BoolArray, FloatArray
 
 BATCHES = 20
 # Fewer batches, or fewer revolutions in each, give no interval.

@@ -18,12 +18,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import DOP853
 
-from cylcontact.arrays import FloatArray
+from cylcontact.joint.contact import Joint, Motion
 from cylcontact.mechanism import linkage as cartesian
 from cylcontact.mechanism import slider_crank
-from cylcontact.mechanism.contact import Joint, Motion
 from cylcontact.mechanism.slider_crank import Turn
-from cylcontact.numba_cache import called, inlined, merged
+from cylcontact.support.arrays import FloatArray
+from cylcontact.support.numba_cache import called, inlined, merged
 
 STAGES = 12
 # Stage i is at t + C[i]·h, from the rates of the stages before it weighted by A[i]. The solution is

@@ -17,16 +17,16 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Rectangle
 from scipy.spatial import ConvexHull
 
-from cylcontact.arrays import FloatArray, require
-from cylcontact.errors import InputError
-from cylcontact.files import replacing, require_suffix
+from cylcontact.files.writing import replacing, require_suffix
 from cylcontact.mechanism import ClearanceJoint, JointMotion, Mechanism, Trajectory
 from cylcontact.mechanism.model import GROUND, Joint
-from cylcontact.plain_text import as_label, brief
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.sketch import OUTLINE, POINTER, THIN, Point, polar
 from cylcontact.plots.style import ACCENT, QUIET, figure_style
-from cylcontact.progress import Progress, silent
+from cylcontact.support.arrays import FloatArray, require
+from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import as_label, brief
+from cylcontact.support.progress import Progress, silent
 
 # Margins along x and y around the points, as fractions of their span along x.
 MARGINS = (0.12, 0.08)

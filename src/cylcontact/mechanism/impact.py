@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cylcontact.arrays import require
+from cylcontact.bodies.pair import CylinderPair
+from cylcontact.joint.clearance import ClearanceJoint
 from cylcontact.laws import ContactLaw
-from cylcontact.mechanism.joint import ClearanceJoint
 from cylcontact.mechanism.joint_motion import changes
 from cylcontact.mechanism.model import GROUND, Body, IntegrationSpec, Joint, Mechanism
 from cylcontact.mechanism.run import Run, Settings
 from cylcontact.mechanism.trajectory import Trajectory
-from cylcontact.pair import CylinderPair
+from cylcontact.support.arrays import require
 
 # Simulated time, in units of the time to reach the bearing.
 _CROSSINGS = 3

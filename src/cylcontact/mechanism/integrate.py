@@ -19,12 +19,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cylcontact.arrays import BoolArray, FloatArray
-from cylcontact.mechanism import contact, dop853
-from cylcontact.mechanism.contact import Joint
+from cylcontact.joint import contact
+from cylcontact.joint.contact import Joint
+from cylcontact.mechanism import dop853
 from cylcontact.mechanism.dop853 import STAGES, Model, later, rates_at, step
 from cylcontact.mechanism.slider_crank import Turn
-from cylcontact.numba_cache import called, compiled, copy_to, inlined, merged
+from cylcontact.support.arrays import BoolArray, FloatArray
+from cylcontact.support.numba_cache import called, compiled, copy_to, inlined, merged
 
 # Where a run is: time in s, the next step in s (0 at a start), the error of the last one,
 # evaluations so far, how many steps have ended at the kink that they start from since one last

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats
-from cylcontact.mechanism import contact
-from cylcontact.mechanism.contact import BEYOND_LAW, YIELDS
-from cylcontact.mechanism.joint import ClearanceJoint
+from cylcontact.joint import contact
+from cylcontact.joint.clearance import ClearanceJoint
+from cylcontact.joint.contact import BEYOND_LAW, YIELDS
 from cylcontact.mechanism.model import Joint, Mechanism
 from cylcontact.mechanism.run import JOINT_LEDGERS, LEDGERS, Settings, StepHistory
 from cylcontact.mechanism.slider_crank import SliderCrank, recognise
-from cylcontact.numba_cache import called, compiled
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray, as_floats
+from cylcontact.support.numba_cache import called, compiled
 
 if TYPE_CHECKING:
     import pandas as pd

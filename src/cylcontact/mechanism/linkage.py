@@ -24,11 +24,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.errors import InputError
-from cylcontact.mechanism import contact
+from cylcontact.joint import contact
 from cylcontact.mechanism.model import Joint, Mechanism
-from cylcontact.numba_cache import called, compiled, copy_to, inlined
+from cylcontact.support.arrays import FloatArray, as_floats, require
+from cylcontact.support.errors import InputError
+from cylcontact.support.numba_cache import called, compiled, copy_to, inlined
 
 REVOLUTE, PRISMATIC, DRIVER = 0, 1, 2
 # The kind of a joint, and how many constraints it makes.

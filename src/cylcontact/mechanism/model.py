@@ -13,20 +13,20 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from cylcontact.arrays import require
-from cylcontact.errors import InputError
-from cylcontact.fits import Fit
+from cylcontact.bodies.fits import Fit
+from cylcontact.bodies.material import own_table, shipped_materials
+from cylcontact.bodies.pair import unusual_lengths
+from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
 from cylcontact.impact import IMPACT_RATE_FLOOR
-from cylcontact.materials import own_table, shipped_materials
-from cylcontact.mechanism.joint import (
+from cylcontact.joint.clearance import (
     ClearanceJoint,
     ClearanceJointSpec,
     Point,
     build_joint,
     named_law,
 )
-from cylcontact.pair import unusual_lengths
-from cylcontact.spec import Spec, broken, parse_spec, read_toml
+from cylcontact.support.arrays import require
+from cylcontact.support.errors import InputError
 
 GROUND = -1
 

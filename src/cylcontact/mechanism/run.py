@@ -14,17 +14,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cylcontact.arrays import BoolArray, FloatArray, require
-from cylcontact.choices import BEYOND, METHODS, Beyond, Method
-from cylcontact.errors import InputError
+from cylcontact.joint import contact
+from cylcontact.joint.clearance import require_defined
 from cylcontact.laws.kernels import TABLE
-from cylcontact.mechanism import contact, integrate
+from cylcontact.mechanism import integrate
 from cylcontact.mechanism.dop853 import STAGES, Model
-from cylcontact.mechanism.joint import require_defined
 from cylcontact.mechanism.linkage import assemble, linkage_of
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import recognise
-from cylcontact.progress import Progress
+from cylcontact.support.arrays import BoolArray, FloatArray, require
+from cylcontact.support.choices import BEYOND, METHODS, Beyond, Method
+from cylcontact.support.errors import InputError
+from cylcontact.support.progress import Progress
 
 # The last states of a run, ledgers: energies in J of drivers and dampers, and of each joint
 # energies in J and the integrals over the time in contact of the penetration in m s and of the

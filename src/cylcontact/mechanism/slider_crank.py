@@ -41,12 +41,12 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
-from cylcontact.mechanism import contact
-from cylcontact.mechanism.joint import Point
+from cylcontact.joint import contact
+from cylcontact.joint.clearance import Point
 from cylcontact.mechanism.linkage import assemble
 from cylcontact.mechanism.model import GROUND, Joint, Mechanism
-from cylcontact.numba_cache import called, inlined
+from cylcontact.support.arrays import FloatArray
+from cylcontact.support.numba_cache import called, inlined
 
 # A slider-crank as compiled functions take it, in SI. The reciprocals save divisions.
 Crank = Any

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, require
+from cylcontact.joint.clearance import ClearanceJoint
 from cylcontact.limits import yield_warning
 from cylcontact.mechanism.batch_means import BatchMeans
-from cylcontact.mechanism.joint import ClearanceJoint
 from cylcontact.mechanism.joint_motion import FORCE_PERCENTILES, SECTION, Limits
 from cylcontact.mechanism.model import Joint, Mechanism
 from cylcontact.mechanism.run import Settings, State
+from cylcontact.support.arrays import FloatArray, require
 
 if TYPE_CHECKING:
     import pandas as pd

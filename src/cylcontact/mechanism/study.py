@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.choices import Beyond, Method
-from cylcontact.errors import InputError
-from cylcontact.journal import Journal
+from cylcontact.files.journal import Journal, call_for, run_recorded
+from cylcontact.files.provenance import spec_hash
 from cylcontact.mechanism.joint_motion import JointMotion
 from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.run import Run, Settings, StepHistory, concatenate, settings_for
 from cylcontact.mechanism.statistics import Statistics, require_counted
 from cylcontact.mechanism.trajectory import Interrupted, Trajectory, reduced, simulate
-from cylcontact.parallel import Call, Workers, call, call_for, run_recorded
-from cylcontact.progress import Progress, silent
-from cylcontact.provenance import spec_hash
+from cylcontact.support.arrays import FloatArray, as_floats, require
+from cylcontact.support.choices import Beyond, Method
+from cylcontact.support.errors import InputError
+from cylcontact.support.parallel import Call, Workers, call
+from cylcontact.support.progress import Progress, silent
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,11 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.choices import Beyond, Method
-from cylcontact.errors import InputError
-from cylcontact.files import replacing, require_parquet
-from cylcontact.html_repr import table_html
+from cylcontact.files.provenance import made_with
+from cylcontact.files.reading import marked, require_file, unmarked
+from cylcontact.files.writing import replacing, require_parquet
 from cylcontact.mechanism.joint_motion import JointMotion, Motion, numbers_of
 from cylcontact.mechanism.linkage import largest_gaps, linkage_of
 from cylcontact.mechanism.model import Mechanism, Spring, mechanism_from
@@ -30,9 +28,11 @@ from cylcontact.mechanism.run import (
     settings_for,
 )
 from cylcontact.mechanism.statistics import Statistics, described
-from cylcontact.progress import Progress, silent
-from cylcontact.provenance import made_with
-from cylcontact.reading import marked, require_file, unmarked
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.choices import Beyond, Method
+from cylcontact.support.errors import InputError
+from cylcontact.support.html_repr import table_html
+from cylcontact.support.progress import Progress, silent
 
 if TYPE_CHECKING:
     import pandas as pd

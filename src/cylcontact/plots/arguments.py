@@ -8,13 +8,13 @@ from contextlib import contextmanager
 import numpy as np
 from matplotlib.axes import Axes
 
-from cylcontact.arrays import FloatArray, require
-from cylcontact.errors import InputError
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import LAWS, ContactLaw
-from cylcontact.materials import Material
-from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import new_figure
 from cylcontact.plots.style import Width, figure_style
+from cylcontact.support.arrays import FloatArray, require
+from cylcontact.support.errors import InputError
 
 __all__ = [
     "AnyLaw",
@@ -85,8 +85,8 @@ def require_range(given: Range, source: str, key: str, unit: str) -> None:
     --------
     >>> require_range((1000.0, 10.0), "example", "load", "N/mm")
     Traceback (most recent call last):
-    cylcontact.errors.InputError: example: load = (1000.0, 10.0): must be two positive numbers,
-    the lower first; give them in N/mm
+    cylcontact.support.errors.InputError: example: load = (1000.0, 10.0): must be two positive
+    numbers, the lower first; give them in N/mm
     """
     try:
         low, high = (float(end) for end in given)

@@ -9,13 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import TickedStroke, withStroke
 from matplotlib.text import Text
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import difference_percent
 from cylcontact.laws.law import ContactLaw
 from cylcontact.limits import yield_load
-from cylcontact.materials import Material
-from cylcontact.pair import CylinderPair
-from cylcontact.plain_text import as_label
+from cylcontact.limits.yield_search import Criterion
 from cylcontact.plots.arguments import (
     AnyLaw,
     Range,
@@ -26,7 +25,8 @@ from cylcontact.plots.arguments import (
 )
 from cylcontact.plots.figure import legend_below, plain_log, round_ticks
 from cylcontact.plots.maps import add_scale, draw_contours, label_contours
-from cylcontact.yield_search import Criterion
+from cylcontact.support.arrays import FloatArray, as_floats, require
+from cylcontact.support.plain_text import as_label
 
 __all__ = ["DR", "LOAD", "map_grid", "plot_map"]
 

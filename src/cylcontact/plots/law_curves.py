@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import ContactLaw, difference_percent
-from cylcontact.pair import CylinderPair
 from cylcontact.plots.arguments import (
     AnyLaw,
     Range,
@@ -21,6 +20,7 @@ from cylcontact.plots.arguments import (
 )
 from cylcontact.plots.figure import legend_below, plain_log, round_ticks
 from cylcontact.plots.style import QUIET, staggered
+from cylcontact.support.arrays import FloatArray, as_floats, require
 
 __all__ = ["plot_laws"]
 

@@ -8,14 +8,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.bodies.material import Material
 from cylcontact.limits import hertz_stress, johnson_limit_load, yield_load
-from cylcontact.materials import Material
-from cylcontact.plain_text import as_label
+from cylcontact.limits.yield_search import Criterion
 from cylcontact.plots.arguments import Range, axes_for, pins_in_hole, require_range
 from cylcontact.plots.figure import legend_below, plain_log, round_ticks
 from cylcontact.plots.style import staggered
-from cylcontact.yield_search import Criterion
+from cylcontact.support.arrays import FloatArray, as_floats, require
+from cylcontact.support.plain_text import as_label
 
 __all__ = ["DR", "limit_clearances", "plot_limits"]
 

@@ -13,7 +13,7 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import FigureBase
 from matplotlib.patheffects import withStroke
 
-from cylcontact.arrays import FloatArray
+from cylcontact.support.arrays import FloatArray
 
 __all__ = ["RIM", "add_scale", "draw_contours", "label_contours", "signed"]
 

@@ -11,10 +11,10 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from cylcontact.arrays import FloatArray
-from cylcontact.plain_text import as_label
 from cylcontact.plots.figure import plain_number
 from cylcontact.plots.style import COLOURS, MARKERS, QUIET
+from cylcontact.support.arrays import FloatArray
+from cylcontact.support.plain_text import as_label
 
 __all__ = ["Curve", "draw_curves", "draw_readings", "draw_residuals"]
 

@@ -17,8 +17,8 @@ from matplotlib import rcParams
 from matplotlib import style as mpl_style
 from matplotlib.font_manager import FontProperties, fontManager
 
-from cylcontact.choices import FORMATS, Format
-from cylcontact.errors import InputError
+from cylcontact.support.choices import FORMATS, Format
+from cylcontact.support.errors import InputError
 
 __all__ = [
     "ACCENT",

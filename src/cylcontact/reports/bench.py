@@ -11,10 +11,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from cylcontact.errors import InputError
+from cylcontact.bodies.material import MaterialRow, known_materials, shipped_materials
 from cylcontact.fitting.results import LawFit
-from cylcontact.materials import MaterialRow, known_materials, shipped_materials
-from cylcontact.parallel import Workers
+from cylcontact.support.errors import InputError
+from cylcontact.support.parallel import Workers
 
 if TYPE_CHECKING:
     import pandas as pd

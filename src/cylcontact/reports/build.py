@@ -19,10 +19,7 @@ from typing import Any
 
 from matplotlib import rc_context
 
-from cylcontact.choices import Format
-from cylcontact.errors import InputError
-from cylcontact.files import replacing_all, require_apart, require_writable
-from cylcontact.parallel import call, run_calls
+from cylcontact.files.writing import replacing_all, require_apart, require_writable
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import (
     DEFAULT_OPTIONS,
@@ -31,8 +28,11 @@ from cylcontact.plots.style import (
     FigureStyle,
     figure_style,
 )
-from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
+from cylcontact.support.choices import Format
+from cylcontact.support.errors import InputError
+from cylcontact.support.parallel import call, run_calls
+from cylcontact.support.progress import Progress, silent
 
 __all__ = [
     "FigureResult",

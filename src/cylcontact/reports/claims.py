@@ -34,9 +34,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal
 
-from cylcontact.errors import InputError
-from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench, MissingInputError
+from cylcontact.support.errors import InputError
+from cylcontact.support.progress import Progress, silent
 
 __all__ = [
     "VERDICTS",

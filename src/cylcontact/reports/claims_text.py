@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from cylcontact.reading import marked
+from cylcontact.files.reading import marked
 from cylcontact.reports.claims import VERDICTS, Claim, Reading, Verdict
 
 __all__ = [

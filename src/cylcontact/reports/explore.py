@@ -14,26 +14,26 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
-from cylcontact.arrays import require
-from cylcontact.errors import InputError
-from cylcontact.housing_spec import in_housing, takes_housing
-from cylcontact.html_repr import table_html
+from cylcontact.bodies.material import Material, shipped_materials
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import LAWS, Conformal, ContactLaw, Housing, Parametric, Sector
+from cylcontact.laws.housing_spec import in_housing, takes_housing
 from cylcontact.limits import (
     first_yield,
     hertz_half_width,
     hertz_stress,
     johnson_limit_load,
 )
-from cylcontact.materials import Material, shipped_materials
-from cylcontact.pair import CylinderPair
+from cylcontact.limits.sizing import half_width
 from cylcontact.plots import Drawing, new_figure, plot_laws
 from cylcontact.plots.figure import legend_below
 from cylcontact.plots.style import ACCENT, QUIET, figure_style
 from cylcontact.reports.laws_bounds import truth_of
 from cylcontact.reports.laws_table import comparison
 from cylcontact.reports.notebook import require_extra
-from cylcontact.sizing import half_width
+from cylcontact.support.arrays import require
+from cylcontact.support.errors import InputError
+from cylcontact.support.html_repr import table_html
 
 # The ends of the curves, relative to the chosen load.
 _SPAN = (0.02, 5.0)

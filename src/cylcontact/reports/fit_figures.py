@@ -7,9 +7,9 @@ import math
 import pandas as pd
 
 from cylcontact.fitting.results import LawFit
-from cylcontact.plain_text import as_label
 from cylcontact.plots.figure import Drawing, legend_below, new_figure
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET, figure_style
+from cylcontact.support.plain_text import as_label
 
 __all__ = ["runs_drawing", "runs_table"]
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from cylcontact.choices import CHOICE_FILES, DESIGN_FILES, FIT_FILES
-from cylcontact.files import replacing_all
+from cylcontact.files.writing import replacing_all
 from cylcontact.fitting.choice import Choice
 from cylcontact.fitting.design import Design
 from cylcontact.fitting.results import DataFit
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import JOURNAL, figure_style
 from cylcontact.reports.build import NUMBER_FORMAT, save_picture
+from cylcontact.support.choices import CHOICE_FILES, DESIGN_FILES, FIT_FILES
 
 
 def write_choice(choice: Choice, folder: Path) -> None:

@@ -13,10 +13,10 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq, minimize_scalar
 
-from cylcontact.arrays import FloatArray
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws import Conformal, ContactLaw, Explicit, Johnson, Persson, explicit_penetration
-from cylcontact.materials import Material
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.support.arrays import FloatArray
 
 __all__ = [
     "BOUNDED",

@@ -8,10 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
-from cylcontact.arrays import FloatArray, require
-from cylcontact.errors import InputError
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.housing_spec import in_housing, takes_housing
 from cylcontact.laws import (
     LAW_TYPES,
     LAWS,
@@ -22,12 +21,13 @@ from cylcontact.laws import (
     Parametric,
 )
 from cylcontact.laws.housed import needs_series
+from cylcontact.laws.housing_spec import in_housing, takes_housing
 from cylcontact.laws.law import Parameter
 from cylcontact.limits import first_yield, hertz_half_width, hertz_stress
-from cylcontact.materials import Material
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.limits.sizing import half_width
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error, truth_of
-from cylcontact.sizing import half_width
+from cylcontact.support.arrays import FloatArray, require
+from cylcontact.support.errors import InputError
 
 __all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "listing", "to_text"]
 

@@ -15,20 +15,20 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.bodies.pair import Contact
 from cylcontact.datasets.grid import grid_from
-from cylcontact.errors import InputError
+from cylcontact.files.reading import read_text, unmarked
 from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.objectives import Form, LawForm, collect_samples, form_of
 from cylcontact.fitting.results import FitResult
 from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
-from cylcontact.pair import Contact
-from cylcontact.reading import read_text, unmarked
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
-from cylcontact.text_tables import Table
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.errors import InputError
+from cylcontact.support.text_tables import Table
 
 __all__ = ["error_text", "laws_to_use", "to_text"]
 

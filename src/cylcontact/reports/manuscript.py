@@ -25,14 +25,14 @@ import jinja2.meta
 import numpy as np
 import pandas as pd
 
-from cylcontact.errors import InputError
-from cylcontact.files import replacing_all, require_writable
+from cylcontact.files.reading import read_text, require_file
+from cylcontact.files.writing import replacing_all, require_writable
 from cylcontact.fitting.results import FitResult
 from cylcontact.plots.style import choose
-from cylcontact.progress import Progress, silent
-from cylcontact.reading import read_text, require_file
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, draw
+from cylcontact.support.errors import InputError
+from cylcontact.support.progress import Progress, silent
 
 # Pandoc's Markdown, without what would take a text with digits, @ or < for something else.
 _READER = "markdown-example_lists-implicit_header_references-raw_html-raw_tex"
@@ -117,7 +117,7 @@ def fill(text: str, bench: Bench, source: Path) -> str:
 
     Examples
     --------
-    >>> from cylcontact.files import shipped_bench
+    >>> from cylcontact.files.writing import shipped_bench
     >>> text = 'Its error is {{ fit("internal").objective.value | number(digits=2) }}.'
     >>> print(fill(text, Bench(shipped_bench()), Path("mine.md")))
     Its error is 0.064.

@@ -9,8 +9,8 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
-from cylcontact.errors import InputError
-from cylcontact.progress import Progress
+from cylcontact.support.errors import InputError
+from cylcontact.support.progress import Progress
 
 __all__ = ["live_progress", "progress_bar", "require_extra"]
 
@@ -25,7 +25,7 @@ def require_extra(module: str) -> ModuleType:
     >>> require_extra("no_such_module")
     Traceback (most recent call last):
     ...
-    cylcontact.errors.InputError: notebook: no_such_module is not installed; run `make extras` ...
+    cylcontact.support.errors.InputError: notebook: no_such_module is not installed; run ...
     """
     try:
         return import_module(module)

@@ -16,12 +16,12 @@ from typing import Annotated, Any, Literal, get_args
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from cylcontact.arrays import FloatArray, IndexArray, require
-from cylcontact.errors import InputError
+from cylcontact.bodies.material import Material
+from cylcontact.bodies.pair import CylinderPair, Plane
+from cylcontact.files.spec import Spec, broken, parse_spec
 from cylcontact.laws import Conformal, Sector
-from cylcontact.materials import Material
-from cylcontact.pair import CylinderPair, Plane
-from cylcontact.spec import Spec, broken, parse_spec
+from cylcontact.support.arrays import FloatArray, IndexArray, require
+from cylcontact.support.errors import InputError
 
 BodyName = Literal["plate", "pin"]
 

@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats, require
 from cylcontact.datasets.finite_element.mesh import Body, BodyName, Mesh, Setup
-from cylcontact.errors import InputError
 from cylcontact.laws import Sector
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray, as_floats, require
+from cylcontact.support.errors import InputError
 
 # Above this ν the plain bilinear quad is too stiff, without limit as ν approaches 0.5. At 0.4 it
 # costs 0.1 % of the penetration with 16 cells over the half-width, as much as the mesh does anyway.

@@ -20,19 +20,19 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from cylcontact.arrays import on_one_thread, require
+from cylcontact.bodies.material_spec import Modulus
 from cylcontact.datasets.finite_element.mesh import Setup, SetupKeys
 from cylcontact.datasets.finite_element.solver import solve
-from cylcontact.errors import InputError
-from cylcontact.files import replacing
-from cylcontact.journal import Journal
+from cylcontact.files.journal import Journal, run_recorded
+from cylcontact.files.provenance import spec_hash
+from cylcontact.files.reading import marked, read_text, unmarked
+from cylcontact.files.spec import broken, parse_spec, read_toml
+from cylcontact.files.writing import replacing
 from cylcontact.laws import Johnson
-from cylcontact.material_spec import Modulus
-from cylcontact.parallel import call, run_recorded
-from cylcontact.progress import Progress, silent
-from cylcontact.provenance import spec_hash
-from cylcontact.reading import marked, read_text, unmarked
-from cylcontact.spec import broken, parse_spec, read_toml
+from cylcontact.support.arrays import on_one_thread, require
+from cylcontact.support.errors import InputError
+from cylcontact.support.parallel import call
+from cylcontact.support.progress import Progress, silent
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,12 +9,10 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from cylcontact.errors import InputError
+from cylcontact.bodies.pair import CONTACTS, Contact
 from cylcontact.fitting.comparison import by_search, side_by_side
 from cylcontact.fitting.results import FitResult
 from cylcontact.laws.enhanced import InternalCoefficients
-from cylcontact.pair import CONTACTS, Contact
-from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, find_recipes
 from cylcontact.reports.claims import ledger, withdrawn
@@ -22,6 +20,8 @@ from cylcontact.reports.claims_text import MEANINGS, grouped, to_records, what_s
 from cylcontact.reports.laws_to_use import error_text, laws_to_use
 from cylcontact.reports.pages.figures import sections
 from cylcontact.reports.paper import paper_of
+from cylcontact.support.errors import InputError
+from cylcontact.support.progress import Progress, silent
 
 __all__ = ["FORMULAS", "Content", "answer", "collect"]
 

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
-from cylcontact.errors import InputError
-from cylcontact.files import require_writable
-from cylcontact.progress import Progress, silent
+from cylcontact.files.writing import require_writable
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.pages.content import collect
+from cylcontact.support.errors import InputError
+from cylcontact.support.progress import Progress, silent
 
 __all__ = ["Site", "build_site"]
 

@@ -1,0 +1,183 @@
+"""Fits of ISO 286: from a code on a drawing, 20H7/g6, to the band of the radial clearance."""
+
+from __future__ import annotations
+
+import csv
+import re
+from bisect import bisect_left
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cylcontact.files.reading import plain_number
+from cylcontact.support.arrays import FloatArray, as_floats, require
+from cylcontact.support.errors import InputError
+
+_TABLE = Path(__file__).parent / "data" / "iso286.csv"
+_SMALLEST, _LARGEST = 3.0, 500.0  # mm
+_GRADES = range(5, 12)
+# Stands for ΔR = 0: the limit of laws, that have no value there.
+_SMALLEST_CLEARANCE = 1e-6  # mm
+_HOLES, _PINS = ("H", "JS"), ("c", "d", "e", "f", "g", "h", "j", "js", "k", "m", "n")
+_CODE = re.compile(r"\s*[⌀øØ]?\s*(\d+(?:[.,]\d+)?)\s*([A-Za-z]+)(\d+)\s*[/ ]\s*([A-Za-z]+)(\d+)\s*")
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fit of a pin in a hole, with the limits of both diameters.
+
+    Build one with `Fit.read`.
+
+    Attributes
+    ----------
+    code : str
+        As on the drawing, "20H7/g6".
+    nominal : float
+        The nominal diameter in mm.
+    hole, pin : (float, float)
+        The lower and the upper deviation of the diameter in mm.
+
+    Notes
+    -----
+    The numbers are those of ISO 286-1:2010 for nominal sizes from 3 to 500 mm, holes H and JS, pins
+    c to n without cd, ef and fg, and grades from 5 to 11. JS and js are halves of the tolerance,
+    not rounded.
+
+    Examples
+    --------
+    >>> fit = Fit.read("20H7/g6")
+    >>> print(fit)
+    20H7/g6: hole 20 +0.000 +0.021, pin 20 -0.020 -0.007 mm, radial clearance 3.5 to 20.5 µm
+    >>> Fit.read("20H7/k6").kind
+    'transition'
+    """
+
+    code: str
+    nominal: float
+    hole: tuple[float, float]
+    pin: tuple[float, float]
+
+    @classmethod
+    def read(cls, code: str, source: str = "fit", key: str = "") -> Fit:
+        """Return the fit of a code.
+
+        Parameters
+        ----------
+        code : str
+            The nominal diameter in mm, the hole's class and the pin's, as "20H7/g6".
+        source, key : str
+            Where the code comes from, for errors.
+
+        Raises
+        ------
+        InputError
+            If the code cannot be read, or the tables here do not have it.
+        """
+        match = _CODE.fullmatch(code)
+        if match is None:
+            rule, remedy = "is no fit", "write the diameter in mm, the hole and the pin: 20H7/g6"
+            raise InputError(source, key, code, rule, remedy)
+        size, hole, hole_grade, pin, pin_grade = match.groups()
+        nominal = plain_number(size.replace(",", "."))
+        rule, remedy = "is outside ISO 286's range here, 3 to 500 mm", "give radii or diameters"
+        require(_SMALLEST <= nominal <= _LARGEST, source, key, code, rule, remedy)
+        for letters, known, body in ((hole, _HOLES, "hole"), (pin, _PINS, "pin")):
+            rule = f"has a {body} {letters} that is not in the table"
+            require(letters in known, source, key, code, rule, f"choose {', '.join(known)}")
+        limits = []
+        for letters, grade in ((hole, int(hole_grade)), (pin, int(pin_grade))):
+            rule, remedy = f"has a grade {grade} that is not in the table", "choose 5 to 11"
+            require(grade in _GRADES, source, key, code, rule, remedy)
+            if letters == "j":
+                rule, remedy = f"has a pin j{grade}, and ISO 286 has j5 to j7", "choose js, or j6"
+                require(grade <= 7, source, key, code, rule, remedy)
+            limits.append(_deviations(nominal, letters.lower(), letters.isupper(), grade))
+        plain = f"{nominal:g}{hole}{hole_grade}/{pin}{pin_grade}"
+        return cls(plain, nominal, limits[0], limits[1])
+
+    @property
+    def clearance(self) -> tuple[float, float]:
+        """The least and the largest radial clearance ΔR in mm, negative for an interference."""
+        return (self.hole[0] - self.pin[1]) / 2, (self.hole[1] - self.pin[0]) / 2
+
+    @property
+    def kind(self) -> str:
+        """What the fit is: a "clearance" (the least may be 0), "transition" or "interference"."""
+        low, high = self.clearance
+        return "interference" if high <= 0 else "clearance" if low >= 0 else "transition"
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The least and the largest radius of the hole, and of the pin, in mm."""
+        (low, high), (least, most) = (
+            ((self.nominal + lower) / 2, (self.nominal + upper) / 2)
+            for lower, upper in (self.hole, self.pin)
+        )
+        return (low, high), (least, most)
+
+    def radii(self, share: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return radii of hole and pin in mm, from the tightest (share 0) to the loosest (1)."""
+        (low, high), (least, most) = self.limits
+        share = as_floats(share)
+        return apart(low + share * (high - low), most - share * (most - least))
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """The radii of hole and pin in mm in the middle of the fit."""
+        hole, pin = self.radii(0.5)
+        return float(hole), float(pin)
+
+    def require_clearance(self, source: str, key: str = "fit") -> None:
+        """Raise `InputError` unless every pin within the limits fits in every hole."""
+        low, high = self.clearance
+        rule = f"is an interference fit, {-2e3 * high:.3g} to {-2e3 * low:.3g} µm on the diameter"
+        if self.kind == "transition":
+            rule = (
+                f"is a transition fit: ΔR is {1e3 * low:.3g} to {1e3 * high:.3g} µm, and a pin "
+                "that is pressed in has no clearance for a law"
+            )
+        require(self.kind == "clearance", source, key, self.code, rule, "choose a looser pin: h, g")
+
+    def __str__(self) -> str:
+        def limits(deviations: tuple[float, float]) -> str:
+            return f"{self.nominal:g} " + " ".join(f"{value:+.3f}" for value in deviations)
+
+        low, high = (1e3 * value for value in self.clearance)
+        return (
+            f"{self.code}: hole {limits(self.hole)}, pin {limits(self.pin)} mm, "
+            f"radial clearance {low:.4g} to {high:.4g} µm"
+        )
+
+
+def apart(R_i: FloatArray, R_j: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return radii of hole and pin with a clearance of 1 nm at least, in place of none."""
+    return as_floats(R_i), as_floats(np.minimum(R_j, R_i - _SMALLEST_CLEARANCE))
+
+
+def _deviations(nominal: float, letters: str, is_hole: bool, grade: int) -> tuple[float, float]:
+    """Return the lower and the upper deviation in mm of a class, of a pin in small letters."""
+    sizes, rows = _table()
+    row = rows[bisect_left(sizes, nominal)]
+    width = row[f"IT{grade}"]
+    if letters == "js":
+        low, high = -width / 2, width / 2
+    elif is_hole:  # H
+        low, high = 0.0, width
+    elif letters in "cdefgh":
+        low, high = row[letters] - width, row[letters]
+    else:
+        key = {"j": "j7" if grade == 7 else "j6"}.get(letters, letters)
+        low = 0.0 if letters == "k" and grade > 7 else row[key]
+        high = low + width
+    return low / 1e3, high / 1e3
+
+
+@cache
+def _table() -> tuple[list[float], list[dict[str, float]]]:
+    """Return the upper ends of the sizes in mm, and their rows in µm."""
+    lines = [line for line in _TABLE.read_text("utf-8").splitlines() if line[:1] != "#"]
+    rows = [{key: float(cell) for key, cell in row.items()} for row in csv.DictReader(lines)]
+    return [row["to_mm"] for row in rows], rows

@@ -1,0 +1,92 @@
+"""The housing of a joint as files and options have it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, Strict, model_validator
+
+from cylcontact.bodies.material_spec import MaterialSpec
+from cylcontact.files.spec import Spec, broken
+from cylcontact.laws import Conformal, Explicit, Housing, Parametric, Sector
+from cylcontact.laws.law import ContactLaw
+from cylcontact.support.errors import InputError
+
+# The laws that know the housing.
+_LAWS: dict[str, Any] = {law.name: law for law in (Parametric, Explicit, Conformal)}
+
+
+class LayerSpec(MaterialSpec):
+    """A ring that is bonded around the hole's own."""
+
+    R_i: float = Field(gt=0, description="the inner radius of the layer in mm")
+
+
+class HousingSpec(Spec):
+    """A table [housing]: a ring around the hole that is clamped on its rim."""
+
+    R_o: float = Field(gt=0, description="the radius of the rim in mm")
+    clamp: Literal["rim", "sector"] = Field(
+        "rim", description='"rim" if all of it is clamped, "sector" for a part'
+    )
+    angle: float | None = Field(
+        None, ge=10, le=350, description="the angle of the clamped sector, 10 to 350 degrees"
+    )
+    side: Literal["near", "far"] | None = Field(
+        None, description='"near" if the pin is pressed towards the sector, "far" if away from it'
+    )
+
+    layers: Annotated[tuple[LayerSpec, ...], Strict(False)] | None = Field(
+        None, description="a list of rings around the hole's own, from within, each with its R_i"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> HousingSpec:
+        radii = [*(layer.R_i for layer in self.layers or ()), self.R_o]
+        if radii != sorted(set(radii)):
+            rule = "must have inner radii that increase from one to the next, up to R_o"
+            raise broken("layers", radii, rule, "give the layers from within")
+        given = {"angle": self.angle, "side": self.side}
+        for key, value in given.items():
+            if (value is None) == (self.clamp == "sector"):
+                rule = "is for a sector" if self.clamp == "rim" else "is missing for a sector"
+                raise broken(key, value, rule, 'give angle and side with clamp = "sector" only')
+        return self
+
+    def with_numbers(
+        self, own: Path | None, source: str, key: str = "housing.layers"
+    ) -> HousingSpec:
+        """Return the same with E, ν and the yield stress of materials that are named."""
+        layers = []
+        for layer in self.layers or ():
+            material = layer.named("", own, source, key)
+            of_material = {"nu": material.nu, "yield_stress": material.yield_stress}
+            E = 1e-3 * float(material.E)
+            layers.append(layer.model_copy(update={"material": None, "E": E, **of_material}))
+        return self.model_copy(update={"layers": tuple(layers) or None})
+
+    @property
+    def housing(self) -> Housing:
+        """The housing itself, if its layers have numbers."""
+        layers = [
+            (layer.named(f"layer {k}", None, "housing", "layers"), layer.R_i)
+            for k, layer in enumerate(self.layers or (), start=1)
+        ]
+        if self.angle is None or self.side is None:
+            return Housing(self.R_o, layers=layers)
+        return Housing(self.R_o, clamp=Sector(self.angle, self.side), layers=layers)
+
+
+def takes_housing(law: str) -> bool:
+    """Return whether a law of this name knows the housing."""
+    return law in _LAWS
+
+
+def in_housing(law: str, housing: Housing, source: str, key: str = "law") -> ContactLaw:
+    """Return the law of a name in a housing."""
+    if law not in _LAWS:
+        rule, remedy = "knows no housing", f"choose {', '.join(_LAWS)}"
+        raise InputError(source, key, law, rule, remedy)
+    housed: ContactLaw = _LAWS[law](datum=housing)
+    return housed

@@ -1,0 +1,27 @@
+"""What a contact carries: first yield, and the end of Johnson's law."""
+
+from cylcontact.limits.loads import (
+    elastic_limit_clearance,
+    first_yield,
+    hertz_half_width,
+    hertz_pressure,
+    hertz_stress,
+    johnson_limit_load,
+    stress_at_johnson_limit,
+    yield_load,
+    yield_warning,
+)
+from cylcontact.limits.yield_search import FirstYield
+
+__all__ = [
+    "FirstYield",
+    "elastic_limit_clearance",
+    "first_yield",
+    "hertz_half_width",
+    "hertz_pressure",
+    "hertz_stress",
+    "johnson_limit_load",
+    "stress_at_johnson_limit",
+    "yield_load",
+    "yield_warning",
+]

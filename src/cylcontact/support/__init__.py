@@ -1,0 +1,1 @@
+"""What every package uses: errors, arrays, named choices, texts, progress and parallel calls."""

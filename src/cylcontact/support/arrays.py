@@ -1,0 +1,115 @@
+"""Array types, and helpers of the functions that take arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import fields
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cylcontact.support import errors
+from cylcontact.support.errors import InputError
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IndexArray = NDArray[np.intp]
+require = errors.require
+
+
+def as_floats(values: object) -> FloatArray:
+    """Return `values` as float64, an array or a NumPy scalar; refuse what is no such array."""
+    try:
+        array: FloatArray = np.asarray(values, dtype=np.float64)[()]
+    except (TypeError, ValueError):  # text, or lists of unequal length in a list
+        rule, remedy = "must be a number or an array of them", "give numbers"
+        raise InputError("", "", values, rule, remedy) from None
+    return array
+
+
+def as_numbers(values: object, source: str, key: str) -> FloatArray:
+    """Return real numbers as `as_floats`; raise `InputError` for anything else."""
+    try:
+        array = np.asarray(values)
+    except ValueError:  # lists of unequal length in a list
+        array = np.array(None)
+    numeric = array.dtype.kind in "iuf"
+    remedy = "give a number, or an array of numbers"
+    require(numeric, source, key, values, "must be a real number or an array of them", remedy)
+    return as_floats(array)
+
+
+def require_one_shape(source: str, **arrays: ArrayLike) -> None:
+    """Raise `InputError` for arrays that do not broadcast against each other."""
+    shapes = {name: shape for name, value in arrays.items() if (shape := np.shape(value))}
+    try:
+        np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        text = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        rule = f"the shapes do not go together: {text}"
+        remedy = "give arrays of the same length, or single numbers"
+        raise InputError(source, "", None, rule, remedy) from None
+
+
+def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:
+    """Return `values` where `inside` is true and NaN elsewhere."""
+    result: FloatArray = np.where(inside, values, np.nan)[()]
+    return result
+
+
+def require_positive(
+    value: object, source: str, key: str, remedy: str, rule: str = "must be positive and finite"
+) -> FloatArray:
+    """Return real numbers; raise `InputError` unless all are positive and finite."""
+    numbers = as_numbers(value, source, key)
+    require((numbers > 0) & np.isfinite(numbers), source, key, value, rule, remedy)
+    return numbers
+
+
+class OfArrays:
+    """A frozen dataclass with arrays of its own, which are read-only and compared by value."""
+
+    def _own_arrays(self) -> None:
+        """Replace arrays and lists by read-only copies."""
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray | list | tuple):
+                own = np.array(value)
+                own.flags.writeable = False
+                object.__setattr__(self, name, own)
+
+    def __eq__(self, other: object) -> bool:
+        names = [field.name for field in fields(self)]  # type: ignore[arg-type]
+        return type(self) is type(other) and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in names
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@contextmanager
+def on_one_thread() -> Iterator[None]:
+    """Keep linear algebra on one thread: small matrices are slower on several."""
+    with _threads().limit(limits=1):
+        yield
+
+
+@lru_cache(maxsize=1)
+def _threads() -> ThreadpoolController:
+    """Return what limits threads; to look for the libraries takes milliseconds."""
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
+
+
+def require_not_negative(value: ArrayLike, source: str, key: str, remedy: str) -> FloatArray:
+    """Return finite numbers that are not negative; raise `InputError` for others."""
+    numbers = as_floats(value)
+    holds = (numbers >= 0) & np.isfinite(numbers)
+    require(holds, source, key, value, "must be finite and not negative", remedy)
+    return numbers
