@@ -14,24 +14,23 @@ BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.toml datasets/*/
 # Your own, named mine*, are for `cylcontact fit` and `cylcontact figure` alone.
 CAMPAIGNS := $(filter-out fitting/mine%,$(wildcard fitting/*.toml))
 RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
-COMPARISONS := $(patsubst %,fitting/results/optimizers-%.csv,internal external)
 RECIPES := $(filter-out reports/mine%,$(wildcard reports/*.py))
-# The paper's figures and the maps of the refit: all that needs the two main fits
-# only. `make report` draws every figure. Figure 15 compiles the mechanism, so it comes first.
-MAIN_FIGURES := $(foreach number,15 01 02 03 04 05 06 07 08 09 10 11 12 13 14 16 17 18 19,fig$(number)) fig_maps_refit
+# Figures 17 to 19 compile the mechanism, so they come first.
+FIGURES := $(foreach number,17 18 19 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(number))
 
 # Another user's Python packages must not leak into the environment.
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all committed env extras fits finite-element mechanism bifurcation readings tilt housing optimizers figures report paper claims verify \
-	bench references explore notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
+.PHONY: all committed env extras fits finite-element mechanism bifurcation figures report claims verify \
+	bench references explore notebooks notebooks-run docs test test-all test-long lint format lock clean distclean help FORCE
 
 ##@ The main job
 
-all: build/comparison.txt build/.figures ## Set up, recover the coefficients, refit them, draw the maps (default)
+all: build/comparison.txt build/report.html ## Set up, recover the coefficients, refit them, draw the figures (default)
 	@cat build/comparison.txt
-	@echo "The figures, each with its numbers as CSV, are in reports/figures."
+	@echo "The figures are in build/figures, each with its numbers as CSV and its caption."
+	@echo "All of it on one page: build/report.html"
 
 build/%.json: fitting/%.toml datasets/%.toml $(SOURCES) $(VENV)/.dependencies | $(VENV)/.editable
 	@mkdir -p $(@D)
@@ -42,9 +41,13 @@ build/comparison.txt: build/recovered-internal.json build/recovered-external.jso
 		build/internal.json build/external.json
 	@$(CYLCONTACT) compare $^ > $@
 
-build/.figures: build/internal.json build/external.json $(RECIPES) $(BENCH)
-	$(CYLCONTACT) figure $(MAIN_FIGURES) --results build
+build/.figures: build/internal.json $(RECIPES) $(BENCH)
+	$(CYLCONTACT) figure $(FIGURES) -o build/figures
+	$(CYLCONTACT) figure fig_refit result=build/internal.json -o build/figures
 	@touch $@
+
+build/report.html: build/comparison.txt build/.figures
+	@$(CYLCONTACT) report --results build --figures build/figures -o $@
 
 ##@ Results and figures
 
@@ -84,31 +87,11 @@ bifurcation: $(VENV)/.editable ## Redo datasets/mechanism/bifurcation.csv alone 
 		--beyond tangent --clearance 0.01,0.5 --points 48 --revolutions 200 --last 60 \
 		--impact-rate 0,0.1 -o datasets/mechanism/bifurcation.csv
 
-readings: $(VENV)/.editable ## Redo datasets/readings.csv, the searches under other readings of the paper
-	$(BIN)/python -m reports.searched_readings
-
-tilt: $(VENV)/.editable ## Redo datasets/tilted_pin.csv, a pin that tilts in three dimensions (a minute)
-	$(BIN)/python -m reports.tilted_pin
-
-housing: $(VENV)/.editable ## Redo datasets/housing.csv, one joint in fifteen housings by finite elements
-	$(BIN)/python -m reports.fig_housing
-
-optimizers: $(COMPARISONS) ## Compare the optimisers on both main campaigns, into fitting/results
-
-$(COMPARISONS): fitting/results/optimizers-%.csv: fitting/%.toml FORCE | $(VENV)/.extras
-	$(CYLCONTACT) optimizers $< -o $@
-
 figures: build/.figures ## Draw the figures from this machine's fits, in build
 
-report: references $(VENV)/.extras ## Build the documentation and the results as one site, to read from disk
-	$(CYLCONTACT) report
+report: build/report.html ## Write one page with coefficients, figures and claims
 
-paper: $(VENV)/.paper ## Typeset the manuscript, its supplement and the paper on the program, in reports/typeset
-	$(CYLCONTACT) paper
-	$(CYLCONTACT) paper reports/manuscript/supplement.md
-	$(CYLCONTACT) paper paper/paper.md
-
-claims: $(VENV)/.editable ## Hold every number the paper states against ours
+claims: $(VENV)/.editable ## Compare what the paper claims with our numbers
 	$(CYLCONTACT) claims
 
 verify: $(VENV)/.editable ## Fit afresh and compare with the committed results
@@ -116,7 +99,6 @@ verify: $(VENV)/.editable ## Fit afresh and compare with the committed results
 
 bench: $(VENV)/.extras ## Measure the speed against what one would use instead (ten minutes)
 	$(BIN)/python -m benchmarks
-	$(CYLCONTACT) figure fig_benchmarks
 
 references: $(VENV)/.editable ## Hold the laws against numbers of others, docs/checked-against.md
 	$(BIN)/python -m benchmarks.references
@@ -138,11 +120,10 @@ notebooks-run: $(VENV)/.kernel ## Run the notebooks without a browser, into buil
 	$(BIN)/jupyter nbconvert --log-level=WARN --to notebook --execute --output-dir build/notebooks \
 		notebooks/*.ipynb
 
-pair: $(VENV)/.extras ## Bring each notebook in line with its script, without outputs
-	$(BIN)/jupytext --quiet --to ipynb --update notebooks/*.py
-	$(BIN)/jupyter nbconvert --log-level=ERROR --clear-output --inplace notebooks/*.ipynb
-
-docs: report ## The same as make report
+docs: references $(VENV)/.extras ## Build the documentation, to read from build/docs/index.html
+	$(CYLCONTACT) figure -o docs/figures --format png
+	$(BIN)/python docs/results.py
+	$(BIN)/mkdocs build --quiet --strict -d build/docs
 
 ##@ Checks
 
@@ -192,18 +173,11 @@ $(VENV)/.dependencies: requirements.lock
 		"the reason is above; once it is mended, the same make command resumes." >&2; exit 1; }
 	@echo "$(PYTHON)" > $@
 
-extras: $(VENV)/.extras ## Add what all tests, notebooks, the site, a cluster and comparisons with peers need
+extras: $(VENV)/.extras ## Add what all tests, notebooks, the documentation, a cluster and peers need
 
 $(VENV)/.test $(VENV)/.lint $(VENV)/.extras: $(VENV)/.%: requirements-%.lock $(VENV)/.dependencies | $(VENV)/.editable
 	@echo "Adding requirements-$*.lock to $(VENV) ..."
 	@$(PIP) --require-hashes -r $<
-	@touch $@
-
-# Pandoc and Typst, of all extras: that takes seconds.
-$(VENV)/.paper: requirements-extras.lock $(VENV)/.dependencies | $(VENV)/.editable
-	@mkdir -p build
-	@awk '/^[^ ]/ { wanted = /^(pypandoc-binary|typst)==/ } wanted' requirements-extras.lock > build/paper.lock
-	@$(PIP) --require-hashes -r build/paper.lock
 	@touch $@
 
 # The build backend is in the lock, so this step needs no network.
@@ -229,7 +203,7 @@ lock: ## Pin the dependencies anew in the locks; make lock UPGRADE=--upgrade for
 	@mv $(LOCKS:%=build/%) .
 
 clean: ## Remove what the commands above made: fits, figures, tables, caches
-	rm -rf build dist datasets/generated reports/figures reports/typeset
+	rm -rf build dist datasets/generated reports/figures docs/figures
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests reports -name __pycache__ -type d -prune -exec rm -rf {} +
 

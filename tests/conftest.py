@@ -13,11 +13,7 @@ from cylcontact import CylinderPair, Material, cli
 from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
 from tests.support import programs
 from tests.support.browser import chromium
-from tests.support.drawn_figures import BENCH, DrawnFigures
 from tests.support.spec_files import write_bench
-
-# Makes the bench's own modules importable: from _cylcontact_bench.paper import MATERIALS.
-BENCH.module("paper")
 
 # Typer takes most of a short command's time to build it; the tests build it once.
 build_command = functools.cache(typer.main.get_command)
@@ -114,13 +110,6 @@ def small_campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
 @pytest.fixture(scope="session")
 def small_result(small_campaign: Campaign) -> FitResult:
     return calibrate(small_campaign)
-
-
-@pytest.fixture(scope="session")
-def figures(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> DrawnFigures:
-    """The bench's figures by name, each with its files and its drawing."""
-    base = tmp_path_factory.getbasetemp()
-    return DrawnFigures((base if worker_id == "master" else base.parent) / "figures")
 
 
 @pytest.fixture(scope="module")

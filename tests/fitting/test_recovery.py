@@ -7,14 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
-from _cylcontact_bench.fig_readings import readings
-from _cylcontact_bench.searched_readings import searched_readings
 from scipy.optimize import least_squares
 
 from cylcontact.fitting import FitResult, calibrate, read_campaign
-from cylcontact.reports.bench import Bench
 
 pytestmark = pytest.mark.slow
 
@@ -89,31 +85,6 @@ READINGS = [
     ("external", "8", {"points": 8}),
     ("external", "E log, dR log, load log, E to 10000 GPa", {"spacing": "log log log"}),
 ]
-
-
-@pytest.mark.parametrize(("contact", "label", "sampling"), READINGS)
-def test_readings_are_right(figures, contact, label, sampling):
-    table = figures["fig_readings"].drawing.table
-    chosen = table[(table["contact"] == contact) & (table["reading"] == label)]
-    sampled = samples(contact, **sampling)
-    assert len(chosen) == {"internal": 2, "external": 5}[contact]
-    for _, rows in chosen.groupby("search"):
-        actual = rows["value"].to_numpy()
-        assert searched_again(contact, actual, sampled) == pytest.approx(actual, rel=1e-4)
-        rms = np.sqrt(np.mean(residuals(contact, actual, sampled) ** 2))
-        assert rows["objective"].to_numpy() == pytest.approx(rms, rel=1e-9)
-        start = (*PUBLISHED[contact], 1.094)[: actual.size]
-        far = searched_again(contact, start, sampled)
-        assert np.sqrt(np.mean(residuals(contact, far, sampled) ** 2)) >= rms * (1 - 1e-6)
-        if contact == "external":
-            assert far == pytest.approx(actual, rel=1e-4)
-
-
-# By night: test_readings_are_right holds rows of the same table by searches of scipy.
-@pytest.mark.long
-def test_the_table_of_the_readings_is_what_the_searches_give():
-    bench = Bench(ROOT)
-    pd.testing.assert_frame_equal(readings(bench), searched_readings(bench), rtol=1e-6, atol=1e-6)
 
 
 @pytest.mark.parametrize("contact", ["internal", "external"])

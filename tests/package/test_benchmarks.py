@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from _cylcontact_bench.fig_benchmarks import GROUPS, left_out, ratio_panel, ratios_of
 
 from benchmarks import harness, peers
 from benchmarks.__main__ import BENCHMARKS
@@ -23,11 +22,8 @@ from benchmarks.harness import Side, compare, require_agreement, rows
 from benchmarks.page import AIMS, PAGE, RESULTS, find, load, page, save
 from benchmarks.sampling import grid_of
 from benchmarks.search import problem_of
-from cylcontact import InputError
 from cylcontact.fitting.runs import searches
 from cylcontact.fitting.specs import GeneticSpec
-from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import draw
 from tests.support.programs import require_program
 
 pytestmark = pytest.mark.slow
@@ -245,68 +241,3 @@ def test_every_aim_is_judged_by_what_was_measured():
     for seconds, verdict in ((0.2, "| 0.2 | reached |"), (9.0, "| 9 | **not reached** |")):
         assert aim.verdict([replace(row, value=seconds)]) == verdict
     assert aim.verdict([]) == "| not measured | |"
-
-
-# --- the figure -------------------------------------------------------------------------------
-
-
-def results_in(folder, leave_out="", skipped=()):
-    """Results of the figure's groups, some of them perhaps left out; ours is twice the first."""
-    actual = []
-    for name, group in GROUPS.items():
-        if name == leave_out or group.benchmark in skipped:
-            continue
-        seconds = {
-            "a limit": [1.0, 1.0],
-            f"cylcontact: {group.ours}": [2.0, 2.0],
-            "another": [8.0, 10.0],
-        }
-        notes = {"another": "computed: 3 evaluations"}
-        actual += rows(group.benchmark, f"{group.case} …", seconds, "s", 1.0, notes)
-    path = folder / "datasets" / "benchmarks.json"
-    save(path, {"skipped": dict.fromkeys(skipped, "needs a program"), "rows": actual})
-    return path
-
-
-def test_the_figure_shows_ratios_to_ours_whichever_side_comes_first(tmp_path):
-    table = ratios_of(results_in(tmp_path))
-    assert set(table["group"]) == set(GROUPS)
-    by_side = table.groupby("side").first()
-    assert by_side.loc["a limit", "ratio"] == 0.5
-    assert by_side.loc["another", ["ratio_low", "ratio", "ratio_high"]].tolist() == [
-        4.25,
-        4.5,
-        4.75,
-    ]
-    assert by_side["computed"].to_dict() == {"a limit": False, "another": True}
-    figure = ratio_panel(table)
-    labels = [text.get_text() for text in figure.axes[0].get_yticklabels()]
-    assert labels == ["a limit", "another"] * len(GROUPS)
-    assert left_out(table) == ""
-
-
-def test_the_figure_leaves_out_what_was_skipped_and_says_so(tmp_path):
-    results_in(tmp_path, skipped=("calibration", "mechanism"))
-    (tmp_path / "reports").mkdir()
-    shutil.copy(ROOT / "reports/fig_benchmarks.py", tmp_path / "reports")
-    drawing = draw("fig_benchmarks", Bench(tmp_path))
-    calibration, mechanism = list(GROUPS)[-2:]
-    assert list(drawing.table["group"].unique()) == list(GROUPS)[:-2]
-    said = f". Not measured (docs/speed.md says why): {calibration}; {mechanism}."
-    assert drawing.method.endswith(said)
-    with pytest.raises(InputError, match="is not in the file; redo make bench"):
-        ratios_of(results_in(tmp_path, "Genetic search, 120 candidates", skipped=("mechanism",)))
-
-
-def test_the_figure_says_which_results_it_lacks(tmp_path):
-    with pytest.raises(InputError, match=r"results.json: cannot be read; make bench writes it"):
-        ratios_of(tmp_path / "results.json")
-    name = "Genetic search, 120 candidates"
-    with pytest.raises(InputError, match=rf"rows = '{name}': is not in the file; redo make bench"):
-        ratios_of(results_in(tmp_path, leave_out=name))
-    save(tmp_path / "empty.json", {"skipped": {}, "rows": []})
-    with pytest.raises(InputError, match="is not in the file; redo make bench"):
-        ratios_of(tmp_path / "empty.json")
-    (tmp_path / "list.json").write_text("[1]")
-    with pytest.raises(InputError, match=r"list.json: cannot be read; make bench writes it"):
-        ratios_of(tmp_path / "list.json")

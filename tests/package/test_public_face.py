@@ -32,7 +32,7 @@ def test_the_parts_of_the_package_need_no_import_of_their_own():
     code = (
         "import cylcontact as cc; print(callable(cc.mechanism.simulate), "
         "callable(cc.fitting.calibrate), callable(cc.datasets.read_grid), "
-        "callable(cc.datasets.finite_element.solve), callable(cc.reports.explore.explore_pair))"
+        "callable(cc.datasets.finite_element.solve), callable(cc.reports.write_figures))"
     )
     printed = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True

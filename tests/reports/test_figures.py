@@ -1,221 +1,187 @@
-"""The numbers behind the figures, computed again from the paper's equations.
+"""Figures of a folder: found, drawn with arguments, written together or not at all."""
 
-Nothing below calls a law of the package: paper_equations.py has the paper's once more.
-"""
+from pathlib import Path
 
-import math
-
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
-from _cylcontact_bench import fig_housing
-from _cylcontact_bench.fig_forms import CHOSEN, SIMPLEST
-from mpmath import mp
-from scipy.optimize import brentq
+from matplotlib import image
+from matplotlib.collections import PolyCollection
 
-from cylcontact.impact import FACTORS
-from cylcontact.reports.build import chosen_recipes
-from tests.support.drawn_figures import BENCH, each_figure
-from tests.support.figure_files import GOLDEN
-from tests.support.paper_equations import (
-    difference,
-    e_star,
-    effective_radius,
-    enhanced,
-    johnson,
-    johnson_end,
-    power_fit,
-    yield_load,
-)
+from cylcontact import InputError
+from cylcontact.plots import figure_style
+from cylcontact.reports.figures import caption, draw, recipes, report_module, write_figures
+from tests.support import paper_equations as paper
+from tests.support.report_files import FIGURE
 
-NAMES = chosen_recipes(BENCH)
-# E in MPa, ν, yield stress in MPa.
-MATERIALS = {
-    "ceramics": (600e3, 0.24, 350.0),
-    "high-strength steel": (207e3, 0.30, 1000.0),
-    "low-carbon steel": (200e3, 0.30, 250.0),
-    "titanium alloy": (120e3, 0.34, 830.0),
-    "aluminium alloy": (69e3, 0.33, 276.0),
+ROOT = Path(__file__).resolve().parents[2]
+ENDINGS = {".png", ".pdf", ".csv", ".txt"}
+E_STEEL = paper.e_star(207e3, 0.3)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "reports").mkdir()
+    (tmp_path / "reports/mine.py").write_text(FIGURE)
+    return tmp_path
+
+
+def drawn(name, monkeypatch, **arguments):
+    monkeypatch.chdir(ROOT)
+    with figure_style():
+        return draw(ROOT, name, arguments)
+
+
+# --- the engine ---
+
+
+def test_the_papers_figures_are_there():
+    numbers = {f"fig{n:02d}" for n in (*range(2, 15), 17, 18, 19)}
+    assert numbers | {"fig_accuracy", "fig_housing", "fig_map", "fig_refit"} == set(recipes(ROOT))
+
+
+def test_a_figure_is_written_with_numbers_and_caption(folder):
+    paths = write_figures(folder, ["fig99"], {"load": "20"})
+    assert {path.name for path in paths} == {f"fig99-20{ending}" for ending in ENDINGS}
+    assert pd.read_csv(folder / "reports/figures/fig99-20.csv")["load_N_per_mm"].item() == 20
+    text = (folder / "reports/figures/fig99-20.txt").read_text()
+    assert text == "A load of 20 N/mm.\n"
+    assert caption(folder, "fig99") == "A load of 10 N/mm."
+
+
+def test_the_same_bytes_for_any_number_of_workers(folder):
+    mine = folder / "reports/mine.py"
+    mine.write_text(FIGURE.replace("FIGURES = {", 'FIGURES = {"other": fig99, '))
+    files = [write_figures(folder, folder=folder / str(n), workers=n) for n in (1, 2)]
+    assert [path.read_bytes() for path in files[0]] == [path.read_bytes() for path in files[1]]
+
+
+@pytest.mark.parametrize(("width", "mm"), [(None, 90.0), (190.0, 190.0), (72.5, 72.5)])
+def test_a_width_is_that_of_the_picture(folder, width, mm):
+    (png, *_) = write_figures(folder, ["fig99"], formats=["png"], width=width)
+    assert image.imread(png).shape[1] == pytest.approx(mm / 25.4 * 300, abs=1)
+
+
+@pytest.mark.parametrize("mm", [90.0, 190.0])
+def test_the_papers_figures_have_the_width_asked_for(mm, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    for name in ("fig02", "fig07", "fig_refit"):
+        with figure_style(width=mm):
+            figure, _ = draw(ROOT, name)
+        assert figure.get_figwidth() * 25.4 == pytest.approx(mm)
+
+
+def test_a_style_is_applied_on_top(folder, tmp_path):
+    style = tmp_path / "mine.mplstyle"
+    style.write_text("lines.linewidth: 7\n")
+    with figure_style(str(style)):
+        assert mpl.rcParams["lines.linewidth"] == 7
+        figure, _ = draw(folder, "fig99")
+    assert figure.axes[0].lines[0].get_linewidth() == 7
+
+
+MISTAKES = {
+    "no such figure": (["fig98"], {}, FIGURE, "fig98: there is no such figure; choose fig99"),
+    "no such argument": (["fig99"], {"dR": "1"}, FIGURE, "takes load, name; leave it out"),
+    "a failure": (["fig99"], {"load": "x"}, FIGURE, "fig99: failed with ValueError"),
+    "a broken file": ([], {}, "1 /\nFIGURES = {}", "mine.py: failed with SyntaxError"),
 }
-MAPS = dict(zip(("fig10", "fig11", "fig12", "fig13", "fig14"), MATERIALS, strict=True))
 
 
-@each_figure([name for name in GOLDEN if name in NAMES])
-def test_headline_is_the_pinned_one(figures, name):
-    # A committed fit that is made again may differ in its last digits; so may the readings, which
-    # are fits made when they are drawn.
-    tolerance = 1e-3 if name.startswith(("fig_maps", "fig_readings")) else 1e-5
-    assert dict(figures[name].drawing.headline) == pytest.approx(GOLDEN[name], rel=tolerance)
+@pytest.mark.parametrize(("names", "arguments", "text", "words"), MISTAKES.values(), ids=MISTAKES)
+def test_a_mistake_is_one_line_and_leaves_nothing(folder, names, arguments, text, words):
+    (folder / "reports/mine.py").write_text(text)
+    with pytest.raises(InputError) as caught:
+        write_figures(folder, names, arguments)
+    assert words in str(caught.value).replace("figure = ", "").replace("'", "")
+    assert "\n" not in str(caught.value)
+    assert not list((folder / "reports").rglob("*99*"))
 
 
-@pytest.mark.slow
-def test_fig01_is_to_scale(figures):
-    table = figures["fig01"].drawing.table.pivot_table("value_mm", "symbol", "panel")
-    for contact, sign in (("internal", -1), ("external", 1)):
-        lengths = table[contact]
-        assert lengths["dR"] == lengths["R_i"] + sign * lengths["R_j"]
-        assert lengths["centre distance"] == lengths["dR"] - sign * lengths["delta"]
-        # The ends of the chord lie on both outlines.
-        half = lengths["2b"] / 2
-        y = math.sqrt(lengths["R_i"] ** 2 - half**2)
-        ends = math.hypot(half, y - lengths["centre distance"])
-        assert ends == pytest.approx(lengths["R_j"], rel=1e-12)
+def test_a_changed_file_is_read_anew(folder):
+    assert "fig99" in recipes(folder)
+    (folder / "reports/mine.py").write_text(FIGURE.replace('"fig99"', '"fig98"'))
+    assert list(recipes(folder)) == ["fig98"]
+    assert report_module(folder, "mine").__name__ != "reports.mine"
 
 
-@pytest.mark.parametrize(
-    ("contact", "loads", "dR"),
-    [
-        ("internal", [1, *range(10, 1001, 10)], 0.05),
-        ("external", [1, *range(100, 10001, 100)], 140.0),
-    ],
-)
-def test_fig02_is_a_line_through_eq_1(figures, contact, loads, dR):
-    drawing = figures["fig02"].drawing
-    K, n = power_fit(loads, e_star(207e3, 0.3), dR)
-    x, y = np.log(johnson(np.array(loads), e_star(207e3, 0.3), dR)), np.log(loads)
-    found = [drawing.headline[f"{contact} {name}"] for name in ("K", "n", "R2")]
-    assert found == pytest.approx([K, n, np.corrcoef(x, y)[0, 1] ** 2], rel=1e-9)
-    rows = drawing.table[drawing.table["contact"] == contact]
-    delta = johnson(rows["load_N_per_mm"], e_star(207e3, 0.3), rows["dR_mm"])
-    np.testing.assert_allclose(rows["penetration_mm"], delta, rtol=1e-12)
-    np.testing.assert_allclose(rows["fitted_load_N_per_mm"], K * delta**n, rtol=1e-9)
+# --- what the figures show, by the paper's equations ---
 
 
-@pytest.mark.slow
-def test_fig03_exponents_are_slopes(figures):
-    load = np.geomspace(10, 1000, 41)
-    for row in figures["fig03"].drawing.table.iloc[[0, 300, 700, 1000, 1400]].itertuples():
-        E_star = e_star(1e3 * row.E_GPa, row.nu)
-        inside = load[load <= johnson_end(E_star, row.dR_mm)]
-        assert row.points == inside.size
-        assert row.n == pytest.approx(power_fit(inside, E_star, row.dR_mm)[1], rel=1e-10)
+def test_fig_2_prints_the_papers_constants(monkeypatch):
+    figure, table = drawn("fig02", monkeypatch)
+    labels = [text for axes in figure.axes for text in axes.get_legend_handles_labels()[1]]
+    assert any("K = 312148, n = 1.2370" in label for label in labels)
+    rows = table[table["contact"] == "internal"]
+    expected = paper.johnson(rows["load_N_per_mm"], E_STEEL, 0.05)
+    assert rows["penetration_mm"].to_numpy() == pytest.approx(expected.to_numpy(), rel=1e-12)
 
 
-@pytest.mark.slow
-def test_lines_of_figs_7_to_9(figures):
-    headline = figures["fig07"].drawing.headline
-    for R_i in (100, 10, 5):
-        for name, (E, nu, stress) in MATERIALS.items():
-            load = yield_load(stress, e_star(E, nu), effective_radius(R_i, 0.1))
-            assert headline[f"{name}, R_i = {R_i} mm, dR = 0.1 mm"] == pytest.approx(load)
-    for row in figures["fig08"].drawing.table.iloc[::37].itertuples():
-        limit = johnson_end(e_star(*MATERIALS[row.material][:2]), row.dR_mm)
-        assert row.load_N_per_mm == pytest.approx(limit, rel=1e-12)
-    for row in figures["fig09"].drawing.table.iloc[::101].itertuples():
-        E_star = e_star(*MATERIALS[row.material][:2])
-        load = yield_load(row.stress_MPa, E_star, effective_radius(row.R_i_mm, row.dR_mm))
-        assert load == pytest.approx(johnson_end(E_star, row.dR_mm), rel=1e-12)
+def test_fig_3_shows_the_exponent_itself(monkeypatch):
+    figure, table = drawn("fig03", monkeypatch)
+    assert figure.axes[0].get_yscale() == "linear"
+    row = table[(table["contact"] == "internal") & (table["E_GPa"] == 207) & (table["nu"] == 0.3)]
+    loads = np.geomspace(10, 1000, 41)
+    _, n = paper.power_fit(loads, E_STEEL, row["dR_mm"].iloc[0])
+    assert row["n"].iloc[0] == pytest.approx(n, rel=1e-10)
 
 
-@each_figure(MAPS)
-def test_a_map_is_eq_9_up_to_johnsons_end(figures, name):
-    E_star = e_star(*MATERIALS[MAPS[name]][:2])
-    table = figures[name].drawing.table
-    dR, load = table["dR_mm"].to_numpy(), table["load_N_per_mm"].to_numpy()
-    np.testing.assert_allclose(table["penetration_mm"], enhanced(load, E_star, dR), rtol=1e-10)
-    expected = difference(load, E_star, dR)
-    np.testing.assert_allclose(table["difference_percent"], expected, atol=1e-8)
-    assert (dR.min(), dR.max()) == (0.0075, 2.0)
-    tops = table.groupby("dR_mm")["load_N_per_mm"].agg(["min", "max"])
-    assert tops["max"].to_numpy() == pytest.approx(
-        np.minimum(1000, johnson_end(E_star, tops.index.to_numpy()))
+def test_fig_5_is_for_the_papers_clearances_within_its_colours(monkeypatch):
+    figure, table = drawn("fig05", monkeypatch)
+    assert set(table["dR_mm"]) == {1.0, 0.01}
+    assert set(table["load_N_per_mm"]) == {100.0}
+    drawn_cells = (each for axes in figure.axes for each in axes.collections)
+    fields = [each for each in drawn_cells if isinstance(each, PolyCollection)]
+    fields = [each for each in fields if each.get_array().size > 500]
+    top = max(float(each.get_array().max()) for each in fields)
+    assert 1.0 < top < fields[0].get_clim()[1]
+
+
+def test_figs_7_to_9_are_eqs_7_and_8(monkeypatch):
+    figure, table = drawn("fig07", monkeypatch)
+    steel = table[(table["material"] == "low-carbon steel") & (table["R_i_mm"] == 10)]
+    R = paper.effective_radius(10.0, steel["dR_mm"])
+    E_star = paper.e_star(200e3, 0.3)
+    hertz = paper.yield_load(250.0, E_star, R)
+    assert steel["hertz_load_N_per_mm"].to_numpy() == pytest.approx(hertz.to_numpy(), rel=1e-12)
+    for axes in figure.axes:  # the bold curves are Eq 7, and none is cut off
+        low, high = axes.get_ylim()
+        for line in axes.lines:
+            assert ((line.get_ydata() > low) & (line.get_ydata() < high)).all()
+    bold = [line for line in figure.axes[1].lines if line.get_label() == "low-carbon steel"]
+    assert bold[0].get_ydata() == pytest.approx(hertz.to_numpy(), rel=1e-12)
+    _, limits = drawn("fig08", monkeypatch)
+    steel = limits[limits["material"] == "low-carbon steel"]
+    ends = paper.johnson_end(E_star, steel["dR_mm"])
+    assert steel["load_N_per_mm"].to_numpy() == pytest.approx(ends.to_numpy(), rel=1e-12)
+    figure, table = drawn("fig09", monkeypatch)
+    steel = table[(table["material"] == "low-carbon steel") & (table["R_i_mm"] == 10)]
+    peak = np.sqrt(ends.to_numpy() * E_star / (np.pi * R.to_numpy()))
+    assert steel["stress_MPa"].to_numpy() == pytest.approx(peak, rel=1e-12)
+    assert "MPa" in figure.axes[0].get_ylabel()
+
+
+@pytest.mark.parametrize(("name", "E", "nu"), [("fig10", 600e3, 0.24), ("fig12", 200e3, 0.3)])
+def test_the_maps_are_eq_9(name, E, nu, monkeypatch):
+    _, table = drawn(name, monkeypatch)
+    expected = paper.difference(table["load_N_per_mm"], paper.e_star(E, nu), table["dR_mm"])
+    assert table["difference_percent"].to_numpy() == pytest.approx(
+        expected.to_numpy(), rel=1e-9, abs=1e-9
     )
-    assert tops["min"].to_numpy() == pytest.approx(10.0)
-    inside = load <= table["yield_load_N_per_mm"]
-    share = figures[name].drawing.headline["share before first yield below 8 %"]
-    assert share == pytest.approx((np.abs(expected[inside]) < 8).mean(), rel=1e-12)
 
 
-@pytest.mark.slow
-def test_every_factor_of_restitution_obeys_the_energy_balance(figures):
-    """The work of the load over an impact: ∫ u/(1 + χu) du from −e to 1 vanishes."""
-    table = figures["fig_restitution"].drawing.table
-    assert set(table["factor"]) == set(FACTORS)
-    for row in table.itertuples():
-        out, back = (
-            float(mp.quad(lambda u, chi=row.chi: u / (1 + chi * u), ends))
-            for ends in ((0, 1), (-row.achieved_restitution, 0))
-        )
-        assert out == pytest.approx(-back, rel=1e-12)
-    worst = table.groupby("factor")["error"].apply(lambda error: error.abs().max())
-    assert worst.pop("exact") == 0
-    assert (worst > 0.03).all()
+def test_a_fresh_fit_takes_the_place_of_the_published_law(monkeypatch):
+    result = "fitting/results/internal.json"
+    _, table = drawn("fig12", monkeypatch, result=result)
+    _, refit = drawn("fig_refit", monkeypatch, result="internal")
+    rows = refit[refit["material"] == "low-carbon steel"]
+    assert table["difference_percent"].to_numpy() == pytest.approx(
+        rows["difference_percent"].to_numpy()
+    )
+    assert result in caption(ROOT, "fig12", {"result": result})
 
 
-@pytest.mark.slow
-def test_the_finite_elements_of_the_housing_come_out_again():
-    rows = pd.read_csv(BENCH.root / fig_housing.ELEMENTS).set_index(["clamp", "ratio"])
-    found = fig_housing.by_elements(BENCH, "far_60", 1.5)
-    assert found == pytest.approx(rows["penetration_um"]["far_60", 1.5], rel=1e-6)
-
-
-# --- judged by conformal contact of equal bodies ---
-
-
-def persson(u):
-    """φ and d at u = tan²(ε/2), the penetration Johnson's at small loads."""
-    phi = 2 * np.pi * u * (1 + u) / (2 - 2 * u**2 - np.log1p(u))
-    Z = np.log(4 * (1 + u) / u) - 2 / (1 + u) + 0.5 / (1 + u) ** 2
-    return phi, phi / np.pi * (Z + np.log1p(u) / (2 * u * (1 + u)))
-
-
-def persson_at(phi):
-    """d under the load φ."""
-    return persson(brentq(lambda u: persson(u)[0] - phi, 1e-12, 0.83, xtol=1e-15))[1]
-
-
-def explicit(d, c, A, B):
-    """φ of the explicit law."""
-    return np.pi * d / (c + np.log1p(A / d * (c + np.log1p(A / d * np.log(B / d)))))
-
-
-@pytest.fixture(scope="module")
-def truth():
-    """φ from 1e-6 to 60, and d."""
-    phi, d = persson(0.8346152454776572 / (1 + 1 / np.geomspace(4e-7, 13.0, 3000)))
-    return np.array([phi, d])[:, (phi >= 1e-6) & (phi <= 60)]
-
-
-@pytest.mark.slow
-def test_errors_of_the_explicit_law_and_of_johnson(figures, truth):
-    headline = figures["fig_explicit"].drawing.headline
-    phi, d = truth
-    few = np.geomspace(1e-9, 0.02, 1000)
-    inverse = phi / np.pi * (1.4232 + np.log1p(1.0942 / phi))
-    outside = explicit(johnson(few, 1.0, 1.0), 1.427, 0.3597, 2.78)
-    for said, errors in {
-        "explicit, internal: largest error of the load, φ 1e-06 to 60, %": (
-            explicit(d, 1.427, 0.3602, 3.84) / phi
-        ),
-        "explicit, external: largest error of the load, φ 1e-09 to 0.02, %": outside / few,
-        "explicit formula: largest error of the penetration, %": inverse / d,
-    }.items():
-        assert headline[said] == pytest.approx(100 * np.abs(errors - 1).max(), abs=1e-3)
-    same_depth = brentq(lambda load: persson_at(load) - 4 / math.e**2, 0.5, 1.0)
-    said = headline["johnson: largest error of the load, %"]
-    assert said == pytest.approx(100 * (johnson_end(1, 1) / same_depth - 1), abs=1e-3)
-
-
-@pytest.mark.slow
-def test_the_chosen_form_is_the_best_with_three_constants(figures, truth):
-    """Its error attains its largest size with alternating signs at least four times."""
-    table = figures["fig_forms"].drawing.table.set_index("form")
-    phi, d = truth
-    constants = dict(part.split("=") for part in table["fitted"][CHOSEN].split())
-    errors = 100 * (explicit(d, *(float(constants[name]) for name in "cAB")) / phi - 1)
-    largest = table["largest_error_percent"][CHOSEN]
-    near = errors[np.abs(errors) > 0.99 * largest]
-    assert np.count_nonzero(np.diff(np.sign(near))) >= 3
-    others = table[(table["given"] == "penetration") & (table["constants"] <= 3)]
-    assert others["largest_error_percent"].min() == largest
-    shipped = [round(float(part.split("=")[1]), 4) for part in table["fitted"][SIMPLEST].split()]
-    assert shipped == [1.4232, 1.0942]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("percent", [1, 3, 5, 10])
-def test_johnson_departs_as_fig_8_says(figures, percent):
-    headline = figures["fig08"].drawing.headline
-    said = headline[f"phi at which Johnson's penetration is {percent} % low"]
-    low = 100 * (1 - johnson(said, 1.0, 1.0) / persson_at(said))
-    assert low == pytest.approx(percent, abs=1e-6)
+def test_an_unknown_result_is_refused(monkeypatch):
+    with pytest.raises(InputError, match="neither a law nor a fit result"):
+        drawn("fig12", monkeypatch, result="build/none.json")

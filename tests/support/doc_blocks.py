@@ -29,7 +29,7 @@ TOOLS = ("cp", "mkdir", "echo", "sed", "gcc", "cat", "ls", "head", "tail", "./")
 NEEDED = {"gcc": "gcc"}
 # They take minutes or a cluster, or the tutorial runs the like: only that they parse is checked.
 LONG = re.compile(
-    r"cylcontact (figure|report.*|verify.*|.*--scheduler.*|fit fitting/mine.toml .*)"
+    r"cylcontact (figure|verify.*|.*--scheduler.*|fit fitting/mine.toml .*)"
     r"|dask .*"
 )
 ALIKE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE

@@ -59,11 +59,10 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         "--revolutions 40 --last 8 -o build/bifurcation.csv",
         fit.finite_element: "finite-element datasets/finite_element/recommended.toml",
     },
-    "Figures and papers": {
-        reporting.figure: "figure fig12 --style single-column --format pdf,svg",
-        reporting.report: "report -o build/report",
+    "Figures and claims": {
+        reporting.figure: "figure fig12 --width column --format pdf,svg",
+        reporting.report: "report -o build/report.html",
         reporting.claims: "claims -o build/claims.csv",
-        reporting.paper: "paper reports/manuscript/template.md",
         fit.verify: "verify fitting/results/external-E1000.json",
         init.init: "init mine",
     },

@@ -7,9 +7,14 @@ from collections.abc import Sequence
 from cylcontact.support.errors import InputError
 
 # By command.
-COMMANDS: dict[str, str] = {}
+COMMANDS: dict[str, str] = {
+    "paper": "draw figures with `cylcontact figure` and include their PDF in a text of yours",
+}
 # By command and option.
-OPTIONS: dict[tuple[str, str], str] = {}
+OPTIONS: dict[tuple[str, str], str] = {
+    ("figure", "--results"): "name a fit as an argument, e.g. fig12 result=build/internal.json",
+    ("claims", "--results"): "the claims read the folder that they are run in",
+}
 
 
 def refuse_gone(arguments: Sequence[str]) -> None:

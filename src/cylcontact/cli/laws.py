@@ -65,7 +65,6 @@ def laws(
     from cylcontact.laws.user import user_law
     from cylcontact.limits import yield_warning
     from cylcontact.reports import laws_to_use
-    from cylcontact.reports.bench import Bench
     from cylcontact.reports.laws_table import listing as all_laws
     from cylcontact.reports.laws_table import to_text
 
@@ -88,7 +87,7 @@ def laws(
         return
     for name, value in (("--stiffness", stiffness), ("--penetration", penetration)):
         require(value is None, "laws", name, value, "is for --find", "add --find dR")
-    advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
+    advice = laws_to_use.to_text(cylinders.contact, shipped_bench())
     listed_too = None if own is None else user_law(own, Path.cwd())
     say(f"{advice}\n\n{to_text(cylinders, force, listed_too, around)}")
     _warn("", yield_warning(force, cylinders, around), *unusual_lengths(cylinders))

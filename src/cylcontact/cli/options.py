@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import wraps
 from itertools import chain
@@ -16,6 +16,7 @@ import typer
 from cylcontact.files.reading import plain_number
 from cylcontact.files.units import length_in_mm
 from cylcontact.files.writing import require_apart, require_suffix, require_writable
+from cylcontact.support.choices import listed
 from cylcontact.support.errors import InputError
 
 RESULTS = Path("fitting/results")
@@ -23,7 +24,7 @@ RESULTS = Path("fitting/results")
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 NOISES = ("constant", "proportional", "both")
 OPTIMIZERS = ("genetic", "differential-evolution", "least-squares", "descents", "cma")
-STYLES = ("journal", "single-column", "double-column", "slides")
+WIDTHS = ("column", "page")
 
 Read = Callable[[str], Any]
 
@@ -109,6 +110,17 @@ def several(
     return option(
         help, *names, parser=parse, callback=_joined, metavar=f"{metavar}[,...]", **details
     )
+
+
+def one_of(name: str, known: Sequence[str]) -> Read:
+    """Return a reader that refuses all but some words."""
+
+    def read(text: str) -> str:
+        if text not in known:
+            raise InputError("command line", name, text, "is unknown", f"choose {listed(known)}")
+        return text
+
+    return read
 
 
 def _joined(values: list[Any] | None) -> list[Any]:

@@ -247,7 +247,7 @@ def joint_drawing(joint: JointMotion, revolutions: float = 2.0) -> Drawing:
     x, y = -1e3 * joint.eccentricity[last].T
     table = pd.DataFrame({"revolution": revolution[last], "x_mm": x, "y_mm": y})
     table["normal_force_N"] = joint.normal_force[last]
-    figure = new_figure("full", 70.0)
+    figure = new_figure("page", 70.0)
     path, force = figure.subplots(1, 2, width_ratios=(1, 2))
     plain: dict[str, Any] = {"linestyle": "-", "linewidth": 0.6, "marker": ""}
     draw_clearance_circle(path, joint.contact.radial, edgecolor=QUIET)

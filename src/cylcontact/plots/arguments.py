@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import LAWS, ContactLaw
 from cylcontact.plots.figure import new_figure
-from cylcontact.plots.style import Width, figure_style
+from cylcontact.plots.style import figure_style
 from cylcontact.support.arrays import FloatArray, require
 from cylcontact.support.errors import InputError
 
@@ -22,6 +23,7 @@ __all__ = [
     "as_law",
     "axes_for",
     "pins_in_hole",
+    "require_line",
     "require_one_pair",
     "require_range",
 ]
@@ -31,7 +33,7 @@ Range = tuple[float, float]
 
 
 @contextmanager
-def axes_for(ax: Axes | None, source: str, width: Width, height_mm: float) -> Iterator[Axes]:
+def axes_for(ax: Axes | None, source: str, width: str, height_mm: float) -> Iterator[Axes]:
     """Yield the caller's axes, or new ones in a figure and a style of our own.
 
     Examples
@@ -100,6 +102,22 @@ def require_range(given: Range, source: str, key: str, unit: str) -> None:
         "must be two positive numbers, the lower first",
         f"give them in {unit}",
     )
+
+
+def require_line(settings: Mapping[str, object], source: str, takes: str) -> None:
+    """Raise `InputError` for a setting that matplotlib's lines do not have.
+
+    Examples
+    --------
+    >>> require_line({"loads": (1.0, 2.0)}, "plot_laws", "laws, pair, load")
+    Traceback (most recent call last):
+    cylcontact.support.errors.InputError: plot_laws: loads = (1.0, 2.0): is neither an argument nor
+    a setting of a line; the arguments are laws, pair, load
+    """
+    for name, value in settings.items():
+        rule = "is neither an argument nor a setting of a line"
+        known = hasattr(Line2D, f"set_{name}")
+        require(known, source, name, value, rule, f"the arguments are {takes}")
 
 
 def pins_in_hole(

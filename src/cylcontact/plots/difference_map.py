@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,7 +28,10 @@ from cylcontact.plots.maps import add_scale, draw_contours, label_contours
 from cylcontact.support.arrays import FloatArray, as_floats, require
 from cylcontact.support.plain_text import as_label
 
-__all__ = ["DR", "LOAD", "map_grid", "plot_map"]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["DR", "LOAD", "map_grid", "map_table", "plot_map"]
 
 DR: Range = (0.0075, 2.0)  # mm, of Figs 10 to 14
 LOAD: Range = (10.0, 1000.0)  # N/mm
@@ -120,7 +123,7 @@ def plot_map(
         "choose other loads or clearances",
     )
     clearances = as_floats(pair.dR)[:, 0]
-    with axes_for(ax, "plot_map", "middle", 95.0) as axes:
+    with axes_for(ax, "plot_map", "column", 84.0) as axes:
         plain_log(axes, "x", round_ticks(*dR))
         plain_log(axes, "y", round_ticks(*load))
         axes.set(xlim=dR, ylim=load)
@@ -177,6 +180,50 @@ def map_grid(
     return pair, as_floats(np.minimum(low * (top / low) ** v, top) * np.ones(POINTS))
 
 
+def map_table(
+    law: ContactLaw, reference: ContactLaw, material: Material, **window: Any
+) -> pd.DataFrame:
+    """Return the numbers of `plot_map`, one row for each point of its grid.
+
+    Parameters
+    ----------
+    law, reference : ContactLaw
+        As for `plot_map`.
+    material : Material
+        Of both bodies, or of the hole if `material_j` is given.
+    **window
+        `dR`, `load`, `R_i`, `length` and `material_j` of `plot_map`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Clearance in mm, load in N/mm, both penetrations in mm, their difference in percent (Eq 9)
+        and, where the yield stress is given, the load at first yield in N/mm.
+
+    Examples
+    --------
+    >>> from cylcontact import laws
+    >>> aluminium = Material("aluminium", E=69e3, nu=0.33)
+    >>> table = map_table(laws.Enhanced(), laws.Johnson(), aluminium)
+    >>> len(table), table["difference_percent"].abs().max().round(1)
+    (13041, np.float64(71.9))
+    """
+    import pandas as pd
+
+    pair, load = map_grid(reference, material, **window)
+    columns = {
+        "dR_mm": pair.dR,
+        "load_N_per_mm": load,
+        "penetration_mm": law.penetration(load, pair),
+        f"{reference.name}_penetration_mm": reference.penetration(load, pair),
+        "difference_percent": difference_percent(law, reference, load, pair),
+    }
+    if _has_yield_stress(pair):
+        columns["yield_load_N_per_mm"] = yield_load(pair)
+    rows = {name: np.broadcast_to(value, load.shape).ravel() for name, value in columns.items()}
+    return pd.DataFrame(rows)
+
+
 def _has_yield_stress(pair: CylinderPair) -> bool:
     """Return whether both materials have a yield stress."""
     return None not in (pair.material_i.yield_stress, pair.material_j.yield_stress)
@@ -203,10 +250,8 @@ def _draw_yield_line(
         "marker": "",
         "path_effects": [withStroke(linewidth=3.2, foreground="white"), comb],
     }
-    inside = ((limit > load[0]) & (limit < load[1])).any()
-    # The key of a line outside the window has no sample of it.
-    style, where = ("-", "ticked side yields") if inside else ("none", "outside this map")
-    axes.plot(dR, limit, linestyle=style, **line, label=f"{words}; {where}")
+    if ((limit > load[0]) & (limit < load[1])).any():
+        axes.plot(dR, limit, linestyle="-", **line, label=f"{words}; ticked side yields")
 
 
 def _settle_layout(axes: Axes) -> None:

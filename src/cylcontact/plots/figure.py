@@ -7,6 +7,8 @@ import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
+from itertools import chain
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -15,29 +17,31 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter
 
-from cylcontact.plots.style import (
-    JOURNAL,
-    MM_PER_INCH,
-    Width,
-    figure_style,
-    small_text,
-    width_mm,
-)
+from cylcontact.plots.style import MM_PER_INCH, figure_style, width_mm
+from cylcontact.support.choices import Format
 
 __all__ = [
     "Drawing",
     "StyledFigure",
-    "figure_of_lines",
+    "legend_below",
     "new_figure",
     "panel_title",
+    "panels",
     "plain_log",
     "plain_number",
     "round_ticks",
+    "save",
 ]
 
-SCREEN_DPI = 120
-# Height of a line of a table, relative to the size of its text.
-LINE, POINTS_PER_INCH = 1.4, 72.0
+SCREEN_DPI, PRINT_DPI = 120, 300
+# The same numbers give the same bytes.
+_UNDATED: dict[Format, dict[str, None]] = {
+    "png": {"Software": None},
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+    "svg": {"Date": None, "Creator": None},
+}
+# Widths in mm of a legend's sample and of a letter of its text.
+_SAMPLE, _LETTER = 13.0, 1.25
 # More labels than this crowd a logarithmic axis.
 MOST_TICKS = 9
 
@@ -88,15 +92,15 @@ class StyledFigure(Figure):
         return stream.getvalue()
 
 
-def new_figure(width: Width, height_mm: float) -> StyledFigure:
-    """Return an empty figure of a width of the style in force, without pyplot.
+def new_figure(width: str, height_mm: float) -> StyledFigure:
+    """Return an empty figure, made without pyplot.
 
     Parameters
     ----------
-    width : {"column", "middle", "full"}
-        In the journal's style 84, 129 and 174 mm.
+    width : {"column", "page"}
+        Its usual width, 90 or 190 mm; the `width` of `figure_style` takes its place.
     height_mm : float
-        In the journal's style, in mm; another style's is in proportion to its width.
+        Its height in mm.
 
     Returns
     -------
@@ -106,38 +110,72 @@ def new_figure(width: Width, height_mm: float) -> StyledFigure:
     --------
     >>> figure = new_figure("column", 60.0)
     >>> print((figure.get_size_inches() * 25.4).round(3))
-    [84. 60.]
+    [90. 60.]
     """
-    wide = width_mm(width)
-    larger = wide / width_mm(width, JOURNAL)
-    size = (wide / MM_PER_INCH, larger * height_mm / MM_PER_INCH)
+    size = (width_mm(width) / MM_PER_INCH, height_mm / MM_PER_INCH)
     return StyledFigure(figsize=size, layout="constrained")
 
 
-def figure_of_lines(width: Width, lines: float) -> StyledFigure:
-    """Return an empty figure with the height of so many lines of small text.
+def panels(
+    count: int,
+    height_mm: float,
+    heights: Sequence[float] = (1.0,),
+    least_mm: float = 58.0,
+    below_mm: float = 0.0,
+    **shared: Any,
+) -> tuple[StyledFigure, list[list[Axes]]]:
+    """Return a figure over a page with panels side by side, as many in a row as fit.
 
     Parameters
     ----------
-    width : {"column", "middle", "full"}
-        As for `new_figure`.
-    lines : float
-        With those of titles, axes and legends.
+    count : int
+        Number of panels.
+    height_mm : float
+        Height of a row of panels.
+    heights : sequence of float
+        The parts of a panel, one below the other with one horizontal axis, in relative heights.
+    least_mm : float
+        The least width of a panel: in a narrow figure the panels stand in several rows.
+    below_mm : float
+        Height of a legend below all panels.
+    **shared
+        `sharex` and `sharey` of `Figure.subplots`.
 
     Returns
     -------
-    StyledFigure
+    figure : StyledFigure
+    panels : list of list of Axes
+        The parts of each panel.
 
     Examples
     --------
-    >>> with figure_style():
-    ...     figure = figure_of_lines("column", 12)
-    >>> print((figure.get_size_inches() * 25.4).round(3))
-    [84.    41.487]
+    >>> figure, parts = panels(5, 50.0, heights=(2, 1))
+    >>> len(parts), len(parts[0]), len(figure.axes)
+    (5, 2, 10)
     """
-    figure = new_figure(width, 1.0)
-    figure.set_figheight(lines * LINE * small_text() / POINTS_PER_INCH)
-    return figure
+    in_a_row = min(count, max(1, int(width_mm("page") // least_mm)))
+    rows, parts = -(-count // in_a_row), len(heights)
+    figure = new_figure("page", rows * height_mm + below_mm)
+    ratios = list(heights) * rows
+    grid = figure.subplots(len(ratios), in_a_row, squeeze=False, height_ratios=ratios, **shared)
+    by_panel = grid.reshape(rows, parts, in_a_row).swapaxes(1, 2).reshape(-1, parts).tolist()
+    for axes in chain.from_iterable(by_panel[count:]):
+        axes.remove()
+    for *upper, lowest in by_panel[:count]:
+        for axes in upper:
+            axes.sharex(lowest)
+            axes.tick_params(labelbottom=False)
+    return figure, by_panel[:count]
+
+
+def save(figure: Figure, path: Path, form: Format) -> None:
+    """Write a figure at the resolution of print, with neither date nor version in the file.
+
+    It is drawn in memory first: on a full disk matplotlib's PDF fails with an error of its own.
+    """
+    stream = io.BytesIO()
+    figure.savefig(stream, format=form, dpi=PRINT_DPI, metadata=_UNDATED[form])
+    path.write_bytes(stream.getvalue())
 
 
 def panel_title(axes: Axes, number: int, text: str) -> None:
@@ -149,6 +187,9 @@ def legend_below(axes: Axes, ncols: int = 3, **more: Any) -> None:
     """Name what is drawn in a panel below its figure, where it hides nothing."""
     handles, labels = axes.get_legend_handles_labels()
     if handles:
+        width = axes.figure.canvas.figure.get_figwidth() * MM_PER_INCH
+        entry = _SAMPLE + _LETTER * max(map(len, labels))
+        ncols = max(1, min(ncols, int(width // entry)))
         axes.figure.legend(handles, labels, loc="outside lower center", ncols=ncols, **more)
 
 

@@ -15,6 +15,7 @@ from cylcontact.plots.arguments import (
     Range,
     as_law,
     axes_for,
+    require_line,
     require_one_pair,
     require_range,
 )
@@ -65,8 +66,8 @@ def plot_laws(
     Raises
     ------
     InputError
-        If there is no law, a law, the loads or `ax` are wrong, a law does not apply to the pair,
-        or the pair holds arrays.
+        If there is no law, a law, the loads, `ax` or a setting is wrong, a law does not apply to
+        the pair, or the pair holds arrays.
 
     Examples
     --------
@@ -78,6 +79,7 @@ def plot_laws(
     ['johnson', 'enhanced']
     """
     named = _by_label(laws)
+    require_line(line, "plot_laws", "laws, pair, load, relative_to, ax")
     require_one_pair(pair, "plot_laws", "pair")
     require_range(load, "plot_laws", "load", "N/mm")
     loads = as_floats(np.geomspace(*load, POINTS))
@@ -86,7 +88,7 @@ def plot_laws(
         known = named.get(relative_to) if isinstance(relative_to, str) else None
         reference = known or as_law(relative_to, "plot_laws", "relative_to")
     curves = {label: _curve(law, reference, loads, pair) for label, law in named.items()}
-    with axes_for(ax, "plot_laws", "middle", 90.0) as axes:
+    with axes_for(ax, "plot_laws", "column", 80.0) as axes:
         for label, curve in curves.items():
             # No marker hides another line's.
             marks = {"label": label, "markevery": staggered(len(axes.lines), POINTS)}

@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from cylcontact.bodies.material import Material
 from cylcontact.limits import hertz_stress, johnson_limit_load, yield_load
 from cylcontact.limits.yield_search import Criterion
-from cylcontact.plots.arguments import Range, axes_for, pins_in_hole, require_range
+from cylcontact.plots.arguments import Range, axes_for, pins_in_hole, require_line, require_range
 from cylcontact.plots.figure import legend_below, plain_log, round_ticks
 from cylcontact.plots.style import staggered
 from cylcontact.support.arrays import FloatArray, as_floats, require
@@ -89,6 +89,8 @@ def plot_limits(
         "leave nothing to draw",
         "give a criterion, or johnson=True",
     )
+    takes = "material, dR, R_i, material_j, criterion, johnson, pressure, ax"
+    require_line(line, "plot_limits", takes)
     require_range(dR, "plot_limits", "dR", "mm")
     pair = pins_in_hole(limit_clearances(dR), "plot_limits", material, R_i, material_j)
     bodies = (material_j, material) if material_j else (material,)
@@ -98,7 +100,7 @@ def plot_limits(
         loads[f"{who}: first yield ({criterion}), $R_i$ = {R_i:g} mm"] = yield_load(pair, criterion)
     if johnson:
         loads[f"{who}: largest load of Johnson's law"] = johnson_limit_load(pair)
-    with axes_for(ax, "plot_limits", "middle", 90.0) as axes:
+    with axes_for(ax, "plot_limits", "column", 80.0) as axes:
         for label, values in loads.items():
             drawn = hertz_stress(values, pair) if pressure else values
             # No marker hides another line's.

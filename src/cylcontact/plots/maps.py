@@ -17,9 +17,9 @@ from cylcontact.support.arrays import FloatArray
 
 __all__ = ["RIM", "add_scale", "draw_contours", "label_contours", "signed"]
 
-# One set of levels (percent) and colours for every map. Blue is below zero, orange above; each
-# side darkens outwards, so in grey dashes and the contours' labels show the sign.
-LEVELS = (-40, -20, -12, -8, -4, 0, 4, 8, 12, 20, 40)
+# One set of levels (percent), in even steps, and colours for every map. Blue is below zero, orange
+# above; each side darkens outwards, so in grey dashes and the contours' labels show the sign.
+LEVELS = tuple(range(-20, 21, 4))
 COLOURS = (
     *("#2f7fb8", "#5b9dcb", "#82b6da", "#a8cee7", "#cae1f1", "#e9f3fa"),
     *("#fdf1e3", "#fbd9b5", "#f6bb84", "#ee9b55", "#df7b30", "#c45f17"),
@@ -33,16 +33,12 @@ LABEL_ROOM = 15.0  # pixels at 100 dpi that a contour's label needs on every sid
 
 
 def add_scale(figure: FigureBase, axes: Axes | Sequence[Axes], label: str) -> None:
-    """Add the colour scale of one or several maps beside them, in proportion to the percent.
-
-    Its arrows are for what lies beyond the outermost levels.
-    """
+    """Add the colour scale of one or several maps; its arrows are for what lies beyond."""
     bar = figure.colorbar(
         ScalarMappable(NORM, COLOUR_MAP),
         ax=axes,
         ticks=LEVELS,
         format=lambda level, _: signed(level),
-        spacing="proportional",
         fraction=0.05,
         pad=0.02,
     )

@@ -1,155 +1,40 @@
-"""Styles of figures: matplotlib style files, the widths that go with them, colours and fonts."""
+"""The style of figures: their width, lines, colours and font."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any
 
-import matplotlib as mpl
 from cycler import Cycler, cycler
-from matplotlib import rcParams
 from matplotlib import style as mpl_style
-from matplotlib.font_manager import FontProperties, fontManager
+from matplotlib.font_manager import fontManager
 
-from cylcontact.support.choices import FORMATS, Format
+from cylcontact.files.reading import plain_number
 from cylcontact.support.errors import InputError
 
 __all__ = [
     "ACCENT",
     "COLOURS",
-    "DEFAULT_OPTIONS",
-    "FORMATS",
-    "JOURNAL",
     "LINE_STYLES",
     "MARKERS",
     "MM_PER_INCH",
     "QUIET",
-    "STYLES",
-    "FigureOptions",
-    "FigureStyle",
-    "Format",
-    "Width",
-    "choose",
+    "WIDTHS",
     "figure_style",
-    "small_text",
+    "read_width",
     "staggered",
     "width_mm",
 ]
 
 MM_PER_INCH = 25.4
-Width = Literal["column", "middle", "full"]
-FOLDER = Path(__file__).parent / "styles"
-
-
-@dataclass(frozen=True)
-class FigureStyle:
-    """The look of figures, whatever their content.
-
-    Attributes
-    ----------
-    name : str
-        Its name for `--style`.
-    widths_mm : tuple of float
-        The width of figures that ask for a column, for more, and for the whole page.
-    own : path, optional
-        A matplotlib style file of one's own, read over the named one.
-    """
-
-    name: str
-    widths_mm: tuple[float, float, float] = (84.0, 129.0, 174.0)
-    own: Path | None = None
-
-    @property
-    def settings(self) -> list[Any]:
-        """What `matplotlib.style.context` takes, from matplotlib's own defaults on."""
-        names = dict.fromkeys(("journal", self.name))
-        files = [FOLDER / f"{name}.mplstyle" for name in names]
-        return ["default", {"axes.prop_cycle": _unique_lines()}, *files, *filter(None, [self.own])]
-
-
-# The journal's widths are Springer's, the columns' are Elsevier's.
-JOURNAL = FigureStyle("journal")
-STYLES: dict[str, FigureStyle] = {
-    style.name: style
-    for style in (
-        JOURNAL,
-        FigureStyle("single-column", (90.0, 140.0, 190.0)),
-        FigureStyle("double-column", (190.0, 190.0, 190.0)),
-        FigureStyle("slides", (254.0, 254.0, 254.0)),
-    )
-}
-
-
-@dataclass(frozen=True)
-class FigureOptions:
-    """A style and the formats to write."""
-
-    style: FigureStyle
-    formats: tuple[Format, ...] = ("png", "pdf")
-
-
-DEFAULT_OPTIONS = FigureOptions(JOURNAL)
-
-
-def choose(
-    own: Path | None = None, style: str | None = None, formats: tuple[str, ...] = ()
-) -> FigureOptions:
-    """Return the chosen style and formats.
-
-    Parameters
-    ----------
-    own : path, optional
-        A matplotlib style file that is read over the named style; it need not exist.
-    style : str, optional
-        A key of `STYLES`; by default the journal's.
-    formats : tuple of str, optional
-        Of `FORMATS`; by default png and pdf.
-
-    Returns
-    -------
-    FigureOptions
-
-    Raises
-    ------
-    InputError
-        If the file is wrong, or a style or format is unknown.
-
-    Examples
-    --------
-    >>> choose(style="single-column", formats=("pdf",)).style.widths_mm
-    (90.0, 140.0, 190.0)
-    """
-    chosen = STYLES[_one_of("--style", style or JOURNAL.name, tuple(STYLES))]
-    if own is not None and own.is_file():
-        _require_style(own)
-        chosen = replace(chosen, own=own)
-    names = dict.fromkeys(_one_of("--format", form, FORMATS) for form in formats)
-    return FigureOptions(chosen, tuple(cast(Format, form) for form in names or ("png", "pdf")))
-
-
-def _one_of(option: str, value: str, known: tuple[str, ...]) -> str:
-    """Return `value`, or raise `InputError` with the known values."""
-    if value not in known:
-        raise InputError("figure", option, value, "is unknown", f"choose {', '.join(known)}")
-    return value
-
-
-def _require_style(file: Path) -> None:
-    """Raise `InputError` for a file that matplotlib does not read as a style."""
-    remedy = "write it as matplotlib describes style sheets"
-    try:
-        with warnings.catch_warnings(action="error"):
-            mpl.rc_params_from_file(file, fail_on_error=True, use_default_template=False)
-    except (ValueError, UnicodeError, Warning) as error:
-        rule = f"is not a matplotlib style ({error})"
-        raise InputError(str(file), "", None, rule, remedy) from error
-
+# Elsevier's widths of one column and of a page, in mm. Those of other journals differ little.
+WIDTHS = {"column": 90.0, "page": 190.0}
+_NARROWEST, _WIDEST = 60.0, 500.0  # mm
+_HERE = Path(__file__).parent
 
 # Okabe and Ito's colours without the yellow. Each has its own line style and marker, so that lines
 # are distinct for colour-blind readers and in grey.
@@ -158,6 +43,81 @@ LINE_STYLES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (6, 1.5, 1, 1.
 MARKERS = ("o", "s", "^", "D", "v")
 ACCENT = COLOURS[2]
 QUIET = "0.45"
+
+# The width in mm that the user asked for, and a matplotlib style of his own.
+_WIDTH: ContextVar[float | None] = ContextVar("width", default=None)
+_OWN: ContextVar[str | None] = ContextVar("own", default=None)
+
+
+@contextmanager
+def figure_style(own: str | None = None, width: float | None = None) -> Iterator[None]:
+    """Apply the style of the package's figures to a `with` block.
+
+    It starts from matplotlib's defaults, so that your matplotlibrc changes no figure.
+
+    Parameters
+    ----------
+    own : str, optional
+        A matplotlib style that is applied on top: its name, or the path of a style file.
+    width : float, optional
+        The width of all figures in mm; by default each figure has its own.
+
+    Raises
+    ------
+    InputError
+        If there is no such style.
+
+    Examples
+    --------
+    >>> import matplotlib as mpl
+    >>> before = mpl.rcParams["pdf.fonttype"]
+    >>> with figure_style():
+    ...     mpl.rcParams["pdf.fonttype"]
+    42
+    >>> mpl.rcParams["pdf.fonttype"] == before
+    True
+    """
+    tokens = (_OWN, _OWN.set(own or _OWN.get())), (_WIDTH, _WIDTH.set(width or _WIDTH.get()))
+    _add_font()
+    ours: list[Any] = ["default", {"axes.prop_cycle": _unique_lines()}, _HERE / "journal.mplstyle"]
+    try:
+        try:
+            style = mpl_style.context([*ours, *filter(None, [_OWN.get()])])
+            style.__enter__()
+        except (OSError, ValueError) as error:
+            remedy = "give the name of a matplotlib style, or the path of a .mplstyle file"
+            rule = "is not a style that matplotlib can read"
+            raise InputError("figure", "--style", _OWN.get(), rule, remedy) from error
+        try:
+            yield
+        finally:
+            style.__exit__(None, None, None)
+    finally:
+        for variable, token in tokens:
+            variable.reset(token)  # type: ignore[arg-type]
+
+
+def width_mm(usual: str) -> float:
+    """Return the width in mm that is asked for, else the usual one, "column" or "page"."""
+    return _WIDTH.get() or WIDTHS[usual]
+
+
+def read_width(text: str) -> float:
+    """Return a width in mm from a name of `WIDTHS` or a number.
+
+    Examples
+    --------
+    >>> read_width("column"), read_width("120")
+    (90.0, 120.0)
+    """
+    remedy = f"give {', '.join(WIDTHS)}, or a number of mm from {_NARROWEST:g} to {_WIDEST:g}"
+    try:
+        width = WIDTHS[text] if text in WIDTHS else plain_number(text)
+    except ValueError:
+        raise InputError("figure", "--width", text, "is not a width", remedy) from None
+    if not _NARROWEST <= width <= _WIDEST:
+        raise InputError("figure", "--width", text, "is out of range", remedy)
+    return width
 
 
 def _unique_lines() -> Cycler[str, Any]:
@@ -171,44 +131,6 @@ def _unique_lines() -> Cycler[str, Any]:
     )
 
 
-_CURRENT: ContextVar[FigureStyle] = ContextVar("style", default=JOURNAL)
-
-
-def width_mm(width: Width, style: FigureStyle | None = None) -> float:
-    """Return a width in a style, by default the one in force."""
-    return (style or _CURRENT.get()).widths_mm[("column", "middle", "full").index(width)]
-
-
-@contextmanager
-def figure_style(style: FigureStyle | None = None) -> Iterator[None]:
-    """Apply a style to a `with` block.
-
-    It starts from matplotlib's defaults, so a user's matplotlibrc changes no figure.
-
-    Parameters
-    ----------
-    style : FigureStyle, optional
-        By default the style in force, which is initially the journal's.
-
-    Examples
-    --------
-    >>> import matplotlib as mpl
-    >>> before = mpl.rcParams["pdf.fonttype"]
-    >>> with figure_style():
-    ...     mpl.rcParams["pdf.fonttype"]
-    42
-    >>> mpl.rcParams["pdf.fonttype"] == before
-    True
-    """
-    token = _CURRENT.set(style or _CURRENT.get())
-    _add_font()
-    try:
-        with mpl_style.context(_CURRENT.get().settings):
-            yield
-    finally:
-        _CURRENT.reset(token)
-
-
 @lru_cache(maxsize=1)
 def _add_font() -> None:
     """Make the font that comes with the package known to matplotlib, once.
@@ -216,13 +138,8 @@ def _add_font() -> None:
     Arimo has the letters' widths of Arial and Helvetica, which journals ask for, and is free. The
     few characters that it lacks come from matplotlib's own font.
     """
-    for file in sorted((Path(__file__).parent / "fonts").glob("*.ttf")):
+    for file in sorted((_HERE / "fonts").glob("*.ttf")):
         fontManager.addfont(file)
-
-
-def small_text() -> float:
-    """Return the size of tick labels and legends in points."""
-    return float(FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points())
 
 
 def staggered(number: int, points: int) -> tuple[int, int]:

@@ -1,30 +1,10 @@
-"""What a bench reports: figures with their numbers, a ledger of claims, tables, pages."""
+"""What a folder reports: figures with their numbers, claims, and a page of both."""
 
-from importlib import import_module
-from types import ModuleType
+from cylcontact.reports.claims import Claim, claim, claims_of
+from cylcontact.reports.figures import draw, write_figures
+from cylcontact.reports.page import write_page
 
-from cylcontact.reports.bench import Bench
-
-__all__ = [
-    "Bench",
-    "bench",
-    "build",
-    "claims",
-    "claims_text",
-    "explore",
-    "fit_figures",
-    "laws_bounds",
-    "laws_table",
-    "manuscript",
-    "notebook",
-    "paper",
-]
-
-
-def __getattr__(name: str) -> ModuleType:
-    if name in __all__:
-        return import_module(f"cylcontact.reports.{name}")
-    raise AttributeError(f"module 'cylcontact.reports' has no attribute {name!r}")
+__all__ = ["Claim", "claim", "claims_of", "draw", "write_figures", "write_page"]
 
 
 def __dir__() -> list[str]:

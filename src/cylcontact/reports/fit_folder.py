@@ -9,9 +9,9 @@ from cylcontact.files.writing import replacing_all
 from cylcontact.fitting.choice import Choice
 from cylcontact.fitting.design import Design
 from cylcontact.fitting.results import DataFit
-from cylcontact.plots.figure import Drawing
-from cylcontact.plots.style import JOURNAL, figure_style
-from cylcontact.reports.build import NUMBER_FORMAT, save_picture
+from cylcontact.plots.figure import Drawing, save
+from cylcontact.plots.style import figure_style
+from cylcontact.reports.figures import NUMBERS
 from cylcontact.support.choices import CHOICE_FILES, DESIGN_FILES, FIT_FILES
 
 
@@ -45,9 +45,8 @@ def _write(
     """Write a drawing's pictures and table, and by suffix whatever else there is."""
     with replacing_all(folder / name for name in names) as files:
         paths = {file.suffix: file for file in files}
-        save_picture(drawing, paths[".png"], "png", JOURNAL)
-        save_picture(drawing, paths[".pdf"], "pdf", JOURNAL)
-        drawing.table.to_csv(
-            paths[".csv"], index=False, float_format=NUMBER_FORMAT, lineterminator="\n"
-        )
+        with figure_style():
+            save(drawing.figure, paths[".png"], "png")
+            save(drawing.figure, paths[".pdf"], "pdf")
+        drawing.table.to_csv(paths[".csv"], **NUMBERS)
         rest(paths)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -20,11 +21,10 @@ from cylcontact.datasets.grid import grid_from
 from cylcontact.files.reading import read_text, unmarked
 from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.objectives import Form, LawForm, collect_samples, form_of
-from cylcontact.fitting.results import FitResult
+from cylcontact.fitting.results import FitResult, LawFit
 from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
-from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
 from cylcontact.support.arrays import FloatArray, as_floats
 from cylcontact.support.errors import InputError
@@ -57,7 +57,7 @@ _PLACES = {
 }
 
 
-def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") -> pd.DataFrame:
+def laws_to_use(contact: Contact, root: Path, ranges: Ranges = "practical") -> pd.DataFrame:
     """Compare laws on the samples that the enhanced one was refitted to.
 
     Errors are of the penetration at equal load: the root mean square of ln(δ/δ_Johnson) and the
@@ -67,7 +67,7 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
     Examples
     --------
     >>> from pathlib import Path
-    >>> table = laws_to_use("external", Bench(Path())).set_index("law")
+    >>> table = laws_to_use("external", Path()).set_index("law")
     >>> print(table["rms_johnson"].round(4).to_string())
     law
     published              0.0660
@@ -78,14 +78,14 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
     johnson                0.0000
     """
     enhanced, *powers = _REFITS[contact, ranges]
-    result = bench.result(enhanced)
+    result = _result(root, enhanced)
     samples, _ = collect_samples(grid_from(result.settings["dataset"], result.name))
     # What to add to ln(δ/δ_Johnson) for another reference.
     references: dict[str, FloatArray] = {"johnson": np.zeros_like(samples.j)}
     if contact == "internal":
         truth = TRUTH[contact].penetration(samples.load, samples.pair)
         references["conformal"] = as_floats(samples.j - np.log(truth))
-    times = _relative_times(bench)
+    times = _relative_times(root)
     phi, (low, high) = samples.load / samples.pair.dR, BOUNDED[contact]
     within = f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm"
 
@@ -123,7 +123,7 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
 
     defined = within if contact == "internal" else "every ΔR"
     refit = result.name if result.name == "practical" else "refit"
-    one, *by_clearance = (bench.result(name) for name in powers)
+    one, *by_clearance = (_result(root, name) for name in powers)
     rows = [
         row("published", _ENHANCED, asdict(PUBLISHED[contact]), defined=defined),
         row(refit, _ENHANCED, result.coefficients, defined=defined),
@@ -147,9 +147,9 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
     return pd.DataFrame(rows)
 
 
-def to_text(contact: Contact, bench: Bench) -> str:
+def to_text(contact: Contact, root: Path) -> str:
     """Return the comparison of `laws_to_use` as text, with the constants beneath."""
-    table = laws_to_use(contact, bench).to_dict("records")
+    table = laws_to_use(contact, root).to_dict("records")
     place = _PLACES[_REFITS[contact, "practical"][0]]
     references = [name for name in ("johnson", "conformal") if f"rms_{name}" in table[0]]
     columns = ["law", *(f"{what}, {name}" for name in references for what in ("RMS", "max %"))]
@@ -199,10 +199,15 @@ def error_text(value: float, form: str) -> str:
     return "0" if value < _ROUND_OFF else format(value, form)
 
 
-def _relative_times(bench: Bench) -> dict[str, float]:
+def _result(root: Path, name: str) -> LawFit:
+    """Read a committed fit."""
+    return LawFit.read(root / "fitting" / "results" / f"{name}.json")
+
+
+def _relative_times(root: Path) -> dict[str, float]:
     """Return the measured times of compiled loads over that of a power law."""
     remedy = "measure them: make bench"
-    path = bench.required(BENCHMARKS, "the measured times do not exist", remedy)
+    path = root / BENCHMARKS
     try:
         data = dict(json.loads(read_text(path, remedy)))
         rows = unmarked(data, str(path))["rows"]

@@ -1,0 +1,33 @@
+"""A figure and claims of one's own, as files of a folder's `reports`."""
+
+FIGURE = '''
+import pandas as pd
+
+from cylcontact.plots import new_figure
+
+
+def fig99(load="10", name="mine"):
+    """A load of {load} N/mm."""
+    figure = new_figure("column", 60.0)
+    figure.subplots().plot([0, 1], [0, float(load)])
+    return figure, pd.DataFrame({"load_N_per_mm": [float(load)]})
+
+
+FIGURES = {"fig99": fig99}
+'''
+CLAIMS = '''
+from cylcontact.reports import claim
+
+
+@claim("1", "2", "one and one is two")
+def sum_of_ones():
+    """One and one is two."""
+    yield "as numbers", f"{1 + 1}", 1 + 1 == 2
+    yield "as texts", "11", "1" + "1" == "2"
+
+
+@claim("2", "3", "one and one is three")
+def wrong_sum():
+    """One and one is three."""
+    yield "as numbers", f"{1 + 1}", 1 + 1 == 3
+'''
