@@ -12,7 +12,7 @@ from cylcontact.cli.app import app as program
 from cylcontact.fitting.measured import LOSSES
 from cylcontact.fitting.noise import NOISES
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.plots.style import STYLES
+from cylcontact.plots.style import WIDTHS
 
 ROOT = Path(__file__).resolve().parents[2]
 SPEC = ROOT / "datasets/slider_crank.toml"
@@ -40,8 +40,8 @@ def test_the_help_fits_a_screen(run, name, monkeypatch):
 
 
 def test_help_offers_what_there_is():
-    known = (LOSSES, NOISES, OPTIMIZERS, STYLES)
-    offered = (options.LOSSES, options.NOISES, options.OPTIMIZERS, options.STYLES)
+    known = (LOSSES, NOISES, OPTIMIZERS, WIDTHS)
+    offered = (options.LOSSES, options.NOISES, options.OPTIMIZERS, options.WIDTHS)
     assert offered == tuple(map(tuple, known))
 
 
