@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from cylcontact.impact import dissipation, friction
     from cylcontact.laws import ContactLaw
     from cylcontact.limits import sizing
+    from cylcontact.reports.joint_check import check_joint
     from cylcontact.support.errors import InputError
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "CylinderPair",
     "InputError",
     "Material",
+    "check_joint",
     "choose",
     "datasets",
     "dissipation",
@@ -44,6 +46,7 @@ _IN = {
     "CylinderPair": "bodies.pair",
     "InputError": "support.errors",
     "Material": "bodies.material",
+    "check_joint": "reports.joint_check",
     "choose": "fitting",
     "fit": "fitting",
 }

@@ -75,7 +75,7 @@ def test_k_above_grade_7_begins_at_zero_and_j_has_few_grades():
 @pytest.mark.parametrize(
     ("code", "rule"),
     [("20H7", "is no fit"), ("2H7/g6", "3 to 500 mm"), ("501H7/g6", "3 to 500 mm"),
-     ("20G7/h6", "a hole G"), ("20h7/g6", "a hole h"), ("20H7/p6", "a pin p"),
+     ("20M7/h6", "a hole M"), ("20h7/g6", "a hole h"), ("20H7/p6", "a pin p"),
      ("20H4/g6", "a grade 4"), ("20H12/g6", "a grade 12")],
 )  # fmt: skip
 def test_what_the_table_does_not_have_is_refused(code, rule):

@@ -39,6 +39,10 @@ VALUES = {
     "bronze": (110, "assumed", 0.34, "assumed", 220),
     "PEEK": (3.6, "assumed", 0.38, "assumed", 100),
     "PTFE": (0.5, "assumed", 0.46, "assumed", 10),
+    "POM": (2.8, "assumed", 0.38, "assumed", 65),
+    "PA 6": (2.9, "assumed", 0.39, "assumed", 75),
+    "grey cast iron": (110, "assumed", 0.26, "assumed", 165),
+    "brass": (97, "assumed", 0.34, "assumed", 250),
 }
 
 HEADER = ",".join(COLUMNS[:8])

@@ -21,7 +21,8 @@ _SMALLEST, _LARGEST = 3.0, 500.0  # mm
 _GRADES = range(5, 12)
 # Stands for ΔR = 0: the limit of laws, that have no value there.
 _SMALLEST_CLEARANCE = 1e-6  # mm
-_HOLES, _PINS = ("H", "JS"), ("c", "d", "e", "f", "g", "h", "j", "js", "k", "m", "n")
+_HOLES = ("C", "D", "E", "F", "G", "H", "JS")
+_PINS = ("c", "d", "e", "f", "g", "h", "j", "js", "k", "m", "n")
 _CODE = re.compile(r"\s*[⌀øØ]?\s*(\d+(?:[.,]\d+)?)\s*([A-Za-z]+)(\d+)\s*[/ ]\s*([A-Za-z]+)(\d+)\s*")
 
 
@@ -42,9 +43,9 @@ class Fit:
 
     Notes
     -----
-    The numbers are those of ISO 286-1:2010 for nominal sizes from 3 to 500 mm, holes H and JS, pins
-    c to n without cd, ef and fg, and grades from 5 to 11. JS and js are halves of the tolerance,
-    not rounded.
+    The numbers are those of ISO 286-1:2010 for nominal sizes from 3 to 500 mm, holes C to H and
+    JS, pins c to n, both without cd, ef and fg, and grades from 5 to 11. JS and js are halves of
+    the tolerance, not rounded.
 
     Examples
     --------
@@ -143,13 +144,22 @@ class Fit:
 
     def __str__(self) -> str:
         def limits(deviations: tuple[float, float]) -> str:
-            return f"{self.nominal:g} " + " ".join(f"{value:+.3f}" for value in deviations)
+            return f"{self.nominal:g} " + " ".join(map(_micrometres, deviations))
 
         low, high = (1e3 * value for value in self.clearance)
         return (
             f"{self.code}: hole {limits(self.hole)}, pin {limits(self.pin)} mm, "
             f"radial clearance {low:.4g} to {high:.4g} µm"
         )
+
+
+def _micrometres(value: float) -> str:
+    """Return a deviation in mm to a micrometre, or to a tenth of one where it has it.
+
+    >>> _micrometres(0.021), _micrometres(-0.0075)
+    ('+0.021', '-0.0075')
+    """
+    return f"{value:+.3f}" if abs(1e3 * value - round(1e3 * value)) < 1e-6 else f"{value:+.4f}"
 
 
 def apart(R_i: FloatArray, R_j: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -164,8 +174,8 @@ def _deviations(nominal: float, letters: str, is_hole: bool, grade: int) -> tupl
     width = row[f"IT{grade}"]
     if letters == "js":
         low, high = -width / 2, width / 2
-    elif is_hole:  # H
-        low, high = 0.0, width
+    elif is_hole:  # the mirror image of the shaft with this letter
+        low, high = -row[letters], width - row[letters]
     elif letters in "cdefgh":
         low, high = row[letters] - width, row[letters]
     else:

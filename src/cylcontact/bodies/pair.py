@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from cylcontact.bodies.fits import Fit
-from cylcontact.bodies.material import Material, material_in_MPa
+from cylcontact.bodies.material import Material, material_in_MPa, require_known_at
 from cylcontact.support import choices
 from cylcontact.support.arrays import (
     BoolArray,
@@ -376,7 +376,8 @@ class CylinderPair(OfArrays):
 
         Notes
         -----
-        A hole widens as a disk of its material would. Young's moduli stay, and so does the length.
+        A hole widens as a disk of its material would; in a housing see
+        `cylcontact.limits.at_temperature`. Young's moduli stay, and so does the length.
 
         Examples
         --------
@@ -402,6 +403,7 @@ class CylinderPair(OfArrays):
             key, rule = f"{body.name}.thermal_expansion", "is not known"
             known = body.thermal_expansion is not None or warmer == 0
             require(known, source, key, None, rule, "give the material one in 1/K")
+            require_known_at(body, warmer)
             rates.append(R * (body.thermal_expansion or 0.0) * warmer)
             grown.append(R + rates[-1])
         dR = as_floats(self.dR) + rates[0] - rates[1]
@@ -411,7 +413,8 @@ class CylinderPair(OfArrays):
             at = [reference + closing * ((T or reference) - reference) for T in (pin, hole)]
             rule = f"seizes the pin: no clearance is left at {at[0]:.1f} °C"
             rule += "" if at[0] == at[1] else f" of the pin and {at[1]:.1f} °C of the hole"
-            raise InputError(source, "pin", pin, rule, "give more clearance, or stay colder")
+            remedy = f"give more clearance, or keep the temperatures closer to {reference:g} °C"
+            raise InputError(source, "pin", pin, rule, remedy)
         return replace(self, dR=dR, R_i=grown[0], R_j=grown[1])
 
     @property

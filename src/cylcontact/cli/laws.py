@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,14 +18,22 @@ from cylcontact.cli.options import (
     require_output,
     takes,
 )
-from cylcontact.cli.pair import PAIR, blaming_options, option_of, pair_of, read_housing
+from cylcontact.cli.pair import (
+    PAIR,
+    blaming_options,
+    material_of,
+    option_of,
+    pair_of,
+    read_housing,
+)
 from cylcontact.cli.terminal import say
 from cylcontact.files.reading import plain_number
-from cylcontact.files.writing import replacing_all, require_suffix, shipped_bench
-from cylcontact.support.choices import CODES, JOINT_TARGETS, TARGETS, listed
+from cylcontact.files.writing import replacing_all, require_suffix
+from cylcontact.support.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, listed
 from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
+    from cylcontact.bodies.fits import Fit
     from cylcontact.bodies.pair import CylinderPair
     from cylcontact.laws import Housing
 
@@ -40,57 +48,120 @@ _WARM = option(
     metavar="T",
     parser=reader(_temperatures, "must be one number or two, PIN,HOLE"),
 )
+_RIM = "With --temperature and a housing: free, held, or the frame's material."
 
 
 @takes("pair", PAIR)
 def laws(
     *,
     load: str = option("N/mm; '6 kN' with --length.", metavar="LOAD", default="100"),
-    own: str | None = option("A function of your own beside them.", metavar="MODULE:FUNCTION"),
-    fit: str | None = option("A fit, 20H7/g6, instead of radii.", metavar="CODE"),
+    fit: str | None = option("An ISO fit, 20H7/g6, instead of radii.", metavar="CODE"),
     temperature: Any = _WARM,
+    rim: str | None = option(_RIM, metavar="STATE"),
+    depth: float | None = number("Of the half-plane under a roller (--Rj inf), mm."),
+    every: bool = option("All laws, side by side.", "--all", default=False),
+    own: str | None = option("With --all, a function of your own.", metavar="MODULE:FUNCTION"),
+    accuracy: bool = option("Errors of all laws over their ranges.", default=False),
+    listing: bool = option("A line for each law, and what fits search.", "--list", default=False),
+    as_json: bool = option("The numbers as JSON.", "--json", default=False),
     find: str | None = option("dR, E or length, for one of these:", metavar="WHAT"),
     stiffness: float | None = number("For --find, N/mm²; of a length N/mm."),
     penetration: float | None = number("For --find, µm."),
-    listing: bool = option("A line each, and what fits search.", "--list", default=False),
     pair: dict[str, Any],
 ) -> None:
-    """Compare the laws for a pair, and say which one to use.
+    """Say what a joint does under a load: penetration, stiffness, pressure and first yield.
 
-    Without options it is a steel pin (207 GPa, 0.3) in a hole of 10 mm radius with ΔR = 0.05 mm.
-    With --fit it begins with the band of the fit. For the length of --find the load is the total.
+    With --fit the answer is for the band of the fit. --find turns the question round: which
+    clearance, modulus or length has this stiffness or penetration; for a length the load is the
+    total.
     """
     from cylcontact.bodies.pair import unusual_lengths
     from cylcontact.files.units import load_in_N_per_mm
-    from cylcontact.laws.user import user_law
     from cylcontact.limits import yield_warning
-    from cylcontact.reports import laws_to_use
-    from cylcontact.reports.laws_table import listing as all_laws
-    from cylcontact.reports.laws_table import to_text
+    from cylcontact.reports import laws_compared
 
-    around = read_housing(pair, "laws")
-    cylinders = pair_of(pair, "laws")
-    if listing:
-        say(all_laws(cylinders.contact))
+    contact = pair.get("contact", "internal")
+    if listing or accuracy:
+        require(contact in CONTACTS, "laws", "--contact", contact, "is unknown", listed(CONTACTS))
+        table = laws_compared.listing if listing else laws_compared.accuracy_text
+        say(table(contact))
         return
+    for name, value in (("--stiffness", stiffness), ("--penetration", penetration)):
+        if find is None:
+            require(value is None, "laws", name, value, "is for --find", "add --find dR")
+    around = read_housing(pair, "laws")
+    iso = None if fit is None else _read_fit(fit, pair)
+    cylinders = pair_of(pair, "laws", find)
     # Of a length that is sought the load is the total, as on a length of 1 mm.
     length = 1.0 if find == "length" else pair.get("length_mm")
     with blaming_options({"": "--load"}, "laws"):
         force = load_in_N_per_mm(load if " " in load else f"{load} N/mm", length)
-    warm = dict(zip(("pin", "hole"), temperature or (), strict=False))
-    if fit is not None:
-        cylinders = _of_fit(fit, cylinders, pair, force, warm)
-    if warm:
-        cylinders = cylinders.at_temperature(**warm)
+    warm = _warming(temperature, rim, around, pair)
     if find is not None:
-        _find(find, cylinders, force, stiffness, penetration, around)
+        _find(find, warm(cylinders), force, stiffness, penetration, around)
         return
-    for name, value in (("--stiffness", stiffness), ("--penetration", penetration)):
-        require(value is None, "laws", name, value, "is for --find", "add --find dR")
-    advice = laws_to_use.to_text(cylinders.contact, shipped_bench())
-    listed_too = None if own is None else user_law(own, Path.cwd())
-    say(f"{advice}\n\n{to_text(cylinders, force, listed_too, around)}")
-    _warn("", yield_warning(force, cylinders, around), *unusual_lengths(cylinders))
+    if every:
+        law = None
+        if own is not None:
+            from cylcontact.laws.user import user_law
+
+            law = user_law(own, Path.cwd())
+        say(laws_compared.comparison_text(warm(cylinders), force, law, around))
+        return
+    require(own is None, "laws", "--own", own, "is compared with the others", "add --all")
+    _check(cylinders, force, around, iso, depth, warm, as_json)
+    if iso is None:
+        warnings = (yield_warning(force, warm(cylinders), around), *unusual_lengths(cylinders))
+        _warn("", *warnings)
+
+
+def _check(
+    pair: CylinderPair,
+    load: float,
+    housing: Housing | None,
+    fit: Fit | None,
+    depth: float | None,
+    warm: Callable[[CylinderPair], CylinderPair],
+    as_json: bool,
+) -> None:
+    """Print what a joint does."""
+    import json
+
+    from cylcontact.reports.joint_check import check_joint
+
+    if pair.is_flat:
+        remedy = "give the depth at which the half-plane is held, e.g. --depth 50"
+        require(depth is not None, "laws", "--depth", None, "is missing for a plane", remedy)
+    else:
+        require(depth is None, "laws", "--depth", depth, "is for a plane", "give --Rj inf too")
+    check = check_joint(pair, load, housing=housing, fit=fit, depth=depth, warm=warm)
+    say(json.dumps(check.to_dict(), ensure_ascii=False, indent=1) if as_json else str(check))
+
+
+def _warming(
+    temperature: tuple[float, float] | None,
+    rim: str | None,
+    housing: Housing | None,
+    given: Mapping[str, Any],
+) -> Callable[[CylinderPair], CylinderPair]:
+    """Return what takes a pair to its temperatures."""
+    if temperature is None:
+        require(rim is None, "laws", "--rim", rim, "is for --temperature", "give that too")
+        return lambda pair: pair
+    from cylcontact.limits import at_temperature
+
+    state: Any = rim
+    if rim not in (None, "free", "held"):
+        state = material_of(str(rim), given, "laws", "--rim")
+    pin, hole = temperature
+
+    def warm(pair: CylinderPair) -> CylinderPair:
+        with blaming_options(
+            {"rim": "--rim", "hole": "--temperature", "pin": "--temperature"}, "laws"
+        ):
+            return at_temperature(pair, pin, hole, housing=housing, rim=state)
+
+    return warm
 
 
 def _warn(source: str, *warnings: str | None) -> None:
@@ -98,29 +169,25 @@ def _warn(source: str, *warnings: str | None) -> None:
         say(f"warning: {source}{warning}", err=True)
 
 
-def _of_fit(
-    code: str, pair: CylinderPair, given: Mapping[str, Any], load: float, warm: dict[str, float]
-) -> CylinderPair:
-    """Print the bands of a fit, and return the pair in its middle."""
-    from dataclasses import replace
-
+def _read_fit(code: str, given: dict[str, Any]) -> Fit:
+    """Return an ISO fit, and put the radii in its middle in the place of those of the options."""
     from cylcontact.bodies.fits import Fit
-    from cylcontact.limits.sizing import bands
 
     sizes = ("dR_mm", "R_i_mm", "R_j_mm", "hole_diameter", "pin_diameter")
     for name in filter(given.__contains__, sizes):
         rule = f"is given by the fit {code}"
         raise InputError("laws", option_of(name), given[name], rule, "leave one of them out")
-    rule, remedy = "has no fit", "leave out --contact, or --fit"
-    require(pair.contact == "internal", "laws", "--contact", pair.contact, rule, remedy)
-    fit = Fit.read(code, "laws", "--fit")
-    fit.require_clearance("laws", "--fit")
-    over = bands(
-        fit, pair, load, pin_temperature=warm.get("pin"), hole_temperature=warm.get("hole")
+    contact, rule, remedy = (
+        given.get("contact", "internal"),
+        "has no fit",
+        "leave out --contact, or --fit",
     )
-    say(f"{over}\nby Johnson's datum, which knows no housing\n")
-    R_i, R_j = fit.middle
-    return replace(pair, dR=R_i - R_j, R_i=R_i, R_j=R_j)
+    require(contact == "internal", "laws", "--contact", contact, rule, remedy)
+    fit = Fit.read(code, "laws", "--fit")
+    rule, remedy = "leaves no clearance at any pair", "choose a looser pin: h, g"
+    require(fit.clearance[1] > 0, "laws", "--fit", code, rule, remedy)
+    given["R_i_mm"], given["R_j_mm"] = fit.nominal / 2 + 1.0, fit.nominal / 2
+    return fit
 
 
 def _find(
@@ -132,14 +199,14 @@ def _find(
     housing: Housing | None,
 ) -> None:
     """Print the clearance, modulus or length that meets a stiffness or a penetration."""
-    from cylcontact.laws import Parametric
+    from cylcontact.laws import Conformal
     from cylcontact.limits.sizing import UNKNOWNS
-    from cylcontact.limits.sizing import find as found
+    from cylcontact.limits.sizing import find as solve
 
     with blaming_options({"stiffness": "--stiffness", "load": "--load", "": "--find"}, "laws"):
         depth = None if penetration is None else 1e-3 * penetration
-        law = None if housing is None else Parametric(housing)
-        value = found(what, pair, load, stiffness=stiffness, penetration=depth, law=law)  # type: ignore[arg-type]
+        law = None if housing is None else Conformal(housing)
+        value = solve(what, pair, load, stiffness=stiffness, penetration=depth, law=law)  # type: ignore[arg-type]
     per, rate = ("N", "N/mm") if what == "length" else ("N/mm", "N/mm²")
     wanted = f"{penetration:g} µm" if stiffness is None else f"{stiffness:g} {rate}"
     datum = "by Johnson's datum" if housing is None else f"in {housing}"

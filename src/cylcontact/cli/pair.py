@@ -5,6 +5,7 @@ What needs numbers is imported in the functions, as in all modules of the comman
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,10 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 from cylcontact.cli.options import Options, Read, length, number, option, reader
 from cylcontact.files.reading import plain_number
-from cylcontact.support.choices import CONTACTS, Contact, listed
+from cylcontact.files.units import length_in_mm
+from cylcontact.support.choices import CONTACTS, listed
 from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
+    from cylcontact.bodies.material import Material
     from cylcontact.bodies.pair import CylinderPair
     from cylcontact.laws import Housing
     from cylcontact.laws.housing_spec import HousingSpec
@@ -37,10 +40,29 @@ def _modulus(text: str) -> float:
     return float(modulus_in_MPa(text, "", ""))
 
 
-def _material(text: str) -> str | tuple[float, float]:
-    """Return the name of a material, or its E in MPa and ν, which "207 GPa, 0.3" has."""
-    modulus, comma, ratio = text.partition(",")
-    return (_modulus(modulus.strip()), plain_number(ratio)) if comma else text
+def _material(text: str) -> str | tuple[float, ...]:
+    """Return the name of a material, or its E in MPa, ν and perhaps yield stress and expansion.
+
+    >>> _material("bronze"), _material("207 GPa, 0.3, 350 MPa, 12e-6/K")
+    ('bronze', (207000.0, 0.3, 350.0, 1.2e-05))
+    """
+    modulus, *rest = (part.strip() for part in text.split(","))
+    if not rest:
+        return text
+    if len(rest) > 3:
+        raise ValueError
+    ratio, *more = rest
+    numbers = [_modulus(modulus), plain_number(ratio)]
+    if more:
+        numbers.append(plain_number(more[0].removesuffix("MPa")))
+    if len(more) == 2:
+        numbers.append(plain_number(more[1].removesuffix("/K")))
+    return tuple(numbers)
+
+
+def _radius(text: str) -> float:
+    """Return a length in mm; inf is a plane."""
+    return math.inf if text.strip() == "inf" else length_in_mm(text)
 
 
 def _clamp(text: str) -> dict[str, Any]:
@@ -58,7 +80,12 @@ def _layer(text: str) -> dict[str, Any]:
     return {"material": name, "R_i": plain_number(radius)}
 
 
-_NAMED = reader(_material, "is no material; write its name, or E and ν, e.g. '207 GPa, 0.3'")
+_NAMED = reader(
+    _material,
+    "is no material; write its name, or E, ν, yield stress, expansion: "
+    "'207 GPa, 0.3, 350 MPa, 12e-6/K'",
+)
+_RADIUS = reader(_radius, "is not a length; give mm, or e.g. '40 um'")
 _CLAMP = reader(_clamp, "is no clamp; write rim, near:60 or far:60, with your angle")
 _LAYER = reader(_layer, "is no material with an inner radius; write e.g. bronze:12")
 # By their names as constants of a table, where they have one.
@@ -75,10 +102,12 @@ PAIR: Options = {
     "nu": (float | None, number("Poisson's ratio of both bodies.", "--nu", **_PANEL)),
     "dR_mm": _length("ΔR: the clearance, or rollers' R_i + R_j.", "--dR"),
     "R_i_mm": _length("Radius R_i of the hole or the first roller.", "--Ri"),
-    "R_j_mm": _length("Radius R_j of the pin or the second roller.", "--Rj"),
+    "R_j_mm": (float | None, option("Radius R_j of the pin or the second roller; inf for a plane.",
+               "--Rj", metavar="MM", parser=_RADIUS, **_PANEL)),
     "hole_diameter": _length("Diameter of the hole.", "--hole-diameter"),
     "pin_diameter": _length("Diameter of the pin.", "--pin-diameter"),
     "length_mm": _length("Axial length.", "--length"),
+    "plane": _text("strain (long) or stress (thin).", "--plane"),
     "R_o": _length("Radius of the housing's rim.", "--R-o"),
     "clamp": _text("rim (by default), near:60 or far:60.", "--clamp", read=_CLAMP),
     "layer": (list[str] | None, option("Bonded ring, from a radius; may be repeated.",
@@ -92,7 +121,7 @@ OF_PIN_AND_HOLE = {
     "pin_diameter": ("R_j_mm", 0.5),
 }
 # The options that `constants_of` takes.
-IN_CONSTANTS = {*PAIR} - {"contact", "materials", "R_o", "clamp", "layer"}
+IN_CONSTANTS = {*PAIR} - {"contact", "materials", "plane", "R_o", "clamp", "layer"}
 
 
 def option_of(name: str) -> str:
@@ -122,9 +151,9 @@ def constants_of(
             remedy = f"leave out {option}; rollers have --material-i and --material-j"
             _require_internal(source, contact, remedy)
         new = {constant: value if factor is None else factor * value}
-        if isinstance(value, tuple):  # E and ν in the place of a name
+        if isinstance(value, tuple):  # numbers in the place of a name
             body = constant.removeprefix("material")
-            new = dict(zip((f"E{body}_MPa", f"nu{body}"), value, strict=True))
+            new = dict(zip((f"E{body}_MPa", f"nu{body}"), value[:2], strict=True))
         for key in new:
             rule = f"says the same as {options.get(key)}"
             require(key not in values, source, option, None, rule, "keep one of them")
@@ -187,57 +216,88 @@ def blaming_options(options: Mapping[str, str], source: str = "") -> Iterator[No
         raise InputError(source or error.source, blamed, value, error.rule, error.remedy) from None
 
 
-def pair_of(given: Mapping[str, Any], source: str) -> CylinderPair:
-    """Return the pair that options give, and for the rest that which is compared by default."""
-    from cylcontact.bodies.material import Material, find_material, known_materials, material_in_MPa
-    from cylcontact.bodies.pair import CylinderPair, roles
-    from cylcontact.reports.laws_table import case
+def material_of(name: str, given: Mapping[str, Any], source: str, option: str) -> Material:
+    """Return a material by its name."""
+    from cylcontact.bodies.material import find_material, known_materials
 
-    default, contact = case(), given.get("contact", "internal")
+    rows = known_materials(_own_table(given, source))
+    return find_material(name, rows, source, option, "the tables of materials").material
+
+
+def pair_of(given: Mapping[str, Any], source: str, find: str | None = None) -> CylinderPair:
+    """Return the pair that options give; with `find` its clearance may be what is sought."""
+    from cylcontact.bodies.pair import CylinderPair, roles
+
+    contact, plane = given.get("contact", "internal"), given.get("plane", "strain")
     rule, remedy = "must be 'internal' or 'external'", "a pin in a hole, or two rollers"
     require(contact in CONTACTS, source, "--contact", contact, rule, remedy)
-    kind: Contact = contact
+    rule, remedy = "must be strain or stress", "strain for long cylinders, stress for thin ones"
+    require(plane in ("strain", "stress"), source, "--plane", plane, rule, remedy)
     constants, options = constants_of(given, source, contact)
-    rows = known_materials(_own_table(given, source))
-
-    names = {
-        of: [name for name in (f"material{of}", f"E{of}_MPa", f"nu{of}") if name in constants]
-        for of in ("", "_i", "_j")
-    }
-
-    def body(of: str, role: str, of_other: str) -> Material:
-        own, both, other = names[of], names[""], names[of_other]
-        if own and both:
-            blamed, rule = both[0], f"is of both bodies, and {options[own[0]]} is of one"
-            raise InputError(source, options[blamed], None, rule, "give each its own")
-        if other and not own:
-            missing = option_of(role if role in PAIR else f"material{of}")
-            rule, remedy = f"is missing beside {options[other[0]]}", f"name the {role}'s material"
-            raise InputError(source, missing, None, rule, remedy)
-        name, *others = own or both or [""]
-        if name.startswith("material"):
-            if others:
-                rule = f"is given by {options[name]} already"
-                raise InputError(source, options[others[0]], None, rule, "leave it out")
-            table = "the tables of materials"
-            return find_material(constants[name], rows, source, options[name], table).material
-        of, known = of if own else "", default.material_i
-        E, nu = constants.get(f"E{of}_MPa", known.E), constants.get(f"nu{of}", known.nu)
-        with blaming_options({"nu": options.get(f"nu{of}", "--nu")}, source):
-            return material_in_MPa(f"the {role}" if own else known.name, E, nu)
-
-    roles_of = roles(kind)
-    bodies = body("_i", roles_of[0], "_j"), body("_j", roles_of[1], "_i")
+    bodies = [
+        _body(given, constants, options, source, of, role)
+        for of, role in zip(("_i", "_j"), roles(contact), strict=True)
+    ]
     dR, R_i, R_j = (constants.get(f"{name}_mm") for name in ("dR", "R_i", "R_j"))
-    length = constants.get("length_mm", default.length)
+    length = constants.get("length_mm")
+    if find == "dR" and dR is None and R_j is None:
+        dR = 1e-3 * (R_i or 1.0) if contact == "internal" else 2 * (R_i or 1.0)
+    if sum(number is not None for number in (dR, R_i, R_j)) < 2 and find != "dR":
+        missing = "--Ri" if R_i is None else "--Rj"
+        rule = "is missing: two of --Ri, --Rj and --dR are needed"
+        remedy = "give diameters (--hole-diameter, --pin-diameter), or a fit: --fit 20H7/g6"
+        if contact == "external":
+            rule, remedy = "is missing", "give the radii of both rollers; --Rj inf is a plane"
+        raise InputError(source, missing, None, rule, remedy)
     with blaming_options(options, source):
         if R_i is not None and R_j is not None:
             require(dR is None, source, "dR", dR, "follows from the radii", "leave it out")
-            build = CylinderPair.internal if kind == "internal" else CylinderPair.external
-            return build(R_i, R_j, bodies[0], length, bodies[1])
-        known = R_i or R_j or default.radii("the default")[0].item()
-        if dR is None:
-            dR = default.dR if kind == "internal" else 2 * known
+            build = CylinderPair.internal if contact == "internal" else CylinderPair.external
+            return build(R_i, R_j, bodies[0], length, bodies[1], plane=plane)
         if R_i is None and R_j is not None:
-            known = dR + R_j if kind == "internal" else dR - R_j
-        return CylinderPair.from_dR(kind, dR, bodies[0], length, known, bodies[1])
+            R_i = dR + R_j if contact == "internal" else dR - R_j
+        gap = 1.0 if dR is None else dR  # sought, so that any value will do
+        return CylinderPair.from_dR(contact, gap, bodies[0], length, R_i, bodies[1], plane=plane)
+
+
+def _body(
+    given: Mapping[str, Any],
+    constants: Mapping[str, Any],
+    options: Mapping[str, str],
+    source: str,
+    of: str,
+    role: str,
+) -> Material:
+    """Return the material of one body: by name, by numbers, or of both bodies."""
+    from cylcontact.bodies.material import Material
+
+    names = {
+        key: [name for name in (f"material{key}", f"E{key}_MPa", f"nu{key}") if name in constants]
+        for key in ("", "_i", "_j")
+    }
+    own, both = names[of], names[""]
+    if own and both:
+        rule = f"is of both bodies, and {options[own[0]]} is of one"
+        raise InputError(source, options[both[0]], None, rule, "give each its own")
+    chosen = own or both
+    option = option_of(role if role in PAIR else f"material{of}")
+    if not chosen:
+        remedy = "give e.g. --material 'low-carbon steel', or --pin and --hole"
+        raise InputError(source, option, None, "is missing", remedy)
+    name, *others = chosen
+    if name.startswith("material"):
+        if others:
+            rule = f"is given by {options[name]} already"
+            raise InputError(source, options[others[0]], None, rule, "leave it out")
+        return material_of(constants[name], given, source, options[name])
+    key = of if own else ""
+    for needed in (f"E{key}_MPa", f"nu{key}"):
+        missing = option_of(needed) if not key else option
+        require(needed in constants, source, missing, None, "is missing", "give both E and ν")
+    numbers = next((v for n, v in given.items() if option_of(n) == options[f"nu{key}"]), ())
+    more = numbers[2:] if isinstance(numbers, tuple) else ()
+    yields, expansion = (*more, None, None)[:2]
+    with blaming_options({"nu": options[f"nu{key}"], "yield_stress": option}, source):
+        E = f"{constants[f'E{key}_MPa']!r} MPa"
+        label = f"the {role}" if own else "the material"
+        return Material(label, E, constants[f"nu{key}"], yields, expansion)

@@ -11,10 +11,13 @@ from cylcontact.limits.loads import (
     yield_load,
     yield_warning,
 )
+from cylcontact.limits.temperature import at_temperature, bore_expansion
 from cylcontact.limits.yield_search import FirstYield
 
 __all__ = [
     "FirstYield",
+    "at_temperature",
+    "bore_expansion",
     "elastic_limit_clearance",
     "first_yield",
     "hertz_half_width",

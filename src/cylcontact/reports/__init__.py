@@ -1,10 +1,41 @@
-"""What a folder reports: figures with their numbers, claims, and a page of both."""
+"""What a folder or a joint reports: figures with their numbers, claims, a page, a joint check."""
 
-from cylcontact.reports.claims import Claim, claim, claims_of
-from cylcontact.reports.figures import draw, write_figures
-from cylcontact.reports.page import write_page
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["Claim", "claim", "claims_of", "draw", "write_figures", "write_page"]
+if TYPE_CHECKING:
+    from cylcontact.reports.claims import Claim, claim, claims_of
+    from cylcontact.reports.figures import draw, write_figures
+    from cylcontact.reports.joint_check import JointCheck, check_joint
+    from cylcontact.reports.page import write_page
+
+# Loaded on first use: a command that checks a joint needs neither pandas nor figures.
+_IN = {
+    "Claim": "claims",
+    "JointCheck": "joint_check",
+    "check_joint": "joint_check",
+    "claim": "claims",
+    "claims_of": "claims",
+    "draw": "figures",
+    "write_figures": "figures",
+    "write_page": "page",
+}
+__all__ = [
+    "Claim",
+    "JointCheck",
+    "check_joint",
+    "claim",
+    "claims_of",
+    "draw",
+    "write_figures",
+    "write_page",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _IN:
+        return getattr(import_module(f"cylcontact.reports.{_IN[name]}"), name)
+    raise AttributeError(f"module 'cylcontact.reports' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

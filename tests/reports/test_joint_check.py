@@ -1,0 +1,141 @@
+"""A joint under a load: each number by another way, and the band of a fit by brute force."""
+
+import numpy as np
+import pytest
+
+import cylcontact as cc
+from cylcontact import CylinderPair, InputError, Material, laws, limits
+from cylcontact.bodies.fits import Fit
+from cylcontact.datasets.finite_element import Setup, solve
+from cylcontact.reports.joint_check import check_joint
+from cylcontact.reports.laws_compared import accuracy, comparison
+
+STEEL, BRONZE = Material.named("high-strength steel"), Material.named("bronze")
+PAIR = CylinderPair.internal(10.0, 9.95, pin=STEEL, hole=BRONZE, length=10.0)
+
+
+@pytest.mark.parametrize("clamp", ["rim", laws.Sector(60, "far")])
+def test_a_joint_in_a_housing_by_finite_elements(clamp):
+    check = check_joint(PAIR, 1000.0, housing=laws.Housing(20.0, clamp))
+    setup = Setup(
+        hole_radius=10.0, outer_ratio=2.0, E=110e3, nu=0.34, pin_E=207e3, pin_nu=0.3, clamp=clamp
+    )
+    (case,) = solve(setup, 0.05, [1000.0])
+    assert check.numbers.penetration_um == pytest.approx(1e3 * case.penetration, rel=0.01)
+    assert check.numbers.peak_pressure_MPa == pytest.approx(case.pressure.max(), rel=0.02)
+    slopes = solve(setup, 0.05, [990.0, 1010.0])
+    slope = 20.0 / (slopes[1].penetration - slopes[0].penetration)
+    assert check.numbers.stiffness_N_per_mm2 == pytest.approx(slope, rel=0.02)
+
+
+def test_rollers_are_hertz_and_johnson():
+    rollers = CylinderPair.external(15.0, 30.0, STEEL, 10.0)
+    numbers = check_joint(rollers, 100.0).numbers
+    R, E_star = 10.0, float(rollers.E_star)
+    width = 2 * np.sqrt(4 * 100 * R / (np.pi * E_star))
+    assert numbers.width_mm == pytest.approx(width, rel=1e-12)
+    assert numbers.peak_pressure_MPa == pytest.approx(
+        np.sqrt(100 * E_star / (np.pi * R)), rel=1e-12
+    )
+    # First yield under a line contact: p0 = 1.79 yield stresses for ν = 0.3.
+    peak = np.sqrt(numbers.first_yield_N_per_mm * E_star / (np.pi * R))
+    assert peak / STEEL.yield_stress == pytest.approx(1.79, abs=0.01)
+
+
+def test_the_percentiles_of_a_band_are_those_of_many_pairs():
+    fit, load = Fit.read("20H7/g6"), 200.0
+    band = check_joint(PAIR, load, fit=fit).band
+    draw = np.random.default_rng(7)
+    radii = [
+        (low + high) / 2 + (high - low) / 6 * draw.normal(size=40_000) for low, high in fit.limits
+    ]
+    pair = CylinderPair.internal(*radii, pin=STEEL, hole=BRONZE)
+    depth = 1e3 * laws.Conformal().penetration(load, pair)
+    for name, value in {
+        "mean": np.mean(depth), "5 %": np.quantile(depth, 0.05), "95 %": np.quantile(depth, 0.95)
+    }.items():  # fmt: skip
+        assert band[name].penetration_um == pytest.approx(value, rel=3e-3)
+
+
+def test_a_transition_fit_answers_for_the_pairs_with_clearance():
+    check = check_joint(PAIR, 200.0, fit="20H7/k6")
+    assert check.band["tightest"].first_yield == "no clearance"
+    assert np.isfinite(check.band["loosest"].penetration_um)
+    assert 0.2 < check.seized < 0.45
+    assert "no clearance" in str(check)
+    assert check.to_dict()["numbers"]["tightest"]["penetration_um"] is None
+
+
+def test_the_law_to_use_and_its_error():
+    one = CylinderPair.internal(10.0, 9.95, material=STEEL)
+    check = check_joint(one, 500.0)
+    assert check.law == "explicit"
+    exact, explicit = (law.penetration(500.0, one) for law in (laws.Persson(), laws.Explicit()))
+    assert check.error_percent == pytest.approx(100 * float(explicit / exact - 1), abs=1e-9)
+    assert check_joint(PAIR, 500.0).law == "conformal"
+
+
+def test_print_html_and_plot():
+    check = cc.check_joint(PAIR, 500.0, fit="20H7/g6", housing=laws.Housing(20.0))
+    assert len(str(check).splitlines()) <= 20
+    assert "<table>" in check._repr_html_()
+    axes = check.plot()
+    depth = {line.get_label(): line.get_ydata() for line in axes.lines}
+    assert (depth["loosest"] > depth["middle"]).all()
+
+
+def test_mistakes():
+    with pytest.raises(InputError, match="load = 0: must be positive"):
+        check_joint(PAIR, 0)
+    with pytest.raises(InputError, match="radii"):
+        check_joint(CylinderPair.from_dR("internal", 0.05, STEEL), 100.0)
+
+
+# --- all laws ---
+
+
+def test_the_comparison_of_laws_is_that_of_each_alone():
+    table = comparison(PAIR, 500.0).set_index("law")
+    for name in ("johnson", "explicit", "enhanced"):
+        depth = laws.LAWS[name]().penetration(500.0, PAIR)
+        assert table.loc[name, "penetration_um"] == pytest.approx(1e3 * float(depth), rel=1e-12)
+    exact = laws.Conformal().penetration(500.0, PAIR)
+    off = 100 * (laws.Johnson().penetration(500.0, PAIR) / exact - 1)
+    assert table.loc["johnson", "off_percent"] == pytest.approx(float(off), rel=1e-9)
+
+
+def test_the_accuracy_of_johnsons_law_at_its_end():
+    """At 4π/e² its penetration is 47.8 % below that of conformal contact."""
+    table = accuracy("internal").set_index("law")
+    assert table.loc["johnson", "largest_percent"] == pytest.approx(47.8, abs=1.5)
+    assert table.loc["explicit", "largest_percent"] < 0.12
+
+
+# --- ISO fits and materials ---
+
+
+@pytest.mark.parametrize(
+    ("code", "hole", "pin"),
+    [  # from the tables of ISO 286-2
+        ("20F8/h7", (20, 53), (-21, 0)),
+        ("40E9/h9", (50, 112), (-62, 0)),
+        ("60D10/h9", (100, 220), (-74, 0)),
+        ("25C11/h11", (110, 240), (-130, 0)),
+    ],
+)
+def test_fits_of_the_shaft_basis(code, hole, pin):
+    fit = Fit.read(code)
+    assert (1e3 * np.array([fit.hole, fit.pin])).round(6).tolist() == [list(hole), list(pin)]
+
+
+def test_half_a_micrometre_is_printed():
+    assert "±" not in str(Fit.read("10JS7/js6"))
+    assert "-0.0075 +0.0075" in str(Fit.read("10JS7/js6"))
+
+
+def test_the_yield_of_a_band_is_that_of_its_pairs():
+    check = check_joint(PAIR, 500.0, fit="20H7/g6", housing=laws.Housing(15.0))
+    R_i, R_j = (float(radius) for radius in Fit.read("20H7/g6").radii(0.5))
+    pair = CylinderPair.internal(R_i, R_j, pin=STEEL, hole=BRONZE)
+    at = limits.first_yield(pair, housing=laws.Housing(15.0))
+    assert check.band["middle"].first_yield_N_per_mm == pytest.approx(float(at.load), rel=1e-9)
