@@ -175,7 +175,7 @@ def _deviations(nominal: float, letters: str, is_hole: bool, grade: int) -> tupl
     if letters == "js":
         low, high = -width / 2, width / 2
     elif is_hole:  # the mirror image of the shaft with this letter
-        low, high = -row[letters], width - row[letters]
+        low, high = 0.0 - row[letters], width - row[letters]
     elif letters in "cdefgh":
         low, high = row[letters] - width, row[letters]
     else:

@@ -72,7 +72,7 @@ def at_temperature(
     >>> pair = CylinderPair.internal(10.0, 9.9, pin=steel, hole=own, plane="stress")
     >>> warm = at_temperature(pair, 80.0, 80.0, housing=Housing(13.0), rim=steel)
     >>> print(f"{1e3 * (warm.R_i - 10.0):.2f} µm")
-    -1.03 µm
+    -1.04 µm
     """
     if housing is None:
         require(rim is None, _SOURCE, "rim", rim, "is that of a housing", "give the housing too")
