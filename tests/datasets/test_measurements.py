@@ -6,6 +6,7 @@ import pytest
 from cylcontact import InputError
 from cylcontact.bodies.material import COLUMNS
 from cylcontact.datasets.measurements import measurements_of, read_measured
+from cylcontact.datasets.readings import TableSpec
 from cylcontact.files.units import QUANTITIES, column_named
 from cylcontact.fitting.measured import STANDARDISED
 from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
@@ -284,6 +285,6 @@ def test_keys_of_a_campaign_and_options_say_the_same(tmp_path):
     constants = {"E_MPa": 207e3, "nu": 0.3, "dR_mm": 0.03, "length_mm": 20.0}
     columns = {"load_kN": "Kraft", "penetration_um": "Weg"}
     keywords = {"columns": columns, "group": "Probe", "branch": "loading"}
-    data = read_measured(tmp_path / "t.csv", "internal", constants, **keywords)
+    data = read_measured(tmp_path / "t.csv", "internal", constants, spec=TableSpec(**keywords))
     assert read.measurements.data == data
     assert data.labels["group"] == ["A0", "A1"] * 4

@@ -8,8 +8,10 @@ import pandas as pd
 import pytest
 
 from cylcontact import InputError
-from cylcontact.datasets.columns import is_unloading
-from cylcontact.datasets.measurements import measurements_of, read_measured
+from cylcontact.datasets.branches import is_unloading
+from cylcontact.datasets.measurements import measurements_of
+from cylcontact.datasets.measurements import read_measured as read_with
+from cylcontact.datasets.readings import TableSpec
 from cylcontact.files.table import MAX_ROWS
 from cylcontact.files.units import column_named
 from tests.support.programs import require_package
@@ -20,6 +22,10 @@ SEMI = "load_N_per_mm;penetration_um\n"
 LOADS, DEPTHS = [10.5, 20.0, 40.25], [2.5e-4, 4e-4, 7e-4]
 # Loads up, down, up again.
 CYCLE = [0.0, 10.0, 20.0, 30.0, 40.0, 30.0, 20.0, 10.0, 0.0, 15.0, 45.0]
+
+
+def read_measured(source, contact, constants=None, **keys):
+    return read_with(source, contact, constants, spec=TableSpec(**keys))
 
 
 def written(path, content, encoding="utf-8"):
@@ -314,7 +320,7 @@ def test_a_row_of_units_completes_the_names(tmp_path):
         ({"columns": {"load_N": "a"}}, "'a': is the name of 2 columns; give each"),
         ({"group": "a"}, "'a': is the name of 2 columns; give each"),
         ({"group": "Lauf"}, "group = 'Lauf': is not a column of the table"),
-        ({"ignored": ("nobody",)}, "ignore = 'nobody': is not a column of the table"),
+        ({"ignore": ("nobody",)}, "ignore = 'nobody': is not a column of the table"),
     ],
 )
 def test_columns_that_are_named_wrongly_are_told(tmp_path, keywords, said):
@@ -333,7 +339,7 @@ def test_the_unit_of_an_option_corrects_that_of_the_table(tmp_path):
 
 def test_a_column_that_is_named_takes_the_place_of_others(tmp_path):
     text = "F, N/mm;Weg [mm];displacement [µm];group;t [s];x\n1,5;0,5;9;a;3;5\n2;1;9;b;3;5\n"
-    keywords = {"columns": {"penetration": "Weg [mm]"}, "group": "t [s]", "ignored": ("x",)}
+    keywords = {"columns": {"penetration": "Weg [mm]"}, "group": "t [s]", "ignore": ("x",)}
     actual = read(tmp_path / "t.csv", text, **keywords)
     assert actual.penetration == pytest.approx([0.5, 1])
     assert actual.data.labels["group"] == ["3", "3"]

@@ -379,7 +379,7 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     assert result.uncertainty.estimates.keys() == {"kappa", "c"}
     settings = result.settings["campaign"]
     assert (settings["seed"], settings["parameters"]["c"]["low"], len(result.runs)) == (3, -2, 2)
-    rows = pd.read_csv(folder / "residuals.csv")
+    rows = pd.read_csv(folder / "residuals.csv", comment="#")
     assert rows["line"].tolist() == list(range(2, 38))
     assert rows["residual_mm"].to_numpy() == pytest.approx(result.residuals["residual_mm"])
 

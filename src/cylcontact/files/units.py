@@ -202,7 +202,7 @@ def _splits(plain: str) -> Iterator[tuple[str, str]]:
     if brackets := _BRACKETED.fullmatch(plain):
         yield brackets[1], brackets[2]
         return
-    for separator in re.finditer(r" in | ?/ ?|, ?|_| ", plain):
+    for separator in re.finditer(r"[ _]in[ _]|[ _]?/[ _]?|, ?|_| ", plain):
         yield plain[: separator.start()], plain[separator.end() :]
 
 
