@@ -119,7 +119,7 @@ SETTINGS: Options = {
     "header": (int | None, option("Line of the names, 0 for none.", metavar="LINE", **_PANEL)),
     "decimal": _text("What marks decimals, . or ,", "MARK"),
     "loads": _text("Only rows of these loads, in the table's unit, e.g. 5:", "LOW:HIGH"),
-    "sign": _text("What is counted negative: load, penetration, both or neither.", "WHAT"),
+    "sign": _text("Counted negative: load, penetration, both, neither.", "WHAT"),
     "branch": _text(f"Only rows of {listed(BRANCHES)}."),
     "noise": _text(f"{listed(NOISES)}."),
     "drift": (bool | None, option("Allow for a drift of each series.", "--drift", **_PANEL)),

@@ -80,8 +80,9 @@ class Readings:
         """Return the lines that say what was read, left out and decided; `rows` are the kept."""
         table, lines = self.table, [self.table.lines[row] for row in rows]
         read = []
-        order = [*MEASURED, *self.numbers, *self.labels]
-        for column in sorted(self.columns.values(), key=lambda c: order.index(c.quantity)):
+        for column in sorted(
+            self.columns.values(), key=lambda c: [*MEASURED, c.quantity].index(c.quantity)
+        ):
             unit = f" in {symbol(column.unit)}" if column.unit else ""
             by = ", divided by the length" if column.is_total else ""
             read.append(f"{column.quantity} from {column.name!r}{unit}{by}")

@@ -282,5 +282,5 @@ def listed(numbers: Sequence[int], word: str) -> str:
     runs = groupby(enumerate(numbers), key=lambda each: each[1] - each[0])
     ends = [[number for _, number in run] for _, run in runs]
     parts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in ends]
-    more = ", …" if len(parts) > 6 else ""
+    more = f", … ({len(numbers)} in all)" if len(parts) > 6 else ""
     return f"{word}{'s' if len(numbers) > 1 else ''} {', '.join(parts[:6])}{more}"
