@@ -190,8 +190,8 @@ BAD_COLUMNS = [
     *(
         ((), {column: [GOOD[column][0], value, value]}, {}, f", line 3: {key} = |1 more like it")
         for column, value, key in (
-            *(("load_N_per_mm", -1.0, "load_N_per_mm"), ("dR_um", 0.0, "dR"), ("E_GPa", 0.0, "E_i")),
-            *(("nu", 0.6, "nu_i"), ("nu", -0.1, "nu_i")),
+            *(("load_N_per_mm", -1.0, "load_N_per_mm"), ("dR_um", 0.0, "dR")),
+            *(("E_GPa", 0.0, "E_i"), ("nu", 0.6, "nu_i"), ("nu", -0.1, "nu_i")),
         )
     ),
 ]  # fmt: skip

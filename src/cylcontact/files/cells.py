@@ -60,9 +60,10 @@ def is_number(cell: object) -> bool:
 def row_pattern(lines: Iterable[Line]) -> tuple[int, Pattern]:
     """Return the pattern of a row, which of its cells are numbers, and how many numbers follow it.
 
-    It is that of the run of equal lines with most numbers.
+    It is that of the run of equal lines with most numbers; lines of words do not end a run.
     """
-    runs = groupby(tuple(map(is_number, line.cells)) for line in lines)
+    patterns = (tuple(map(is_number, line.cells)) for line in lines)
+    runs = groupby(filter(any, patterns))
     sizes = [(pattern, sum(pattern), sum(1 for _ in run)) for pattern, run in runs]
     # Settings above the table have one number a line, and readings two.
     best = max(sizes, key=lambda run: (min(run[1], 2), run[1] * run[2]), default=((), 0, 0))
