@@ -250,7 +250,7 @@ def test_what_is_no_table_is_refused(tmp_path):
     formula = [["load_N_per_mm", "penetration_um"], [1.0, 0.1], [2.0, "=B2*2"]]
     cases = [
         ("t.json", b"{}", "is not a table"),
-        ("t.XLS", b"x", "is a workbook of Excel before 2007"),
+        ("t.XLS", b"\xd0\xcf\x11\xe0", "is a workbook of Excel before 2007"),
         ("t.ods", b"PK\x03\x04\x00", "is not a CSV table"),
         ("t.xlsx", b"load_N\n", r"is not an Excel workbook (File is not a zip file)"),
         ("t.xlsx", good[:400], "is not an Excel workbook"),

@@ -144,6 +144,8 @@ def forms() -> list[Form]:
              {"decimal": ","}),
         Form("longer series beside", "F [N];s [mm];Mean\n" + rows(F, w, [1.5] * ROWS, **semi)
              + ";;2,5\n;;3,5\n", said="2 rows empty in these columns (lines 11, 12)"),
+        Form("footer", "Force [N],Displ. [mm]\n" + rows(F, w) + "End of test\n***,\n",
+             said=f"lines {ROWS + 2}, {ROWS + 3} below the rows"),
         Form("old Mac", ("Force [N]\tTravel [mm]\n" + rows(F, w, **tabs)).replace("\n", "\r")),
         Form("UTF-16", "δ [µm]\tF [N]\n" + rows(w * 1e3, F, **tabs), encoding="utf-16"),
     ]  # fmt: skip

@@ -133,6 +133,9 @@ def _lines(raw: list[str], separator: str, *, strict: bool = True) -> list[Line]
     )
     reader = csv.reader(texts, strict=strict, **options)
     lines = [Line(reader.line_num, tidy(row)) for row in reader]
+    for line in lines:
+        if any(cell and "\n" in cell and _holds_rows(cell, separator) for cell in line.cells):
+            raise csv.Error(f"a quote is open before line {line.number}")
     for number, text in marked.items():
         first, *others = next(csv.reader([text], **options), []) or [""]
         lines.append(Line(number, tidy([f"#{first}", *others])))
@@ -142,6 +145,12 @@ def _lines(raw: list[str], separator: str, *, strict: bool = True) -> list[Line]
             names = re.split(r"\s{2,}|(?<=[\])])\s+", raw[number - 1].strip())
             lines[k] = Line(number, tidy(names) if len(cells) != width == len(names) else cells)
     return sorted((x for x in lines if any(c is not None for c in x.cells)), key=lambda x: x.number)
+
+
+def _holds_rows(cell: str, separator: str) -> bool:
+    """Return whether a quoted cell of several lines has numbers side by side."""
+    lines = ([part.strip(' "') for part in x.split(separator)] for x in cell.split("\n"))
+    return any(sum(map(is_number, parts)) > 1 for parts in lines)
 
 
 def tidy(cells: Iterable[Any]) -> list[Any]:

@@ -9,7 +9,7 @@ from typing import Any
 from cylcontact.files.cells import THOUSANDS
 from cylcontact.files.reading import plain_number
 from cylcontact.files.table import Table
-from cylcontact.files.units import meaning_of
+from cylcontact.files.units import LETTER, meaning_of
 
 _GROUPED = re.compile(r"[+\-−]?[1-9]\d{0,2}[.,]\d{3}")
 _GROUPS = re.compile(r"([+\-−]?[1-9]\d{0,2})(?:([\u00a0\u202f '’.,])\d{3}(?:\2\d{3})*)?")
@@ -37,8 +37,9 @@ def numbers(table: Table, k: int, decimal: str | None = None) -> list[float]:
     if wrong is not None:
         _require_filled(table, k)
         rule, remedy = "must be a finite number", "write it with a decimal point, without its unit"
-        if isinstance(cells[wrong], str) and meaning_of(cells[wrong]):
-            remedy = f"read the table below these names with --header {table.lines[wrong]}"
+        meaning = meaning_of(str(cells[wrong]))
+        if meaning is not None and meaning.rank < LETTER:
+            remedy = f"remove it, or read only what is below with --header {table.lines[wrong]}"
         if decimal and re.search(r"\d[.,]\d", str(cells[wrong])):
             rule = f"does not have its decimals marked by {decimal!r}"
             remedy = "correct it, or give the other mark with --decimal"

@@ -10,7 +10,8 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from itertools import groupby, zip_longest
+from functools import partial
+from itertools import groupby, takewhile, zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 # All rows are held in memory and stored in the result.
 MAX_ROWS = 200_000
+# The first bytes of a workbook of Excel before 2007; machines write texts under its suffix .xls.
+_OLD_EXCEL = b"\xd0\xcf\x11\xe0"
 
 
 @dataclass
@@ -83,12 +86,12 @@ def read_table(
         content = data.to_csv(index=False, lineterminator="\n").encode()
         return _table_of_frame("DataFrame", data, content)
     source, suffix = str(data), Path(data).suffix.lower()
-    if suffix == ".xls":
-        rule = "is a workbook of Excel before 2007, which is not read"
-        raise InputError(source, "", None, rule, "save it as .xlsx")
     if suffix in (".toml", ".json"):
         raise InputError(source, "", None, "is not a table", "name a table")
-    content, is_book = read_bytes(data), suffix == ".xlsx"
+    content, is_book = read_bytes(data), suffix in (".xlsx", ".xlsm")
+    if content.startswith(_OLD_EXCEL):
+        rule = "is a workbook of Excel before 2007, which is not read"
+        raise InputError(source, "", None, rule, "save it as .xlsx")
     if suffix == ".parquet":
         return _table_of_frame(source, files.frame_of_parquet(source, content), content)
     table = Table(source, "row" if is_book else "line", hashlib.sha256(content).hexdigest())
@@ -199,6 +202,8 @@ def _plain(cell: Any) -> str:
 def _filled(table: Table, lines: list[Line], layout: _Layout) -> Table:
     """Return the table with its names, units and rows."""
     below = lines[layout.first :]
+    footer = [x.number for x in takewhile(partial(_is_footer, layout.pattern), below[::-1])]
+    below = below[: len(below) - len(footer)]
     words = {line.cells[0] for line in below}
     rows = [line for line in below if not _is_comment(line.cells, layout.pattern, words)]
     if not rows:
@@ -226,7 +231,16 @@ def _filled(table: Table, lines: list[Line], layout: _Layout) -> Table:
     comments = sorted({line.number for line in below} - {*table.lines})
     table.left_out += [f"{table.numbered(above)} before the rows"] if above else []
     table.left_out += [f"{table.numbered(comments)} with # in front"] if comments else []
+    table.left_out += [f"{table.numbered(footer[::-1])} below the rows"] if footer else []
     return table
+
+
+def _is_footer(pattern: Pattern, line: Line) -> bool:
+    """Return whether a line has words in its first cell only, and is no row of empty cells."""
+    first, *others = line.cells
+    is_word = isinstance(first, str) and not first.startswith("#") and not is_number(first)
+    is_empty = not any(cell is not None for cell in others)
+    return is_word and is_empty and (pattern[:1] == (True,) or len(line.cells) < len(pattern))
 
 
 def _is_comment(cells: list[Any], pattern: Pattern, words: set[Any]) -> bool:

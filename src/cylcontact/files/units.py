@@ -35,19 +35,25 @@ _WORDS = {
     "load": (
         "load, force, F, P, Fn, kraft, prufkraft, standardkraft, last, charge, fuerza, carga, "
         "forza, carico",
-        "load cell, force cell, load on sample, kraftaufnehmer, capteur de force",
+        "load cell, force cell, load on sample, compressive load, compressive force, "
+        "kraftaufnehmer, capteur de force",
     ),
     "penetration": (
         "penetration, penetration depth, indentation, indentation depth, approach, delta",
-        "displacement, deflection, deformation, depth, deplacement, desplazamiento, spostamento, "
-        "displacement into surface, eindringtiefe, enfoncement, profondeur, profundidad, "
-        "profondita, Pd",
-        "travel, extension, weg, standardweg, verschiebung, course, compressive displacement, "
-        "carrera, corsa, allongement, alargamiento, allungamento",
-        "crosshead, stroke, traverse, traversenweg, course traverse, compressive extension",
+        "displacement, disp, displ, deflection, deformation, depth, deplacement, desplazamiento, "
+        "spostamento, "
+        "displacement into surface, tiefe, eindringtiefe, enfoncement, profondeur, profundidad, "
+        "profondita, deformacion, deformazione, Pd",
+        "travel, extension, weg, standardweg, verschiebung, langenanderung, course, allongement, "
+        "carrera, alargamiento, corsa, allungamento, compressive displacement",
+        "crosshead, stroke, position, traverse, traversenweg, kolbenweg, maschinenweg, "
+        "course traverse, cruceta, traversa, compressive extension",
         "s, x, z, u, w",  # these with a unit only
     ),
-    "time": ("time, t, zeit, temps, tiempo, tempo, elapsed time, run time",),
+    "time": (
+        "time, t, zeit, prufzeit, temps, tiempo, tempo, elapsed time, run time, running time, "
+        "test time",
+    ),
 }
 _MEANINGS = {
     word: (quantity, rank)
@@ -192,8 +198,8 @@ def _plain_meaning(text: str) -> Meaning | None:
     if len(text) < 3 and text in _MEANINGS:
         return Meaning(*_MEANINGS[text])
     ascii_only = unicodedata.normalize("NFKD", text.lower()).encode("ascii", "ignore").decode()
-    words = re.split(r"[ _-]+", ascii_only)
-    word = " ".join(word for word in words if word not in _ADDED)
+    words = re.split(r"[ ._-]+", ascii_only)
+    word = " ".join(word for word in words if word and word not in _ADDED)
     return Meaning(*_MEANINGS[word]) if len(word) > 2 and word in _MEANINGS else None
 
 
