@@ -125,6 +125,7 @@ def test_the_sheet_of_load_and_penetration_is_read(tmp_path):
     data = read(path)
     assert is_truth(data)
     assert "sheet 'One' of 3, the first of 2 with such columns (--sheet)" in data.read[2]
+    assert is_truth(read(path, header=3))  # of the sheets that have such a row
     assert read(path, sheet="Two").load == pytest.approx(2 * LOAD / LENGTH)
     with pytest.raises(InputError, match="sheet = 'Three': is not a sheet with cells; it has 'N"):
         read(path, sheet="Three")
@@ -196,9 +197,10 @@ REFUSED = [
     ("F [N],w [mm]\n1,0.1\nF [N],w [mm]\n2,0.2\n", {}, ", line 3: F [N] = 'F [N]'", "--header 3"),
     ("F [N];w [mm]\n10;0,5\n1.000;0,00111\n", {"decimal": "."}, ", line 2: w [mm] = '0,5'",
      "does not have its decimals marked by '.'"),
-    ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"loads": "5:"}, ": loads = '5:inf'", "its loads are 1 to 2"),
+    ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"loads": "5:"}, ": loads = '5:'", "its loads are 1 to 2"),
     ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"loads": "9:5"}, ": loads = '9:5'", "lower end first"),
     ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"loads": "5"}, ": loads = '5'", "write e.g. 5:400"),
+    ("F [N],w [mm]\nkN,mm\n1,2\n", {"columns": {"load": "F [N]"}}, ": columns.load", "has no unit"),
     ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"sheet": "A"}, ": sheet = 'A'", "leave it out"),
     ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"header": 7}, ": header = 7", "is no line with"),
     ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"columns": {"weight": "1"}}, ": columns.weight", "is gone"),

@@ -164,7 +164,7 @@ E_NU = ("E_GPa", "nu")
 BAD_COLUMNS = [
     (("nu",), {}, {}, ": nu: is required; add nu"),
     (E_NU, {}, {}, ": material of the hole: is not given|--hole"),
-    ((), {"E_i_GPa": [1, 1, 1]}, {}, ": material of the hole: must be given once|E_i"),
+    ((), {"E_i_GPa": [1, 1, 1]}, {}, ": material of the hole: must be given once|E_i|--ignore"),
     ((), {}, {"E_MPa": 1.0}, ": constants.E_MPa = 1.0: E is given twice|keep one"),
     ((), {}, {"load_N": 1.0}, ": constants.load_N = 1.0: is not a known constant"),
     ((), {}, {"colour": 1.0}, ": constants.colour = 1.0: is not a known constant"),

@@ -126,15 +126,15 @@ def forms() -> list[Form]:
              + rows([f"2024-01-01T{each}.25" for each in clocks], F, w), said="time from"),
         Form("a time lacks", "Time [s],Force [N],Displacement [mm]\n"
              + rows(["" if k == 4 else str(k) for k in range(ROWS)], F, w), said="the time (line"),
-        Form("odd columns", "weight,E (J),Load (V),Load (N),Stroke (mm),Extension (mm),w (mm)\n"
-             + rows(*[F * 3] * 3, F, w * 9, w, w * 2),
+        Form("odd columns", "weight,E (J),length,Load (V),Load (N),Stroke (mm),Extension (mm),w (mm)\n"
+             + rows(*[F * 3] * 4, F, w * 9, w, w * 2),
              said="penetration from 'Extension (mm)'; 'E (J)', whose unit is not known; 'w (mm)'"),
         Form("compression negative", "Load (N),Extension (mm)\n" + rows(-F, -w),
              said="sign of the load turned; sign of the penetration turned"),
         Form("travel negative", "Load (N),Crosshead (mm)\n" + rows(F, -w),
              said="sign of the penetration turned, as it falls"),
         Form("baseline", "Load (N),Extension (mm)\n0.3,0\n-0.2,0.00001\n" + rows(F, w),
-             {"loads": "5:"}, "2 rows with loads below 5 N (lines 2, 3)"),
+             {"loads": "5:"}, "2 rows with loads outside 5: N (lines 2, 3)"),
         Form("break", "Force (N),Stroke (mm)\n" + rows(F, w)
              + "".join(f"{3000 - k},{0.05 + k / 1e4:.4f}\n" for k in range(2 * ROWS))
              + "-1.2,0.5\n0.4,0.6\n",

@@ -22,6 +22,7 @@ from cylcontact.files.units import (
     units_of,
 )
 from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import brief
 
 # Without these there is no fit; any other column may be odd.
 MEASURED = ("load", "penetration")
@@ -44,8 +45,8 @@ def option_for(table: Table, quantity: str, k: int) -> str:
 def _unit_in_table(table: Table, k: int, quantity: str) -> tuple[str, str]:
     """Return the unit of a column by its name or the row of units, plain and as it is written."""
     in_name = unit_in(table.names[k], quantity) if table.names else ""
-    known = [u for u in (in_name, table.units[k]) if unit_of(u) in units_of(quantity)]
-    written = next(filter(None, known), in_name or table.units[k])
+    known = {unit_of(u): u for u in (table.units[k], in_name) if unit_of(u) in units_of(quantity)}
+    written = " and ".join(filter(None, known.values())) or in_name or table.units[k]
     return unit_of(written), written
 
 
@@ -94,7 +95,7 @@ def given_columns(table: Table, given: Mapping[str, str]) -> dict[int, Column]:
             if before.quantity == quantity:
                 raise _twice(table, column.name, before, other)
         if written and in_table != unit:
-            note = f"column {column.name!r} is taken in {symbol(unit)}, not in {written}"
+            note = f"column {column.name!r} is taken in {symbol(unit)}, not in {brief(written)}"
             table.notes.append(note)
         columns[k] = column
     return columns

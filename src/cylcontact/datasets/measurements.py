@@ -294,7 +294,7 @@ def _require_all(readings: Readings, contact: Contact) -> None:
     table, given = readings.table, {*readings.numbers, *readings.labels}
     for quantity, error in readings.unclear.items():
         alternatives = next((group for group in _ALTERNATIVES if quantity in group), {quantity})
-        if not alternatives & given:
+        if quantity != "length" and not alternatives & given:
             raise error
     missing = [quantity for quantity in MEASURED if quantity not in given]
     if not missing:
@@ -309,13 +309,13 @@ def _require_all(readings: Readings, contact: Contact) -> None:
         if not of_both and not {f"E_{body}", f"nu_{body}", f"material_{body}"} & given:
             lacks.append(f"the material of the {role}")
             needs.append(f"material_{body}")
-    free, options = _free_columns(readings, missing)
+    names, options = [repr(table.name(k)) for k in readings.unread], _options(readings, missing)
     if not table.names:
-        rule, by_position = "has no row of names", f"what its {len(table.columns)} columns are"
-        remedy = f"say by position {by_position}, e.g. {' '.join(options)}"
+        remedy = f"say what its {len(table.columns)} columns are, e.g. {' '.join(options)}"
+        rule = "has no row of names"
         raise InputError(table.source, "", None, rule, f"{remedy}, or give it a line of names")
-    named = f", or name {'one of ' if len(free) > 1 else ''}{first_of(free, _LISTED)} with "
-    others = f"{named}{' and '.join(options)}" if options else ""
+    named = f"name {'one of ' if len(names) > 1 else ''}{first_of(names, _LISTED)}"
+    others = f", or {named} with {' and '.join(options)}" if options else ""
     if len(lacks) > 1:
         rule = f"lacks {', '.join(lacks)}"
         remedy = f"add columns, e.g. {', '.join(needs)}, or options, e.g. --dR{others}"
@@ -324,17 +324,15 @@ def _require_all(readings: Readings, contact: Contact) -> None:
     raise InputError(table.source, missing[0], None, "is required", remedy)
 
 
-def _free_columns(readings: Readings, missing: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the names of the columns that are not read, and options that name what is missing."""
-    table, free = readings.table, readings.unread
-    names, options = [repr(table.name(k)) for k in free], []
-    for quantity in missing:
-        offers = [option_for(table, quantity, k) for k in free]
-        if offers:
-            best = next((k for k, each in enumerate(offers) if "_UNIT=" not in each), 0)
-            options.append(offers[best])
-            free = free[:best] + free[best + 1 :] or free
-    return names, options
+def _options(readings: Readings, missing: Sequence[str]) -> list[str]:
+    """Return options that name a column for each missing quantity, of its unit if there is one."""
+    options, free = [], readings.unread
+    for quantity in missing if free else ():
+        offers = {k: option_for(readings.table, quantity, k) for k in free}
+        k = min(free, key=lambda k: "_UNIT=" in offers[k])
+        options.append(offers[k])
+        free = [other for other in free if other != k] or free
+    return options
 
 
 def _add_moduli(
@@ -410,6 +408,7 @@ def _moduli(
         rule = "is not given"
         if given:
             rule = f"must be given once, and {', '.join(given)} are given"
+            remedy = "keep one of them; --ignore leaves a column out"
         raise InputError(source, f"material of the {role}", None, rule, remedy)
     if pairs:
         _require_given(source, pairs[0], numbers)

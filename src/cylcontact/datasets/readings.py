@@ -17,7 +17,7 @@ from cylcontact.files.reading import plain_number
 from cylcontact.files.spec import Spec
 from cylcontact.files.table import Table, counted, read_table
 from cylcontact.files.units import LABELS, Column, symbol
-from cylcontact.support.arrays import BoolArray, FloatArray
+from cylcontact.support.arrays import FloatArray
 from cylcontact.support.choices import Branch, first_of
 from cylcontact.support.errors import InputError
 
@@ -25,9 +25,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _LISTED = 8  # names of columns in a line
-_TURNED: dict[str | None, tuple[str, ...]] = {
-    **{"load": ("load",), "penetration": ("penetration",), "both": MEASURED, "neither": ()},
-}
+# What each choice of a sign turns.
+_TURNED = {"load": MEASURED[:1], "penetration": MEASURED[1:], "both": MEASURED, "neither": ()}
 # Spearman's correlation of load and travel where travel certainly falls, or probably.
 _FALLS, _MAY_FALL = -0.9, -0.5
 # The largest share of travel in the other direction where its sign is certain.
@@ -80,9 +79,7 @@ class Readings:
         """Return the lines that say what was read, left out and decided; `rows` are the kept."""
         table, lines = self.table, [self.table.lines[row] for row in rows]
         read = []
-        for column in sorted(
-            self.columns.values(), key=lambda c: [*MEASURED, c.quantity].index(c.quantity)
-        ):
+        for column in sorted(self.columns.values(), key=lambda c: _rank(c.quantity)):
             unit = f" in {symbol(column.unit)}" if column.unit else ""
             by = ", divided by the length" if column.is_total else ""
             read.append(f"{column.quantity} from {column.name!r}{unit}{by}")
@@ -103,7 +100,6 @@ def read_readings(data: Path | str | pd.DataFrame, spec: TableSpec) -> Readings:
     given = spec.columns or {}
     wanted = {*given.values()} | ({spec.group} if spec.group is not None else set())
     table = read_table(data, wanted, spec.sheet, spec.header)
-    loads = _range(table, spec.loads)
     skipped = {column_at(table, "ignore", name) for name in spec.ignore}
     columns = given_columns(table, given)
     explicit = {column.quantity for column in columns.values()}
@@ -133,8 +129,12 @@ def read_readings(data: Path | str | pd.DataFrame, spec: TableSpec) -> Readings:
         columns.setdefault(group, Column(table.name(group), "group"))
     if {*MEASURED} <= {*readings.numbers}:
         _turn(readings, spec.sign)
-        _keep_loads(readings, loads)
+        _keep_loads(readings, spec.loads)
     return readings
+
+
+def _rank(quantity: str) -> int:
+    return [*MEASURED, quantity].index(quantity)
 
 
 def _values(table: Table, k: int, column: Column, decimal: str | None) -> FloatArray:
@@ -195,10 +195,32 @@ def _correlation_up_to_peak(load: FloatArray, depth: FloatArray) -> float:
     return float(np.corrcoef(first, second)[0, 1])
 
 
-def _range(table: Table, text: str | None) -> tuple[float, float]:
-    """Return the ends of a range of loads as it is written, LOW:HIGH, either of which may lack."""
-    if text is None:
-        return -np.inf, np.inf
+def _keep_loads(readings: Readings, text: str | None) -> None:
+    """Leave out the rows with loads outside a range LOW:HIGH in the unit of the table."""
+    table = readings.table
+    k, column = next((k, c) for k, c in readings.columns.items() if c.quantity == "load")
+    values, unit = readings.numbers["load"] / column.factor, symbol(column.unit)
+    low, high = _ends(table, text or ":")
+    keeps = (values >= low) & (values <= high)
+    below = np.flatnonzero(keeps & (values < 0))
+    if below.size:
+        more = f", {below.size - 1} more like it" if below.size > 1 else ""
+        remedy = f"leave such rows out with --loads 0: (in {unit}{more}), or correct the row"
+        raise table.error("must be positive", remedy, int(below[0]), k)
+    if not keeps.any():
+        remedy = f"give a range in {unit}: its loads are {values.min():.6g} to {values.max():.6g}"
+        raise InputError(table.source, "loads", text, "leaves no row", remedy)
+    out = [*compress(table.lines, ~keeps)]
+    if out:
+        rows = f"{counted(out, 'row')} with loads outside {text} {unit}"
+        table.left_out.append(f"{rows} ({table.numbered(out)})")
+    table.lines = [*compress(table.lines, keeps)]
+    readings.numbers = {name: cells[keeps] for name, cells in readings.numbers.items()}
+    readings.labels = {name: [*compress(cells, keeps)] for name, cells in readings.labels.items()}
+
+
+def _ends(table: Table, text: str) -> tuple[float, float]:
+    """Return the ends of a range, either of which may be left out."""
     low, colon, high = text.partition(":")
     try:
         ends = (plain_number(low) if low else -np.inf, plain_number(high) if high else np.inf)
@@ -208,35 +230,3 @@ def _range(table: Table, text: str | None) -> tuple[float, float]:
         rule = "must be a range of loads, the lower end first"
         raise InputError(table.source, "loads", text, rule, "write e.g. 5:400, 5: or :400")
     return ends
-
-
-def _keep_loads(readings: Readings, loads: tuple[float, float]) -> None:
-    """Leave out the rows with loads outside a range in the unit of the table."""
-    table = readings.table
-    k, column = next((k, c) for k, c in readings.columns.items() if c.quantity == "load")
-    values, unit = readings.numbers["load"] / column.factor, symbol(column.unit)
-    low, high = loads
-    keeps = (values >= low) & (values <= high)
-    below = np.flatnonzero(keeps & (values < 0))
-    if below.size:
-        more = f", {below.size - 1} more like it" if below.size > 1 else ""
-        remedy = f"leave such rows out with --loads 0: (in {unit}{more}), or correct the row"
-        raise table.error("must be positive", remedy, int(below[0]), k)
-    if not keeps.any():
-        remedy = f"give a range in {unit}: its loads are {values.min():.6g} to {values.max():.6g}"
-        raise InputError(table.source, "loads", f"{low:g}:{high:g}", "leaves no row", remedy)
-    if keeps.all():
-        return
-    ends = f"outside {low:g}:{high:g}"
-    if np.isinf(high) or np.isinf(low):
-        ends = f"below {low:g}" if np.isinf(high) else f"above {high:g}"
-    out = [*compress(table.lines, ~keeps)]
-    rows = f"{counted(out, 'row')} with loads {ends} {unit}"
-    table.left_out.append(f"{rows} ({table.numbered(out)})")
-    _take(readings, keeps)
-
-
-def _take(readings: Readings, keeps: BoolArray) -> None:
-    readings.table.lines = [*compress(readings.table.lines, keeps)]
-    readings.numbers = {name: cells[keeps] for name, cells in readings.numbers.items()}
-    readings.labels = {name: [*compress(cells, keeps)] for name, cells in readings.labels.items()}

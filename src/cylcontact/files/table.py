@@ -107,6 +107,9 @@ def read_table(
         raise table.error("is empty", "give it a line of column names, then rows")
     wanted = [each for each in sheets if sheet in (None, each.title)]
     chosen, layout = _best_sheet(table, wanted, len(sheets), set(given), header)
+    if header and layout.names < 0:
+        remedy = "give that of the names, 0 for none"
+        raise InputError(source, "header", header, f"is no {table.row_word} with cells", remedy)
     table.separator = chosen.separator
     return _filled(table, chosen.lines, layout)
 
@@ -115,7 +118,7 @@ def _best_sheet(
     table: Table, sheets: list[Sheet], count: int, given: set[str], header: int | None
 ) -> tuple[Sheet, _Layout]:
     """Return the sheet with a load and a penetration, the first of several."""
-    tried = [(each, _layout(table, each.lines, given, header)) for each in sheets]
+    tried = [(each, _layout(each.lines, given, header)) for each in sheets]
     chosen, layout = max(tried, key=lambda each: each[1].known)
     if count > 1:
         alike = sum(other.known == layout.known > 1 for _, other in tried)
@@ -127,13 +130,13 @@ def _best_sheet(
 def _table_of_frame(source: str, frame: pd.DataFrame, content: bytes) -> Table:
     lines = [Line(0, [str(name).strip() for name in frame.columns]), *files.lines_of(frame)]
     table = Table(source, "row", hashlib.sha256(content).hexdigest(), ",")
-    return _filled(table, lines, _layout(table, lines, set(), 0))
+    return _filled(table, lines, _layout(lines, set(), 0))
 
 
 # --- names, units and rows ----------------------------------------------------------------------
 
 
-def _layout(table: Table, lines: list[Line], given: set[str], header: int | None) -> _Layout:
+def _layout(lines: list[Line], given: set[str], header: int | None) -> _Layout:
     """Return where the names, the units and the rows are."""
     _, pattern = files.row_pattern(lines)
     first = next((k for k, line in enumerate(lines) if _is_row(line.cells, pattern)), len(lines))
@@ -147,12 +150,6 @@ def _layout(table: Table, lines: list[Line], given: set[str], header: int | None
         start = last = next((k for k, line in enumerate(lines) if line.number == header), -1)
         while start >= 0 and last + 1 in named:
             last += 1
-        if start < 0 < header:
-            rule, remedy = (
-                f"is no {table.row_word} with cells",
-                "give that of the names, 0 for none",
-            )
-            raise InputError(table.source, "header", header, rule, remedy)
     if start < 0:
         while first > 0 and _is_row(lines[first - 1].cells, pattern, may_lack=True):
             first -= 1
