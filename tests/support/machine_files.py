@@ -126,8 +126,8 @@ def forms() -> list[Form]:
              + rows([f"2024-01-01T{each}.25" for each in clocks], F, w), said="time from"),
         Form("a time lacks", "Time [s],Force [N],Displacement [mm]\n"
              + rows(["" if k == 4 else str(k) for k in range(ROWS)], F, w), said="the time (line"),
-        Form("odd columns", "weight,E (J),length,Load (V),Load (N),Stroke (mm),Extension (mm),w (mm)\n"
-             + rows(*[F * 3] * 4, F, w * 9, w, w * 2),
+        Form("odd columns", "weight,E (J),length,Load (V),Load (N),Stroke (mm),Extension (mm),"
+             "w (mm)\n" + rows(*[F * 3] * 4, F, w * 9, w, w * 2),
              said="penetration from 'Extension (mm)'; 'E (J)', whose unit is not known; 'w (mm)'"),
         Form("compression negative", "Load (N),Extension (mm)\n" + rows(-F, -w),
              said="sign of the load turned; sign of the penetration turned"),

@@ -391,6 +391,7 @@ def predict(
 ) -> None:
     """Predict readings of the penetration with their bands."""
     from cylcontact.fitting import DataFit
+    from cylcontact.fitting.words import item
 
     fitted = DataFit.read(result)
     table = (fitted if law is None else fitted.with_law(law)).predict(load, level)
@@ -399,7 +400,7 @@ def predict(
     starts = ("pair", "load", "penetration", "low", "high")
     columns = [[name for name in map(str, table) if name.startswith(start)] for start in starts]
     shown = table[[names[-1] for names in columns if names]]
-    say("\n".join(fitted.data.read))
+    say("\n".join(item(line, "") for line in fitted.data.read))
     say(shown.to_string(index=False, float_format="{:.5g}".format))
     if beyond.any():
         loads = fitted.optimum.fit.data.load
