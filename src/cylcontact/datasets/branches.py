@@ -47,7 +47,7 @@ def kept_rows(
         return np.flatnonzero(~zero)
     fall, rise = falls & ~zero, ~(falls | zero)
     if fall.any():
-        labels["branch"] = [BRANCHES[int(each)] for each in fall]
+        labels["branch"] = [BRANCHES[int(falling)] for falling in fall]
     if branch is None:
         if fall.any():
             counts = f"{_rows(rise)} of loading and {_rows(fall)} of unloading"

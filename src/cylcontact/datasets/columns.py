@@ -128,8 +128,8 @@ def named_columns(
     for quantity in unclear:
         table.left_out.append(f"{unclear[quantity].value!r}, whose unit is not known")
     columns: dict[int, Column] = {}
-    for each in ranked.values():
-        columns |= _most_explicit(table, each)
+    for candidates in ranked.values():
+        columns |= _most_explicit(table, candidates)
     return dict(sorted(columns.items())), unclear
 
 

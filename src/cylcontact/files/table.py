@@ -99,13 +99,13 @@ def read_table(
         sheets = files.sheets_of_workbook(source, content)
     else:
         sheets = [files.sheet_of_text(source, content, table.notes)]
-    titles = [each.title for each in sheets if is_book]
+    titles = [part.title for part in sheets if is_book]
     if sheet is not None and sheet not in titles:
         remedy = f"it has {', '.join(map(repr, titles))}" if titles else "leave it out"
         raise InputError(source, "sheet", sheet, "is not a sheet with cells", remedy)
-    if not any(each.lines for each in sheets):
+    if not any(part.lines for part in sheets):
         raise table.error("is empty", "give it a line of column names, then rows")
-    wanted = [each for each in sheets if sheet in (None, each.title)]
+    wanted = [part for part in sheets if sheet in (None, part.title)]
     chosen, layout = _best_sheet(table, wanted, len(sheets), set(given), header)
     if header and layout.names < 0:
         remedy = "give that of the names, 0 for none"
@@ -118,8 +118,8 @@ def _best_sheet(
     table: Table, sheets: list[Sheet], count: int, given: set[str], header: int | None
 ) -> tuple[Sheet, _Layout]:
     """Return the sheet with a load and a penetration, the first of several."""
-    tried = [(each, _layout(each.lines, given, header)) for each in sheets]
-    chosen, layout = max(tried, key=lambda each: each[1].known)
+    tried = [(sheet, _layout(sheet.lines, given, header)) for sheet in sheets]
+    chosen, layout = max(tried, key=lambda pair: pair[1].known)
     if count > 1:
         alike = sum(other.known == layout.known > 1 for _, other in tried)
         also = f", the first of {alike} with such columns (--sheet)" if alike > 1 else ""
@@ -290,7 +290,7 @@ def listed(numbers: Sequence[int], word: str) -> str:
     >>> listed([3], "line"), listed([2, 3, 4], "line"), listed([2, 5], "row")
     ('line 3', 'lines 2 to 4', 'rows 2, 5')
     """
-    runs = groupby(enumerate(numbers), key=lambda each: each[1] - each[0])
+    runs = groupby(enumerate(numbers), key=lambda pair: pair[1] - pair[0])
     ends = [[number for _, number in run] for _, run in runs]
     parts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in ends]
     more = f", … ({len(numbers)} in all)" if len(parts) > 6 else ""
