@@ -151,7 +151,7 @@ def test_a_prediction_has_the_units_of_the_table():
         assert table[f"{name}_um"].to_numpy() == pytest.approx(1e3 * table[f"{name}_mm"])
     assert table["beyond"].tolist() == [False, False, True]
     with pytest.raises(InputError, match="is not a load with its unit"):
-        fit.predict("4 lbf")
+        fit.predict("4 tf")
 
 
 @pytest.mark.slow
@@ -169,10 +169,12 @@ def test_commands_predict_and_design(tmp_path, run):
     assert "load_N  penetration_um" in said
     assert "beyond the readings" in said
     code, said, _ = run(
-        *("design", tmp_path / "t.csv", *pair, "--loads", "5:400", "--add", 3),
+        *("design", tmp_path / "t.csv", *pair, "--candidates", "5:400", "--add", 3),
         *("--parameter", "offset", "-o", tmp_path / "design"),
     )
     assert code == 0
     assert "3 further readings that narrow the interval of offset most" in said
     assert (tmp_path / "design/design.png").exists()
-    assert "must be two positive" in run("design", tmp_path / "t.csv", *pair, "--loads", "9")[2]
+    assert (
+        "must be two positive" in run("design", tmp_path / "t.csv", *pair, "--candidates", "9")[2]
+    )

@@ -112,17 +112,19 @@ def test_losses_are_scipys(name):
     assert loss.psi(r) == pytest.approx(slope, abs=1e-6)
 
 
-def test_weights_count_like_repeated_rows(tmp_path):
+def test_smaller_deviations_count_like_repeated_rows(tmp_path):
     table = write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.02)
     header, *rows = table.read_text().splitlines()
+    header = f"{header},penetration_std_um"
     repeated = tmp_path / "repeated.csv"
-    repeated.write_text("\n".join([header, *rows, *rows[:5]]))
-    weighted = tmp_path / "weighted.csv"
-    text = [f"{header},weight", *(f"{row},{2 if k < 5 else 1}" for k, row in enumerate(rows))]
-    weighted.write_text("\n".join(text))
+    repeated.write_text("\n".join([header, *(f"{row},0.1" for row in [*rows, *rows[:5]])]))
+    once = tmp_path / "once.csv"
+    std = [0.1 / np.sqrt(2) if k < 5 else 0.1 for k in range(len(rows))]
+    text = [header, *(f"{row},{size!r}" for row, size in zip(rows, map(float, std), strict=True))]
+    once.write_text("\n".join(text))
     actual = [
         fit_table(campaign_of_table(path, "johnson", "internal", CONSTANTS, starts=2))
-        for path in (repeated, weighted)
+        for path in (repeated, once)
     ]
     assert actual[1].coefficients == pytest.approx(actual[0].coefficients, rel=1e-6)
     assert len(actual[0].uncertainty.duplicates) == 5
@@ -379,7 +381,7 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     assert result.uncertainty.estimates.keys() == {"kappa", "c"}
     settings = result.settings["campaign"]
     assert (settings["seed"], settings["parameters"]["c"]["low"], len(result.runs)) == (3, -2, 2)
-    rows = pd.read_csv(folder / "residuals.csv")
+    rows = pd.read_csv(folder / "residuals.csv", comment="#")
     assert rows["line"].tolist() == list(range(2, 38))
     assert rows["residual_mm"].to_numpy() == pytest.approx(result.residuals["residual_mm"])
 

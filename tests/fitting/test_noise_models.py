@@ -162,7 +162,6 @@ def covariance_of(series, model=FULL, rows=6, seed=4):
         load=rng.uniform(1.0, 2.0, size),
         given=rng.uniform(0.01, 0.1, size),
         depth=rng.uniform(0.5, 2.0, size),
-        weight=rng.uniform(0.5, 1.5, size),
         series=rng.permutation(np.repeat(np.arange(series), rows)),
         position=rng.uniform(0.0, 1.0, size),
     )
@@ -172,7 +171,7 @@ def dense(covariance, deviations):
     """V as a matrix, the variances of single readings, and the columns of all series."""
     given, depth, series = covariance.given, covariance.depth, covariance.series
     scatter = deviations["constant"] ** 2 + (deviations["proportional"] * depth) ** 2
-    single = given + scatter / covariance.weight
+    single = given + scatter
     columns = []
     for number in range(series.max() + 1):
         columns += [
@@ -299,7 +298,7 @@ def test_a_balanced_layout_has_the_error_and_the_degrees_of_an_analysis_of_varia
     class Offsets(NoiseModel):
         effects = ("offset",)
 
-    covariance = Covariance(Offsets("constant", "group"), one, none, one, one, group, none)
+    covariance = Covariance(Offsets("constant", "group"), one, none, one, group, none)
     likelihood = Likelihood(covariance, y - y.mean(), one[:, None])
     best = estimate(likelihood)
     means = y.reshape(series, rows).mean(axis=1)

@@ -151,4 +151,5 @@ def test_missing_unknown_and_repeated_columns_are_refused(tmp_path, header, rule
     path = write(tmp_path, STEEL, header=header)
     with pytest.raises(InputError) as caught:
         read_materials(path)
-    assert_told(caught, path, "columns", header.split(","), rule, "E_provenance, nu_provenance")
+    names = [] if header.startswith("steel") else header.split(",")  # numbers are no names
+    assert_told(caught, path, "columns", names, rule, "E_provenance, nu_provenance")

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cylcontact.files.numbers import numbers
 from cylcontact.files.reading import beside_or_above, plain_number
-from cylcontact.files.table import finite_numbers, read_table
+from cylcontact.files.table import read_table
 from cylcontact.files.units import QUANTITIES
 from cylcontact.support.arrays import (
     FloatArray,
@@ -291,7 +292,7 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     ...     read_materials(path)["brass"].material
     Material(name='brass', E=102500.0, nu=0.34, yield_stress=None)
     """
-    table = read_table(path)
+    table = read_table(path, COLUMNS)
     missing = [name for name in _REQUIRED if name not in table.names]
     others = [n for k, n in enumerate(table.names) if n not in COLUMNS or n in table.names[:k]]
     if missing or others:
@@ -307,14 +308,14 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
         ["0" if cell is None and name in _MAY_BE_EMPTY else cell for cell in cells]
         for name, cells in columns.items()
     ]
+    complete = replace(table, columns=filled)
     names = [name for name in (*_ORIGINS, _EXPANSION) if name in columns]
-    places = [table.names.index(name) for name in names]
-    numbers = finite_numbers(replace(table, columns=filled), places)
+    values = {name: numbers(complete, table.names.index(name)) for name in names}
     rows: dict[str, MaterialRow] = {}
     for k, line in enumerate(table.lines):
         source = f"{table.source}, {table.row_word} {line}"
         cells = {name: cells[k] for name, cells in columns.items()}
-        row = _row(source, cells, {n: x[k] for n, x in zip(names, numbers, strict=True)})
+        row = _row(source, cells, {name: cells[k] for name, cells in values.items()})
         name = row.material.name
         if _plain(name) in map(_plain, rows):
             rule, remedy = "is used twice", "give each material a name of its own"

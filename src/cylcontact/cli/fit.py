@@ -115,6 +115,11 @@ SETTINGS: Options = {
                 option("What a column is; may be repeated.",
                        metavar="NAME=COLUMN", parser=_COLUMN, **_PANEL)),
     "group": _text("Column of groups, e.g. specimens.", "COLUMN"),
+    "sheet": _text("Sheet of a workbook."),
+    "header": (int | None, option("Line of the names, 0 for none.", metavar="LINE", **_PANEL)),
+    "decimal": _text("What marks decimals, . or ,", "MARK"),
+    "loads": _text("Only rows of these loads, in the table's unit, e.g. 5:", "LOW:HIGH"),
+    "sign": _text("Counted negative: load, penetration, both, neither.", "WHAT"),
     "branch": _text(f"Only rows of {listed(BRANCHES)}."),
     "noise": _text(f"{listed(NOISES)}."),
     "drift": (bool | None, option("Allow for a drift of each series.", "--drift", **_PANEL)),
@@ -345,7 +350,7 @@ def design(
     data: Path = DATA,
     *,
     law: str = option("The law, e.g. johnson.", metavar="NAME", default=...),
-    loads: Any = interval("Loads that can be taken, in N/mm.", default=...),
+    candidates: Any = interval("Loads that can be taken, in N/mm.", default=...),
     add: int = count(1, "Readings to add.", default=5),
     parameter: str | None = option("The one that counts; all by default.", metavar="NAME"),
     clearances: list[float] | None = several(
@@ -369,7 +374,7 @@ def design(
     measured = _measured(data, {**pair, **settings, "law": law})
     with progress_bars() as progress:
         fitted = fit_table(measured.campaign(law), 1, progress)
-    taken = np.geomspace(loads[0], loads[1], _DESIGN_LOADS)
+    taken = np.geomspace(candidates[0], candidates[1], _DESIGN_LOADS)
     chosen = fitted.design(taken, add, dR=clearances or None, parameter=parameter)
     say(chosen)
     if out is not None:
@@ -386,6 +391,7 @@ def predict(
 ) -> None:
     """Predict readings of the penetration with their bands."""
     from cylcontact.fitting import DataFit
+    from cylcontact.fitting.words import item
 
     fitted = DataFit.read(result)
     table = (fitted if law is None else fitted.with_law(law)).predict(load, level)
@@ -394,6 +400,7 @@ def predict(
     starts = ("pair", "load", "penetration", "low", "high")
     columns = [[name for name in map(str, table) if name.startswith(start)] for start in starts]
     shown = table[[names[-1] for names in columns if names]]
+    say("\n".join(item(line, "") for line in fitted.data.read))
     say(shown.to_string(index=False, float_format="{:.5g}".format))
     if beyond.any():
         loads = fitted.optimum.fit.data.load

@@ -1,8 +1,8 @@
 """Measurements: from a table of loads and penetrations to checked arrays in mm, N and MPa.
 
-`read_measured` reads the cells of a table, converts the columns from their units, adds constants
-and the moduli of named materials, and divides total forces by the axial length. A result stores
-the columns that come out. `measurements_of` checks them row by row and returns the arrays.
+`read_measured` adds constants and the moduli of named materials to the readings of a table, and
+divides total forces by the axial length. A result stores the columns that come out.
+`measurements_of` checks them row by row and returns the arrays.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import AliasChoices, Field
 
 from cylcontact import limits
 from cylcontact.bodies.material import (
@@ -28,21 +28,14 @@ from cylcontact.bodies.material import (
     shipped_materials,
 )
 from cylcontact.bodies.pair import Contact, CylinderPair, roles, unusual_lengths
-from cylcontact.datasets.columns import (
-    PAIR_COLUMNS,
-    Mapped,
-    equal_rows,
-    kept_rows,
-    mapped,
-    option_for,
-    require_found,
-)
+from cylcontact.datasets.branches import PAIR_COLUMNS, equal_rows, kept_rows
+from cylcontact.datasets.columns import MEASURED, option_for
+from cylcontact.datasets.readings import Readings, TableSpec, read_readings
 from cylcontact.files.spec import Spec
-from cylcontact.files.table import finite_numbers, read_table, table_of_frame, texts
 from cylcontact.files.units import LABELS, Column, column_named, spellings
 from cylcontact.laws import Housing
 from cylcontact.support.arrays import BoolArray, FloatArray
-from cylcontact.support.choices import Branch
+from cylcontact.support.choices import first_of
 from cylcontact.support.errors import InputError
 
 if TYPE_CHECKING:
@@ -56,6 +49,12 @@ _Materials = dict[str, MaterialRow]
 _SHIPPED = "the table that ships"
 # Columns that an error names.
 _LISTED = 8
+# A column whose unit is not known is needed if nothing else of its group is given.
+_ALTERNATIVES = (
+    {"dR", "R_i", "R_j"},
+    {f"{name}{body}" for name in ("E", "nu", "material") for body in ("", "_i", "_j")},
+)
+_DEFAULT = TableSpec()
 _GROUPINGS = ("rows", "material", "dR", "pair", "group", "branch")
 
 
@@ -85,7 +84,6 @@ _RANGES = {
     "R_j": _POSITIVE,  # mm
     "load_std": _POSITIVE,  # N/mm
     "penetration_std": _POSITIVE,  # mm
-    "weight": _POSITIVE,
     "time": _FINITE,  # s
     "nu_i": _RATIO,
     "nu_j": _RATIO,
@@ -104,8 +102,8 @@ class MeasuredData(Spec):
     numbers: dict[str, list[float]]
     labels: dict[str, list[str]]
     notes: list[str]
-    # What was done to the table, and its units of load and penetration.
-    steps: list[str] = Field([])
+    # What was read of the table, and its units of load and penetration.
+    read: list[str] = Field([], validation_alias=AliasChoices("read", "steps"))
     units: dict[str, str] = Field({})
 
 
@@ -136,10 +134,9 @@ class Measurements:
         return self.columns["penetration"]
 
     @property
-    def weight(self) -> FloatArray:
-        """Weights of the squared residuals, with mean 1."""
-        weight = self.columns.get("weight", np.ones(len(self)))
-        return np.asarray(weight / weight.mean())
+    def read(self) -> list[str]:
+        """Lines that say what was read of the table, left out and decided."""
+        return self.data.read
 
     @cached_property
     def pair(self) -> CylinderPair:
@@ -221,40 +218,24 @@ def read_measured(
     contact: Contact,
     constants: Constants | None = None,
     materials: Path | None = None,
-    ignored: Sequence[str] = (),
-    columns: Mapping[str, str] | None = None,
-    group: str | None = None,
-    branch: Branch | None = None,
+    spec: TableSpec = _DEFAULT,
 ) -> MeasuredData:
     """Read a file or a DataFrame of measurements into columns; `measurements_of` checks them."""
-    table = read_table(data) if isinstance(data, Path | str) else table_of_frame(data)
-    found = mapped(table, columns or {}, group, ignored)
-    table, source = found.table, found.table.source
-    parsed = list(found.columns.values())
-    of_numbers = found.indices(of_words=False)
-    read = zip(of_numbers, finite_numbers(table, of_numbers), strict=True)
-    values: dict[str, list[Any]] = {found.columns[k].quantity: cells for k, cells in read}
-    values |= {found.columns[k].quantity: texts(table, k) for k in found.indices(of_words=True)}
-    if found.group is not None:
-        values["group"] = texts(table, found.group)
-    parsed += _add_constants(source, constants or {}, values)
-    _require_all(found, values, contact)
-    labels = {quantity: words for quantity, words in values.items() if quantity in LABELS}
-    numbers = {
-        c.quantity: np.array([value * c.factor for value in values[c.quantity]])
-        for c in parsed
-        if c.quantity not in LABELS
-    }
+    readings = read_readings(data, spec)
+    table, source = readings.table, readings.table.source
+    numbers, labels = readings.numbers, readings.labels
+    columns = [*readings.columns.values()]
+    columns += _add_constants(source, constants or {}, numbers, labels)
+    _require_all(readings, contact)
     notes = _add_moduli(source, numbers, labels, materials, contact)
-    _divide_by_length(source, numbers, sorted(c.quantity for c in parsed if c.is_total))
+    _divide_by_length(source, numbers, sorted(c.quantity for c in columns if c.is_total))
     for name, column in numbers.items():
         wrong = np.flatnonzero(~np.isfinite(column))
         if wrong.size:
             line = f", {table.row_word} {table.lines[wrong[0]]}" if column.size > 1 else ""
             remedy = "correct it; mind the unit in the column's name"
-            raise InputError(f"{table.source}{line}", name, None, "is too large", remedy)
-    table.steps.extend(_readings(found, numbers))
-    kept = kept_rows(table, numbers, labels, branch)
+            raise InputError(f"{source}{line}", name, None, "is too large", remedy)
+    kept = kept_rows(table, numbers, labels, spec.branch)
     return MeasuredData(
         source=Path(source).name,
         sha256=table.sha256,
@@ -266,28 +247,9 @@ def read_measured(
             name: _taken(np.array(column, object), kept).tolist() for name, column in labels.items()
         },
         notes=notes,
-        steps=table.steps,
-        units={c.quantity: c.unit for c in parsed if c.quantity in ("load", "penetration")},
+        read=readings.block(kept.tolist()),
+        units={c.quantity: c.unit for c in columns if c.quantity in MEASURED},
     )
-
-
-def _readings(found: Mapped, numbers: _Numbers) -> list[str]:
-    """Return how columns are read whose names are not those of the package."""
-    steps = []
-    for column in found.columns.values():
-        if column.is_standard:
-            continue
-        total = "total " if column.is_total else ""
-        unit = f" in {column.symbol}" if column.unit else ""
-        step = f"column {column.name!r} is read as {total}{column.quantity}{unit}"
-        if column.is_total:
-            length = numbers["length"]
-            of_all = length.size == 1
-            step += f", divided by the length of {f'{length[0]:g} mm' if of_all else 'its row'}"
-        steps.append(step)
-    if found.group is not None and found.table.names[found.group] != "group":
-        steps.append(f"column {found.table.names[found.group]!r} is read as group")
-    return steps
 
 
 def _taken(column: NDArray[Any], kept: Indices) -> NDArray[Any]:
@@ -298,53 +260,79 @@ def _taken(column: NDArray[Any], kept: Indices) -> NDArray[Any]:
 # --- constants, materials and lengths -----------------------------------------------------------
 
 
-def _add_constants(source: str, constants: Constants, values: dict[str, list[Any]]) -> list[Column]:
-    """Add the constants as columns of one row; return their parsed names."""
+def _add_constants(
+    source: str, constants: Constants, numbers: _Numbers, labels: _Labels
+) -> list[Column]:
+    """Add the constants as columns of one row; return their columns."""
     columns = []
     for name, value in constants.items():
         key, column = f"constants.{name}", column_named(name)
-        if column is None or column.quantity in ("load", "penetration", "weight", "time", "group"):
+        if column is None or column.quantity in (*MEASURED, "time", "group"):
             remedy = "give e.g. E_GPa, nu, material, dR_um, R_i_mm, length_mm"
             raise InputError(source, key, value, "is not a known constant", remedy)
-        if column.quantity in values:
-            rule = f"{column.quantity} is given twice, here and as a column or constant"
-            raise InputError(source, key, value, rule, "keep one of them")
-        if isinstance(value, str) != (column.quantity in LABELS) or isinstance(value, bool):
-            rule = "must be a name" if column.quantity in LABELS else "must be a number"
+        quantity = column.quantity
+        if quantity in numbers or quantity in labels:
+            rule = f"{quantity} is given twice, here and as a column or constant"
+            remedy = "keep one of them; --ignore leaves a column out"
+            raise InputError(source, key, value, rule, remedy)
+        if isinstance(value, str) != (quantity in LABELS) or isinstance(value, bool):
+            rule = "must be a name" if quantity in LABELS else "must be a number"
             raise InputError(source, key, value, rule, "correct it")
-        if not isinstance(value, str):
-            of_both = column.quantity in ("E", "nu")
-            allowed = _RANGES[f"{column.quantity}_i" if of_both else column.quantity]
-            number = np.array([value * column.factor])
-            if not (allowed.allows(number) & np.isfinite(number)).all():
+        if isinstance(value, str):
+            labels[quantity] = [value]
+        else:
+            allowed = _RANGES[f"{quantity}_i" if quantity in ("E", "nu") else quantity]
+            numbers[quantity] = np.array([value * column.factor])
+            if not (allowed.allows(numbers[quantity]) & np.isfinite(numbers[quantity])).all():
                 raise InputError(source, key, value, allowed.rule, "correct it; mind its unit")
-        values[column.quantity] = [value]
         columns.append(column)
     return columns
 
 
-def _require_all(found: Mapped, values: Mapping[str, object], contact: Contact) -> None:
+def _require_all(readings: Readings, contact: Contact) -> None:
     """Raise `InputError` for what is given nowhere, all at once if it is more than a column."""
-    lacks = [f"the {name}" for name in ("load", "penetration") if name not in values]
-    needs = [f"{name}_N" if name == "load" else f"{name}_um" for name in ("load", "penetration")]
-    needs = [name for name in needs if name.rpartition("_")[0] not in values]
-    if not {"dR", "R_i", "R_j"} & {*values}:
+    table, given = readings.table, {*readings.numbers, *readings.labels}
+    for quantity, error in readings.unclear.items():
+        alternatives = next((group for group in _ALTERNATIVES if quantity in group), {quantity})
+        if quantity != "length" and not alternatives & given:
+            raise error
+    missing = [quantity for quantity in MEASURED if quantity not in given]
+    if not missing:
+        return
+    lacks = [f"the {quantity}" for quantity in missing]
+    needs = [{"load": "load_N", "penetration": "penetration_um"}[each] for each in missing]
+    if not {"dR", "R_i", "R_j"} & given:
         lacks.append("ΔR or both radii")
         needs.append("dR_um")
-    of_both = {"E", "nu", "material"} & {*values}
+    of_both = {"E", "nu", "material"} & given
     for body, role in zip("ij", roles(contact), strict=True):
-        if not of_both and not {f"E_{body}", f"nu_{body}", f"material_{body}"} & {*values}:
+        if not of_both and not {f"E_{body}", f"nu_{body}", f"material_{body}"} & given:
             lacks.append(f"the material of the {role}")
             needs.append(f"material_{body}")
-    if len(lacks) > 1 and {"load", "penetration"} - {*values}:
-        rule = f"lacks {', '.join(lacks)}{found.table.header_rule}"
-        named = ", ".join(map(repr, found.left_out[:_LISTED]))
-        option = option_for("penetration" if "load" in values else "load", found.left_out)
-        others = f"; name one of {named} with {option}" if named else ""
+    names, options = [repr(table.name(k)) for k in readings.unread], _options(readings, missing)
+    if not table.names:
+        remedy = f"say what its {len(table.columns)} columns are, e.g. {' '.join(options)}"
+        rule = "has no row of names"
+        raise InputError(table.source, "", None, rule, f"{remedy}, or give it a line of names")
+    named = f"name {'one of ' if len(names) > 1 else ''}{first_of(names, _LISTED)}"
+    others = f", or {named} with {' and '.join(options)}" if options else ""
+    if len(lacks) > 1:
+        rule = f"lacks {', '.join(lacks)}"
         remedy = f"add columns, e.g. {', '.join(needs)}, or options, e.g. --dR{others}"
-        raise InputError(found.table.source, "columns", None, rule, remedy)
-    require_found(found, "load")
-    require_found(found, "penetration")
+        raise InputError(table.source, "columns", None, rule, remedy)
+    remedy = f"add {spellings(missing[0])}{others}"
+    raise InputError(table.source, missing[0], None, "is required", remedy)
+
+
+def _options(readings: Readings, missing: Sequence[str]) -> list[str]:
+    """Return options that name a column for each missing quantity, of its unit if there is one."""
+    options, free = [], readings.unread
+    for quantity in missing if free else ():
+        offers = {k: option_for(readings.table, quantity, k) for k in free}
+        k = min(free, key=lambda k: "_UNIT=" in offers[k])
+        options.append(offers[k])
+        free = [other for other in free if other != k] or free
+    return options
 
 
 def _add_moduli(
@@ -420,6 +408,7 @@ def _moduli(
         rule = "is not given"
         if given:
             rule = f"must be given once, and {', '.join(given)} are given"
+            remedy = "keep one of them; --ignore leaves a column out"
         raise InputError(source, f"material of the {role}", None, rule, remedy)
     if pairs:
         _require_given(source, pairs[0], numbers)
@@ -449,16 +438,15 @@ def _divide_by_length(source: str, numbers: _Numbers, totals: Sequence[str]) -> 
 
 def measurements_of(data: MeasuredData, source: str) -> Measurements:
     """Check columns row by row and return the measurements."""
+    if "weight" in data.numbers:
+        rule, remedy = "is no longer used", "give penetration_std in its place, and redo the fit"
+        raise InputError(source, "weight", None, rule, remedy)
     size = len(data.lines)
     columns = {
         name: np.broadcast_to(np.array(values, dtype=np.float64), size).copy()
         for name, values in data.numbers.items()
     }
     _require_given(source, _REQUIRED, columns)
-    if (columns["load"] <= 0).all() and (columns["penetration"] <= 0).all():
-        remedy = "turn the sign of both columns: compression counts as positive"
-        rule = _POSITIVE._replace(rule="must be positive, and no load or penetration is")
-        _require(data, source, "load", columns["load"], rule, remedy)
     for name, allowed in _RANGES.items():
         if name in columns:
             _require(data, source, name, columns[name], allowed)

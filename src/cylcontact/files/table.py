@@ -1,21 +1,24 @@
-"""Tables as files hold them: the names of columns, and cells of text or numbers."""
+"""Tables: the names, units and rows in a file, whatever stands above them.
+
+The rows are the longest run of lines in which the same cells are numbers. The names stand above
+them, with a row of units above or below; of several lines of words, those that name a load and a
+penetration. All other lines are listed as left out.
+"""
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
-import math
-import re
-import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from itertools import compress, islice
+from functools import partial
+from itertools import groupby, takewhile, zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from cylcontact.files.reading import plain_number, read_bytes
-from cylcontact.files.writing import require_parquet
+from cylcontact.files import cells as files
+from cylcontact.files.cells import SEPARATORS, Line, Pattern, Sheet, is_number
+from cylcontact.files.reading import read_bytes
+from cylcontact.files.units import LETTER, is_unit, meaning_of
 from cylcontact.support.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,332 +26,272 @@ if TYPE_CHECKING:
 
 # All rows are held in memory and stored in the result.
 MAX_ROWS = 200_000
-# Of each row its position in the file and its cells.
-_Rows = list[tuple[int, list[Any]]]
-_SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "spaces"}
-# Beyond letters, what the Windows-1252 text of a table may have that is not ASCII.
-_EXTRA = "µ°±²³·×–€"
-_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
-_THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[\u00a0\u202f '’.,]\d{3})+(?:[.,]\d+)?")
-
-_NO_THOUSANDS = "has separators of thousands", "write it without them"
+# The first bytes of a workbook of Excel before 2007; machines write texts under its suffix .xls.
+_OLD_EXCEL = b"\xd0\xcf\x11\xe0"
 
 
-@dataclass(frozen=True)
+@dataclass
 class Table:
-    """The cells of a table with N rows."""
+    """A table of N rows: names and units of columns, cells, and what was decided on them."""
 
     source: str
     row_word: str
     sha256: str
-    names: list[str]
-    lines: list[int]
-    columns: list[list[Any]]
-    separator: str = ""
-    steps: list[str] = field(default_factory=list)
+    separator: str = ""  # of a text; a comma also for frames, in which points mark decimals
+    names: list[str] = field(default_factory=list)  # empty where the file has none
+    units: list[str] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
+    columns: list[list[Any]] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
-    @property
-    def header_rule(self) -> str:
-        """The rule on where a workbook's column names stand, for errors; empty for other tables."""
-        if Path(self.source).suffix.lower() != ".xlsx":
-            return ""
-        return " (the first sheet with cells is read, and its first row must hold the names)"
+    def name(self, k: int) -> str:
+        """Return the name of a column, or its position in a table without names."""
+        return self.names[k] if self.names else f"column {k + 1}"
+
+    def error(self, rule: str, remedy: str, row: int | None = None, k: int = -1) -> InputError:
+        """Return the error for the table or for a cell."""
+        if row is None:
+            return InputError(self.source, "", None, rule, remedy)
+        where = f"{self.source}, {self.row_word} {self.lines[row]}"
+        return InputError(where, self.name(k), self.columns[k][row], rule, remedy)
+
+    def numbered(self, numbers: Sequence[int]) -> str:
+        """Return positions in words, as in "lines 2 to 4, 7"."""
+        return listed(numbers, self.row_word)
 
 
-def read_table(path: Path | str) -> Table:
-    """Read an Excel workbook, a Parquet file or, under any other name, a table in text.
+class _Layout(NamedTuple):
+    """The indices of the names and the units, -1 for none, and of the first row."""
 
-    The separator of a text, its encoding and its decimal mark are recognised. Of a workbook the
-    first sheet that holds cells is read.
+    names: int
+    units: int
+    first: int
+    pattern: Pattern
+    known: int = 0  # how many names are given by the user, or are of load and penetration
+
+
+def read_table(
+    data: Path | str | pd.DataFrame,
+    given: Collection[str] = (),
+    sheet: str | None = None,
+    header: int | None = None,
+) -> Table:
+    """Read a DataFrame, a workbook, a Parquet file or, under any other name, a text.
+
+    `given` are names of columns that the table should have; `header` is the line of the names,
+    0 for none.
     """
-    source, suffix = str(path), Path(path).suffix.lower()
-    if suffix == ".xls":
-        rule = "is a workbook of Excel before 2007, which is not read"
-        raise InputError(source, "", None, rule, "save it as .xlsx")
+    if not isinstance(data, Path | str):
+        content = data.to_csv(index=False, lineterminator="\n").encode()
+        return _table_of_frame("DataFrame", data, content)
+    source, suffix = str(data), Path(data).suffix.lower()
     if suffix in (".toml", ".json"):
         raise InputError(source, "", None, "is not a table", "name a table")
-    content = read_bytes(path)
-    steps: list[str] = []
-    separator = ""
-    binary = {".xlsx": _read_workbook, ".parquet": _read_parquet}.get(suffix)
-    if binary is None:
-        separator, rows = _read_csv(source, content, steps)
+    content, is_book = read_bytes(data), suffix in (".xlsx", ".xlsm")
+    if content.startswith(_OLD_EXCEL):
+        rule = "is a workbook of Excel before 2007, which is not read"
+        raise InputError(source, "", None, rule, "save it as .xlsx")
+    if suffix == ".parquet":
+        return _table_of_frame(source, files.frame_of_parquet(source, content), content)
+    table = Table(source, "row" if is_book else "line", hashlib.sha256(content).hexdigest())
+    if is_book:
+        sheets = files.sheets_of_workbook(source, content)
     else:
-        rows = binary(source, content, steps)
+        sheets = [files.sheet_of_text(source, content, table.notes)]
+    titles = [part.title for part in sheets if is_book]
+    if sheet is not None and sheet not in titles:
+        remedy = f"it has {', '.join(map(repr, titles))}" if titles else "leave it out"
+        raise InputError(source, "sheet", sheet, "is not a sheet with cells", remedy)
+    if not any(part.lines for part in sheets):
+        raise table.error("is empty", "give it a line of column names, then rows")
+    wanted = [part for part in sheets if sheet in (None, part.title)]
+    chosen, layout = _best_sheet(table, wanted, len(sheets), set(given), header)
+    if header and layout.names < 0:
+        remedy = "give that of the names, 0 for none"
+        raise InputError(source, "header", header, f"is no {table.row_word} with cells", remedy)
+    table.separator = chosen.separator
+    return _filled(table, chosen.lines, layout)
+
+
+def _best_sheet(
+    table: Table, sheets: list[Sheet], count: int, given: set[str], header: int | None
+) -> tuple[Sheet, _Layout]:
+    """Return the sheet with a load and a penetration, the first of several."""
+    tried = [(sheet, _layout(sheet.lines, given, header)) for sheet in sheets]
+    chosen, layout = max(tried, key=lambda pair: pair[1].known)
+    if count > 1:
+        alike = sum(other.known == layout.known > 1 for _, other in tried)
+        also = f", the first of {alike} with such columns (--sheet)" if alike > 1 else ""
+        table.notes.append(f"sheet {chosen.title!r} of {count}{also}")
+    return chosen, layout
+
+
+def _table_of_frame(source: str, frame: pd.DataFrame, content: bytes) -> Table:
+    lines = [Line(0, [str(name).strip() for name in frame.columns]), *files.lines_of(frame)]
+    table = Table(source, "row", hashlib.sha256(content).hexdigest(), ",")
+    return _filled(table, lines, _layout(lines, set(), 0))
+
+
+# --- names, units and rows ----------------------------------------------------------------------
+
+
+def _layout(lines: list[Line], given: set[str], header: int | None) -> _Layout:
+    """Return where the names, the units and the rows are."""
+    _, pattern = files.row_pattern(lines)
+    first = next((k for k, line in enumerate(lines) if _is_row(line.cells, pattern)), len(lines))
+    named = {k for k, line in enumerate(lines) if _may_be_names(line.cells, pattern)}
+    if header is None:
+        # Rows between the names and the first row have an empty or a wrong cell.
+        start = last = max((k for k in named if k < first), default=-1)
+        while start - 1 in named:
+            start -= 1
+    else:
+        start = last = next((k for k, line in enumerate(lines) if line.number == header), -1)
+        while start >= 0 and last + 1 in named:
+            last += 1
+    if start < 0:
+        while first > 0 and _is_row(lines[first - 1].cells, pattern, may_lack=True):
+            first -= 1
+        return _Layout(-1, -1, first, pattern)
+    run = range(start, last + 1)
+    known = {k: _known_names(lines[k].cells, given) for k in run}
+    names = start if header is not None else max(run, key=lambda k: (sum(known[k]), k))
+    if not any(known[names]) and header is None:
+        names = next((k for k in reversed(run) if not _has_units(lines[k].cells)), start)
+    below = (k for k in range(names + 1, last + 1) if _has_units(lines[k].cells))
+    above = (k for k in range(start, names) if all(map(is_unit, filter(None, lines[k].cells))))
+    units = next(below, next(above, -1))
+    return _Layout(names, units, last + 1, pattern, known[names][0] * any(pattern))
+
+
+def _is_row(cells: list[Any], pattern: Pattern, may_lack: bool = False) -> bool:
+    numbers = [cell for cell, is_one in zip(cells, pattern, strict=False) if is_one]
+    if may_lack:
+        numbers = [cell for cell in numbers if cell is not None]
+    return bool(numbers) and len(cells) == len(pattern) and all(map(is_number, numbers))
+
+
+def _may_be_names(cells: list[Any], pattern: Pattern) -> bool:
+    words = [cell for cell in cells if cell is not None]
+    is_long = len(words) >= min(len(pattern) or 1, 2) or _has_units(cells)
+    return is_long and not any(map(is_number, words))
+
+
+def _known_names(cells: list[Any], given: set[str]) -> tuple[int, int]:
+    """Return how many names are given or of load or penetration, and how many of any quantity."""
+    names = {*map(_plain, cells)}
+    meanings = [x for x in map(meaning_of, names) if x is not None and x.rank < LETTER]
+    measured = {"load", "penetration"} & {meaning.quantity for meaning in meanings}
+    return len(given & names) + len(measured), len(meanings)
+
+
+def _has_units(cells: list[Any]) -> bool:
+    return any(map(is_unit, map(_plain, cells)))
+
+
+def _plain(cell: Any) -> str:
+    """Return a name or unit in one line, without a # or % before it unless that is all."""
+    text = "" if cell is None else " ".join(str(cell).split())
+    return text.lstrip("#% ") or text
+
+
+def _filled(table: Table, lines: list[Line], layout: _Layout) -> Table:
+    """Return the table with its names, units and rows."""
+    below = lines[layout.first :]
+    footer = [x.number for x in takewhile(partial(_is_footer, layout.pattern), below[::-1])]
+    below = below[: len(below) - len(footer)]
+    words = {line.cells[0] for line in below}
+    rows = [line for line in below if not _is_comment(line.cells, layout.pattern, words)]
     if not rows:
-        raise InputError(source, "", None, "is empty", "give it a line of column names, then rows")
-    row_word = "line" if binary is None else "row"
-    _require_rectangular(source, row_word, rows, separator)
-    names = ["" if name is None else str(name) for name in rows.pop(0)[1]]
-    lines = [line for line, _ in rows]
-    columns = [list(cells) for cells in zip(*(cells for _, cells in rows), strict=True)]
-    sha256 = hashlib.sha256(content).hexdigest()
-    table = Table(source, row_word, sha256, names, lines, columns, separator, steps)
-    require_rows(table)
+        raise table.error("holds no rows", "give it at least one below the names")
+    if len(rows) > MAX_ROWS:
+        rule, remedy = f"has {len(rows)} rows (at most {MAX_ROWS})", "thin or average them"
+        raise table.error(rule, remedy)
+    names = [_plain(cell) for cell in lines[layout.names].cells] if layout.names >= 0 else []
+    sizes = [len(line.cells) for line in rows]
+    usual = max({*sizes}, key=sizes.count)
+    while len(names) > usual and not names[-1]:
+        names.pop()
+    width = len(names) or usual
+    _require_rectangular(table, rows, names, usual, layout)
+    table.names, table.lines = names, [line.number for line in rows]
+    columns = [list(column) for column in zip_longest(*(line.cells for line in rows))]
+    table.columns = columns[:width] + [[None] * len(rows)] * (width - len(columns))
+    table.units = [""] * width
+    if layout.units >= 0:
+        units = [_plain(cell) for cell in lines[layout.units].cells[:width]]
+        table.units[: len(units)] = units
+        table.notes.append(f"units from {table.row_word} {lines[layout.units].number}")
+    heads = {layout.names, layout.units}
+    above = [line.number for k, line in enumerate(lines[: layout.first]) if k not in heads]
+    comments = sorted({line.number for line in below} - {*table.lines})
+    table.left_out += [f"{table.numbered(above)} before the rows"] if above else []
+    table.left_out += [f"{table.numbered(comments)} with # in front"] if comments else []
+    table.left_out += [f"{table.numbered(footer[::-1])} below the rows"] if footer else []
     return table
 
 
-def table_of_frame(frame: pd.DataFrame) -> Table:
-    """Return a DataFrame as a table, rows counted from 1; missing values are empty cells."""
-    content = frame.to_csv(index=False, lineterminator="\n").encode()
-    names, *rows = _rows_of(frame)
-    columns = [list(cells) for cells in zip(*(cells for _, cells in rows), strict=True)]
-    lines = [line for line, _ in rows]
-    table = Table("DataFrame", "row", hashlib.sha256(content).hexdigest(), names[1], lines, columns)
-    require_rows(table)
-    return table
+def _is_footer(pattern: Pattern, line: Line) -> bool:
+    """Return whether a line has words in its first cell only, and is no row of empty cells."""
+    first, *others = line.cells
+    is_word = isinstance(first, str) and not first.startswith("#") and not is_number(first)
+    is_empty = not any(cell is not None for cell in others)
+    return is_word and is_empty and (pattern[:1] == (True,) or len(line.cells) < len(pattern))
 
 
-def _rows_of(frame: pd.DataFrame) -> _Rows:
-    """Return the names of the columns as row 0, then the rows; None for a missing value."""
-    columns = [frame.iloc[:, k] for k in range(frame.shape[1])]
-    cells = [column.astype(object).where(column.notna(), None).tolist() for column in columns]
-    rows = (list(map(_plain, row)) for row in zip(*cells, strict=True))
-    return [(0, list(map(str, frame.columns))), *enumerate(rows, start=1)]
+def _is_comment(cells: list[Any], pattern: Pattern, words: set[Any]) -> bool:
+    """Return whether a line with # in front is no row.
 
-
-def require_rows(table: Table) -> None:
-    """Raise `InputError` for a table without rows, or with too many."""
-    if not table.lines:
-        rule, remedy = "holds no rows", "give it at least one below the names"
-        raise InputError(table.source, "", None, rule, remedy)
-    if len(table.lines) > MAX_ROWS:
-        rule, remedy = f"has {len(table.lines)} rows (at most {MAX_ROWS})", "thin or average them"
-        raise InputError(table.source, "", None, rule, remedy)
-
-
-def _require_rectangular(source: str, row_word: str, rows: _Rows, separator: str) -> None:
-    """Raise `InputError` for the first row with more or fewer cells than there are names."""
-    width = len(rows[0][1])
-    for line, row in rows[1:]:
-        if len(row) != width:
-            rule = f"has {len(row)} cells for {width} columns"
-            by = _SEPARATORS[separator] + (" and points in numbers" if separator == "," else "")
-            remedy = (
-                f"give every row a cell for each column, separated by {by}, and begin others with #"
-            )
-            raise InputError(f"{source}, {row_word} {line}", "", None, rule, remedy)
-
-
-# --- CSV ----------------------------------------------------------------------------------------
-
-
-def _read_csv(source: str, content: bytes, steps: list[str]) -> tuple[str, _Rows]:
-    """Return the separator, and the rows of text without empty ones, that of names first."""
-    try:
-        text = _decoded(content, steps)
-        separator = _separator(text)
-        rows = [(line, cells) for line, cells in _rows(text, separator, strict=True) if any(cells)]
-    except (UnicodeError, csv.Error) as error:
-        rule = f"is not a CSV table ({error})"
-        raise InputError(source, "", None, rule, "save it as CSV in UTF-8") from error
-    if separator != ",":
-        steps.append(f"cells are separated by {_SEPARATORS[separator]}")
-    return separator, rows
-
-
-def _decoded(content: bytes, steps: list[str]) -> str:
-    """Return the text of UTF-8, of UTF-16 with a byte order mark, or of Windows-1252."""
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        text = content.decode("utf-16")
-        steps.append("text is in UTF-16")
-    else:
-        try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = content.decode("cp1252")
-            if not all(c.isascii() or c.isalpha() or c in _EXTRA for c in set(text)):
-                raise
-            steps.append("text is in Windows-1252")
-    if "\0" in text:
-        raise UnicodeError("it holds zero bytes")
-    return text
-
-
-def _separator(text: str) -> str:
-    """Return the separator that the row of names shows."""
-    if any(len(row) > 1 for row in _first_rows(text, ";")[:1]):
-        return ";"
-    # Commas may be followed by a tab for alignment, and names between tabs may hold commas.
-    names = _first_rows(text, ",")[:1]
-    if any("\t" in (name or "") for row in names for name in row):
-        return "\t"
-    # A name may hold spaces: they separate if there are as many in the row below.
-    of_one = names and len(names[0]) == 1
-    counts = [len(row) for row in _first_rows(text, " ")] if of_one else []
-    return " " if len(counts) == 2 and counts[0] == counts[1] > 1 else ","
-
-
-def _first_rows(text: str, separator: str) -> list[list[str | None]]:
-    """Return the names of columns for a separator, and the row below; None for an empty cell."""
-    rows = (cells for _, cells in _rows(text, separator, strict=False) if any(cells))
-    return list(islice(rows, 2))
-
-
-def _rows(text: str, separator: str, strict: bool) -> Iterator[tuple[int, list[Any]]]:
-    """Yield the rows that are not empty, each with the number of its line."""
-    # A comment, or Excel's line "sep=;", becomes an empty line: those below keep their numbers.
-    lines = ("\n" if x.startswith(("#", "sep=")) else x for x in io.StringIO(text, newline=""))
-    by_spaces = separator == " "
-    if by_spaces:
-        lines = (f"{x.strip()}\n" for x in lines)
-    reader = csv.reader(lines, delimiter=separator, strict=strict, skipinitialspace=by_spaces)
-    for row in reader:
-        yield reader.line_num, [cell.strip() or None for cell in row]
-
-
-# --- workbooks and Parquet ----------------------------------------------------------------------
-
-
-def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
-    """Return the rows of the first sheet with cells, that of names first."""
-    import pandas as pd
-
-    try:
-        with warnings.catch_warnings():  # of styles and extensions, which do not matter here
-            warnings.simplefilter("ignore")
-            cells: Any = {"header": None, "na_filter": False, "dtype": object}
-            sheets = pd.read_excel(io.BytesIO(content), None, engine="openpyxl", **cells)
-    except Exception as error:  # openpyxl raises whatever a damaged file makes it stumble over
-        reason = (str(error) or type(error).__name__)[:80]  # they may quote the file
-        rule = f"is not an Excel workbook ({reason})"
-        raise InputError(source, "", None, rule, "save it as .xlsx or .csv") from error
-    filled = {}
-    for title, frame in sheets.items():
-        rows = [(line, cells) for line, cells in _rows_of(frame)[1:] if any(map(_is_there, cells))]
-        if rows:
-            filled[title] = [each for each in rows if not str(each[1][0]).startswith("#")]
-    if not filled:
-        return []
-    title, rows = next(iter(filled.items()))
-    if len(sheets) > 1:
-        steps.append(f"sheet {title!r} is read, the first of {len(sheets)} with cells")
-    used = [any(map(_is_there, column)) for column in zip(*(c for _, c in rows), strict=True)]
-    return [(line, list(compress(cells, used))) for line, cells in rows]
-
-
-def _is_there(cell: Any) -> bool:
-    return cell is not None
-
-
-def _read_parquet(source: str, content: bytes, _steps: list[str]) -> _Rows:
-    """Return the rows, whose cells may be of any type, that of names first as row 0."""
-    require_parquet(source)
-    import pandas as pd
-
-    try:
-        return _rows_of(pd.read_parquet(io.BytesIO(content)))
-    except (OSError, ValueError) as error:  # of damaged contents
-        rule = f"is not a Parquet table ({error})"
-        raise InputError(source, "", None, rule, "write it anew, or use CSV") from error
-
-
-def _plain(cell: Any) -> Any:
-    """Return a cell without spaces around its text; None if it is empty."""
-    return cell.strip() or None if isinstance(cell, str) else cell
-
-
-# --- from cells to words and numbers ------------------------------------------------------------
-
-
-def texts(table: Table, k: int) -> list[str]:
-    """Return a column as words."""
-    _require_filled(table, k)
-    return list(map(_text, table.columns[k]))
-
-
-def _text(cell: Any) -> str:
-    """Return a cell as text: a number without a fraction as an integer, a day without a time."""
-    whole = int(cell) if isinstance(cell, float) and cell.is_integer() else cell
-    return str(whole).removesuffix(" 00:00:00")
-
-
-def finite_numbers(table: Table, wanted: Sequence[int]) -> list[list[float]]:
-    """Return columns as finite numbers; what marks their decimals becomes a step of the table.
-
-    Commas mark decimals if no number has a point, and one of them can mark nothing else: "1,234"
-    alone may be a thousand.
+    A line with the cells of a row is a row, whose first cell is a specimen #2 or Excel's #N/A;
+    unless what follows the # is like the other cells of the first column: a row commented out.
     """
-    has_commas = _require_decimals(table, wanted)
-    if has_commas:
-        table.steps.append("decimals are marked by commas")
-    return [_numbers(table, k, has_commas) for k in wanted]
-
-
-def _require_decimals(table: Table, wanted: Sequence[int]) -> bool:
-    """Return whether commas mark decimals; refuse marks that may be of thousands."""
-    commas = _with_mark(table, wanted, ",")
-    # Between commas a point is a decimal mark; a file without them may write either.
-    in_doubt = bool(commas) or table.separator not in ("", ",")
-    points = _with_mark(table, wanted, ".") if in_doubt else []
-    for row, k, cell in [*commas, *points]:
-        if cell.count(",") + cell.count(".") > 1 and _THOUSANDS.fullmatch(cell):
-            raise _cell_error(table, row, k, *_NO_THOUSANDS)
-    if commas and points:
-        row, k, _ = commas[0]
-        rule = "has a comma, and other numbers a point"
-        raise _cell_error(table, row, k, rule, "write all numbers with a decimal point")
-    places = commas or points
-    if places and all(_GROUPED.fullmatch(cell) for _, _, cell in places):
-        row, k, cell = places[0]
-        rule = "may be of thousands or have decimals, as all numbers with such a mark"
-        remedy = f"write it as {cell}0 if these are decimals, else leave the mark out of all"
-        raise _cell_error(table, row, k, rule, remedy)
-    return bool(commas)
-
-
-def _with_mark(table: Table, wanted: Sequence[int], mark: str) -> list[tuple[int, int, str]]:
-    """Return the row, column and text of cells with a mark."""
-    return [
-        (row, k, cell)
-        for k in wanted
-        for row, cell in enumerate(table.columns[k])
-        if isinstance(cell, str) and mark in cell
-    ]
-
-
-def _numbers(table: Table, k: int, has_commas: bool) -> list[float]:
-    cells = table.columns[k]
-    if has_commas:
-        cells = [c.replace(",", ".") if isinstance(c, str) else c for c in cells]
-    try:
-        numbers = [_number(cell) for cell in cells]
-        if all(map(math.isfinite, numbers)) and bool not in set(map(type, cells)):
-            return numbers
-    except (TypeError, ValueError):
-        pass
-    _require_filled(table, k)
-    row = next(row for row, cell in enumerate(cells) if not _is_number(cell))
-    cell = table.columns[k][row]
-    rule, remedy = "must be a finite number", "write it with a decimal point, without its unit"
-    if isinstance(cell, str) and _THOUSANDS.fullmatch(cell):
-        rule, remedy = _NO_THOUSANDS
-    raise _cell_error(table, row, k, rule, remedy)
-
-
-def _number(cell: Any) -> float:
-    """Return a cell as a number, which may be NaN in Parquet."""
-    return plain_number(cell) if isinstance(cell, str) else float(cell)
-
-
-def _is_number(cell: Any) -> bool:
-    try:
-        return not isinstance(cell, bool) and math.isfinite(_number(cell))
-    except (TypeError, ValueError):
+    first = cells[0]
+    if not (isinstance(first, str) and first.startswith("#")) or is_number(first):
         return False
+    others = [cell for cell, is_one in zip(cells[1:], pattern[1:], strict=False) if is_one]
+    if len(cells) != len(pattern) or not any(map(is_number, others)):
+        return True
+    plain = first.lstrip("# ")
+    return is_number(plain) if pattern[0] else plain in words
 
 
-def _require_filled(table: Table, k: int) -> None:
-    """Raise `InputError` for the first empty cell of a column."""
-    row = next((row for row, cell in enumerate(table.columns[k]) if cell is None), None)
-    if row is not None:
-        rule, remedy = "is empty", "fill it in, or remove the row"
-        if Path(table.source).suffix.lower() == ".xlsx":
-            rule = "is empty, or a formula without a stored value"
-            remedy += ", or save the workbook in a spreadsheet program"
-        raise _cell_error(table, row, k, rule, remedy)
+def _require_rectangular(
+    table: Table, rows: list[Line], names: list[str], usual: int, layout: _Layout
+) -> None:
+    """Raise `InputError` for the first row with more or fewer cells than there are names."""
+    width = len(names) or usual
+    # LabVIEW leaves out an empty comment at the end of a row.
+    least = max(usual, width) - (names[-1:] == ["Comment"])
+    for number, cells in rows:
+        if least <= len(cells) and not any(cell is not None for cell in cells[width:]):
+            continue
+        rule = f"has {counted(cells, 'cell')} for {least if len(cells) < least else width} columns"
+        by = f", separated by {SEPARATORS[table.separator]}" if table.separator else ""
+        by += " and points in numbers" if table.separator == "," else ""
+        remedy = f"give every row a cell for each column{by}, begin others with #"
+        later = (line.number for line in rows if _may_be_names(line.cells, layout.pattern))
+        if after := next((k for k in later if k > number), 0):
+            remedy += f", or read the table below with --header {after}"
+        raise InputError(f"{table.source}, {table.row_word} {number}", "", None, rule, remedy)
 
 
-def _cell_error(table: Table, row: int, k: int, rule: str, remedy: str) -> InputError:
-    where = f"{table.source}, {table.row_word} {table.lines[row]}"
-    return InputError(where, table.names[k], table.columns[k][row], rule, remedy)
+# --- in words -----------------------------------------------------------------------------------
+
+
+def counted(items: Sequence[object], word: str) -> str:
+    """Return how many there are, in words."""
+    return f"{len(items)} {word}{'s' if len(items) != 1 else ''}"
+
+
+def listed(numbers: Sequence[int], word: str) -> str:
+    """Return positions in words.
+
+    >>> listed([3], "line"), listed([2, 3, 4], "line"), listed([2, 5], "row")
+    ('line 3', 'lines 2 to 4', 'rows 2, 5')
+    """
+    runs = groupby(enumerate(numbers), key=lambda pair: pair[1] - pair[0])
+    ends = [[number for _, number in run] for _, run in runs]
+    parts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in ends]
+    more = f", … ({len(numbers)} in all)" if len(parts) > 6 else ""
+    return f"{word}{'s' if len(numbers) > 1 else ''} {', '.join(parts[:6])}{more}"

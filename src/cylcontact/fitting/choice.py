@@ -27,7 +27,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
-from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,7 +42,7 @@ from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.results import DataFit
 from cylcontact.fitting.table_campaign import MeasuredTable, TableCampaign, table_of
 from cylcontact.fitting.table_fit import fit_table
-from cylcontact.fitting.words import COMPLIANCE, data_warnings, describes
+from cylcontact.fitting.words import COMPLIANCE, data_warnings, describes, item
 from cylcontact.laws import LAW_TYPES
 from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
@@ -230,10 +229,11 @@ class Choice:
         notes += [f"! {self.best.law}: {warning}" for warning in self.warnings]
         notes += [f"- {note}" for note in self._on_datum()]
         notes += [f"- {law}: {why}" for law, why in self.left_out.items()]
-        items = (fill(note, 100, subsequent_indent="  ") for note in notes)
+        items = (item(note, "") for note in notes)
         count = len(self.data.measurements)
         title = f"{brief(self.data.name)}: {len(self.laws)} laws fitted to {count:,} measurements"
-        return "\n".join([title, "", str(Table(head, rows)), *items])
+        read = (item(line, "") for line in self.data.measurements.read)
+        return "\n".join([*read, title, "", str(Table(head, rows)), *items])
 
     def _conclusion(self) -> str:
         undecided = self.undecided
@@ -273,7 +273,11 @@ class Choice:
     def _repr_html_(self) -> str:
         numbers = self.table.drop(columns=["compliance", "compliance_error"]).round(3)
         notes = (self._conclusion(), *self.warnings, *self._on_datum())
-        return numbers.to_html() + "".join(f"<p>{escape(note)}</p>" for note in notes)
+        read, below = (
+            "".join(f"<p>{escape(line)}</p>" for line in lines)
+            for lines in (self.data.measurements.read, notes)
+        )
+        return f"{read}{numbers.to_html()}{below}"
 
 
 def _unit(fit: Fit) -> str:

@@ -18,6 +18,7 @@ import pandas as pd
 
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.fitting.optimum import Optimum, half_width
+from cylcontact.fitting.words import item
 from cylcontact.support.arrays import FloatArray, as_floats
 from cylcontact.support.errors import InputError
 from cylcontact.support.plain_text import as_label
@@ -45,19 +46,23 @@ class Design:
         narrows the interval that counts (without a parameter the mean of all, by the determinant).
     parameter : str
         The parameter that counts; empty for all.
+    read : tuple of str
+        Lines that say what was read of the table of the readings before.
     """
 
     readings: pd.DataFrame
     intervals: pd.DataFrame
     candidates: pd.DataFrame
     parameter: str
+    read: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         what = f"the interval of {self.parameter}" if self.parameter else "all intervals together"
         title = f"{self.readings['number'].sum()} further readings that narrow {what} most"
         readings = self.readings.to_string(index=False, float_format="{:.5g}".format)
         intervals = self.intervals.to_string(float_format="{:.5g}".format)
-        return f"{title}\n\n{readings}\n\n{intervals}"
+        read = "".join(f"{item(line, '')}\n" for line in self.read)
+        return f"{read}{title}\n\n{readings}\n\n{intervals}"
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw what one reading at each candidate gains, a line for each clearance."""
@@ -152,6 +157,7 @@ def design(
         intervals=_intervals(optimum, covariance, add, level),
         candidates=candidates.table.assign(narrower_percent=candidates.gains(before, cost)),
         parameter=parameter or "",
+        read=tuple(optimum.fit.data.read),
     )
 
 

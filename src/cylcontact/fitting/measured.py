@@ -172,8 +172,7 @@ class Fit(ParameterSpace):
             difference = np.log(predicted / observed) if self.is_log else predicted - observed
             if self.noise is not None:
                 return self.noise.whitened(as_floats(difference))
-            root = np.sqrt(self.data.weight)
-            return as_floats(difference * (root if self.is_log else root / self.sigma))
+            return as_floats(difference if self.is_log else difference / self.sigma)
 
     def _predicted(self, law: ContactLaw | None) -> FloatArray:
         data = self.data

@@ -95,7 +95,6 @@ class NoiseModel:
             load=load,
             given=as_floats(given),
             depth=as_floats(reading - offset),
-            weight=data.weight,
             series=series,
             position=positions(series, columns.get("time")),
         )
@@ -116,16 +115,15 @@ class Covariance:
     """The covariance of N readings, and the deviations in it that were estimated.
 
     load in N/mm; given: the variance of each row that is known beforehand, in mm²; depth: the
-    penetration of the contact in mm; weight of the squared residuals; series of each row, from 0,
-    and position in it; random: whether the effects of the series are random, as they stay in a part
-    of the data, by default with five series or more.
+    penetration of the contact in mm; series of each row, from 0, and position in it; random:
+    whether the effects of the series are random, as they stay in a part of the data, by default
+    with five series or more.
     """
 
     model: NoiseModel
     load: FloatArray
     given: FloatArray
     depth: FloatArray
-    weight: FloatArray
     series: Indices
     position: FloatArray
     random: bool | None = None
@@ -171,7 +169,7 @@ class Covariance:
         """Return the variance of single readings in mm², shape (N,)."""
         constant = deviations.get("constant", 0.0)
         proportional = deviations.get("proportional", 0.0) * self.depth
-        return as_floats(self.given + (constant**2 + proportional**2) / self.weight)
+        return as_floats(self.given + constant**2 + proportional**2)
 
     def spread(self, deviations: Mapping[str, float]) -> FloatArray:
         """Return the deviations of the columns of Z, shape (q,)."""
@@ -184,7 +182,6 @@ class Covariance:
             load=self.load[rows],
             given=self.given[rows],
             depth=self.depth[rows],
-            weight=self.weight[rows],
             series=self.series[rows] if series is None else series,
             position=self.position[rows],
             random=self.is_random,

@@ -302,9 +302,9 @@ class Optimum:
             return None
         if self.likelihood is not None and fit.noise is not None:
             return self.likelihood.log_likelihood(fit.noise.deviations)
-        # From the residual to the reading: |dr/dy| = √w/y for logarithms, else √w/σ.
+        # From the residual to the reading: |dr/dy| = 1/y for logarithms, else 1/σ.
         size = np.abs(fit.observed) if fit.is_log else fit.sigma
-        scale = float((0.5 * np.log(fit.data.weight) - np.log(size)).sum())
+        scale = -float(np.log(size).sum())
         variance = 1.0 if fit.has_sigma else float((r**2).mean())
         if variance == 0:
             return None

@@ -17,7 +17,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.datasets.measurements import Measurements
+from cylcontact.datasets.measurements import MeasuredData, Measurements, measurements_of
 from cylcontact.files.reading import marked, read_text, unmarked
 from cylcontact.files.spec import Spec, parse_spec, require_other_kind
 from cylcontact.files.units import column_named, load_in_N_per_mm
@@ -309,9 +309,15 @@ class FitResult(Spec):
         """Return the report as text, as `print` shows it."""
         return str(self)
 
+    @property
+    def _read(self) -> list[str]:
+        """Lines that say what was read of a table; empty for a fit to a law."""
+        return []
+
     def __str__(self) -> str:
         return "\n".join(
             [
+                *(item(line, "") for line in self._read),
                 fill(self.headline, WIDTH),
                 *([self.status] if self.status else []),
                 *(item(sentence, "! ") for sentence in self.warnings),
@@ -332,8 +338,9 @@ class FitResult(Spec):
         status = f"<p>{escape(self.status)}</p>" if self.status else ""
         style = "border-left: 4px solid #D55E00; padding-left: 0.5em"
         warned = "".join(f'<p style="{style}">{escape(sentence)}</p>' for sentence in self.warnings)
+        read = "".join(f"<p>{escape(line)}</p>" for line in self._read)
         return (
-            f"<p>{escape(self.headline)}</p>{status}{warned}"
+            f"{read}<p>{escape(self.headline)}</p>{status}{warned}"
             f"{Table(*self._table())._repr_html_()}<ul>{items}</ul>"
         )
 
@@ -558,6 +565,17 @@ class DataFit(FitResult):
             rule = "leave the law undefined for some of the data"
             raise InputError(source, "coefficients", self.coefficients, rule, "redo the fit")
         return Optimum.of(fit, self.coefficients)
+
+    @cached_property
+    def data(self) -> Measurements:
+        """The measurements; `data.read` says what was read of the table."""
+        where = f"fit result {self.name!r}, settings.measurements"
+        settings = self.settings["measurements"]
+        return measurements_of(parse_spec(MeasuredData, settings, where), where)
+
+    @property
+    def _read(self) -> list[str]:
+        return self.data.read
 
     # --- tables -------------------------------------------------------------------------------
 
@@ -917,11 +935,9 @@ class DataFit(FitResult):
         They state how large the noise is, which parameters are determined, which are correlated,
         which rows are duplicates, what the published constants give, and how many runs agree.
         """
-        steps = self.settings["measurements"].get("steps", [])
         sentences = [
             *noise_verdicts(self.uncertainty),
             self._on_published(),
-            *(f"data: {step}" for step in steps),
             *self._on_runs(),
         ]
         return [sentence for sentence in sentences if sentence]

@@ -11,6 +11,7 @@ from typing import Annotated, TypeVar
 from pydantic import AfterValidator, Field, model_validator
 
 from cylcontact.bodies.pair import Contact
+from cylcontact.datasets.readings import TableSpec
 from cylcontact.files.spec import Spec, broken
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.measured import LOSSES
@@ -20,7 +21,6 @@ from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.problem import require_valid
 from cylcontact.laws.housing_spec import HousingSpec
 from cylcontact.laws.law import LawModel, Parameter
-from cylcontact.support.choices import Branch
 from cylcontact.support.errors import InputError
 
 _SpecType = TypeVar("_SpecType", bound=Spec)
@@ -127,7 +127,7 @@ class CampaignSpec(Spec):
     )
 
 
-class MeasuredSpec(Spec):
+class MeasuredSpec(TableSpec):
     """A campaign file that names a table of measurements."""
 
     data: str = Field(
@@ -138,9 +138,6 @@ class MeasuredSpec(Spec):
     objective: str | None = Field(None, description="an objective for measurements")
     noise: _Noise | None = Field(
         None, description=f"how the scatter of the readings grows, one of {', '.join(NOISES)}"
-    )
-    group: str | None = Field(
-        None, description="the column that names the series, which have errors of their own"
     )
     drift: bool | None = Field(None, description="true if readings drift along a series")
     load_error: float | None = Field(
@@ -159,11 +156,6 @@ class MeasuredSpec(Spec):
     housing: HousingSpec | None = Field(
         None, description="a table [housing] of the rim's radius R_o, its clamp and layers"
     )
-    ignore: tuple[str, ...] = Field((), strict=False, description="a list of columns to leave out")
-    columns: dict[str, str] | None = Field(
-        None, description='a table [columns] of what columns are, e.g. load_N = "Kraft"'
-    )
-    branch: Branch | None = Field(None, description='"loading" or "unloading"')
     parameters: dict[str, ParameterSpec] = Field(
         {}, description="tables [parameters.NAME] for parameters with other bounds, or fixed ones"
     )

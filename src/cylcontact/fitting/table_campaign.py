@@ -80,7 +80,7 @@ class TableCampaign(CampaignBase):
     def data_settings(self) -> dict[str, Any]:
         """The whole table; without what results lack that were saved before it was there."""
         data = self.measurements.data
-        without = {name for name in ("steps", "units") if not getattr(data, name)}
+        without = {name for name in ("read", "units") if not getattr(data, name)}
         return {"measurements": data.model_dump(mode="json", exclude=without)}
 
     @classmethod
@@ -318,10 +318,7 @@ def _read_table(
     name: str, spec: MeasuredSpec, table: Path | pd.DataFrame, folder: Path, source: str
 ) -> MeasuredTable:
     materials = own_table(spec.materials, folder, source)
-    data = read_measured(
-        *(table, spec.contact, spec.constants, materials),
-        *(spec.ignore, spec.columns, spec.group, spec.branch),
-    )
+    data = read_measured(table, spec.contact, spec.constants, materials, spec)
     measured = measurements_of(data, str(table) if isinstance(table, Path) else source)
     housing = None
     if spec.housing is not None:
@@ -427,8 +424,6 @@ def _objective_of(spec: MeasuredSpec, data: Measurements, source: str, compared:
 
     given, noise = spec.objective, spec.noise
     sigmas = [q for q in ("load", "penetration") if f"{q}_std" in data.columns]
-    if sigmas and "weight" in data.columns:
-        raise refused("weight", None, f"conflicts with {sigmas[0]}_std, which implies the weights")
     if noise is not None:
         said = [*(["objective"] if given else []), *(f"{name}_std" for name in sigmas)]
         if said:

@@ -145,7 +145,7 @@ def fit(
         Worker processes; the result does not depend on them.
     **settings
         Other keys of a campaign file: noise, group, drift, load_error, loss, columns, branch,
-        objective, ignore, materials, ties, starts, seed, name.
+        ignore, sheet, header, decimal, loads, sign, objective, materials, ties, starts, seed, name.
 
     Returns
     -------

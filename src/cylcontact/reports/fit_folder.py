@@ -26,7 +26,8 @@ def write_fit(result: DataFit, folder: Path) -> None:
     """Write a fit to measurements into a folder; on an error, write none of its files."""
     with figure_style():
         drawing = result.drawing()
-    _write(drawing, folder, FIT_FILES, lambda paths: result.write(paths[".json"]))
+    read = "".join(f"# {line}\n" for line in result.data.read)
+    _write(drawing, folder, FIT_FILES, lambda paths: result.write(paths[".json"]), read)
 
 
 def write_design(design: Design, folder: Path) -> None:
@@ -41,12 +42,14 @@ def _write(
     folder: Path,
     names: Sequence[str],
     rest: Callable[[Mapping[str, Path]], None],
+    head: str = "",
 ) -> None:
-    """Write a drawing's pictures and table, and by suffix whatever else there is."""
+    """Write a drawing's pictures and table below a head, and by suffix whatever else there is."""
     with replacing_all(folder / name for name in names) as files:
         paths = {file.suffix: file for file in files}
         with figure_style():
             save(drawing.figure, paths[".png"], "png")
             save(drawing.figure, paths[".pdf"], "pdf")
-        drawing.table.to_csv(paths[".csv"], **NUMBERS)
+        table = drawing.table.to_csv(**NUMBERS)
+        paths[".csv"].write_text(head + table, encoding="utf-8", newline="")
         rest(paths)
