@@ -61,7 +61,7 @@ def laws(
     depth: float | None = number("Of the half-plane under a roller (--Rj inf), mm."),
     every: bool = option("All laws, side by side.", "--all", default=False),
     own: str | None = option("With --all, a function of your own.", metavar="MODULE:FUNCTION"),
-    accuracy: bool = option("Errors of all laws over their ranges.", default=False),
+    accuracy: bool = option("Errors of all laws over their ranges.", "--accuracy", default=False),
     listing: bool = option("A line for each law, and what fits search.", "--list", default=False),
     as_json: bool = option("The numbers as JSON.", "--json", default=False),
     find: str | None = option("dR, E or length, for one of these:", metavar="WHAT"),
