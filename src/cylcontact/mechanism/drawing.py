@@ -6,10 +6,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
+from cylcontact.mechanism.study import eccentricity_at
 from cylcontact.mechanism.trajectory import Trajectory
 from cylcontact.plots.figure import StyledFigure, new_figure, panel_title
 from cylcontact.plots.style import figure_style
-from cylcontact.support.arrays import BoolArray, FloatArray, require
+from cylcontact.support.arrays import require
+
+# Points of a path in a revolution.
+POINTS = 3000
 
 
 def drawn(run: Trajectory, revolutions: float) -> StyledFigure:
@@ -34,7 +38,7 @@ def drawn(run: Trajectory, revolutions: float) -> StyledFigure:
         of_force.set_ylabel("force (kN)")
         for axes in (of_slider, of_crank, of_force):
             axes.set_xlabel("revolution (-)")
-        draw_path(path, run, rows)
+        draw_path(path, run, turn[0], turn[-1])
         path.set(xlabel="$x$ (mm)", ylabel="$y$ (mm)")
         ends = np.searchsorted(run.steps.revolution, np.arange(len(run.steps.counts)), "right") - 1
         poincare.plot(
@@ -49,15 +53,14 @@ def drawn(run: Trajectory, revolutions: float) -> StyledFigure:
     return figure
 
 
-def draw_path(axes: Axes, run: Trajectory, rows: BoolArray) -> None:
-    """Draw the path of the pin's centre in the hole in mm, and the circle of the clearance."""
+def draw_path(axes: Axes, run: Trajectory, first: float, last: float) -> None:
+    """Draw the path of the pin's centre in the hole in mm, and the circle of the clearance.
+
+    `first` and `last` are in revolutions.
+    """
     radius = run.mechanism.joint.radial
     axes.add_patch(Circle((0.0, 0.0), radius, fill=False, edgecolor="0.4", linewidth=0.6))
-    x, y = path_of(run, rows).T
+    at = np.linspace(first, last, max(2, round(POINTS * (last - first))))
+    x, y = -1e3 * eccentricity_at(run, at * run.mechanism.period).T
     axes.plot(x, y, marker="", linewidth=0.4)
     axes.set_aspect("equal", "datalim")
-
-
-def path_of(run: Trajectory, rows: BoolArray) -> FloatArray:
-    """Return the pin's centre from that of the hole in mm, shape (n, 2)."""
-    return -1e3 * run.eccentricity[rows]
