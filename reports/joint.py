@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -28,7 +29,7 @@ POINTS = 3000
 LINE = {"marker": "", "linestyle": "-", "linewidth": 0.4, "color": "C0"}
 
 
-def run(law: str, revolutions: int, max_step: float, **case: float) -> Trajectory:
+def run(law: str, revolutions: int, max_step: float, **case: Any) -> Trajectory:
     """Simulate a case; beyond its end a law goes on along its tangent. The longest step is in s."""
     mechanism = read_mechanism(SPEC, law=law, max_step=max_step, **case)
     return simulate(mechanism, revolutions, beyond="tangent")
@@ -63,10 +64,11 @@ def first_impact(law: str, clearance: float) -> pd.DataFrame:
     onset, release = hit.contacts[["onset_s", "release_s"]].iloc[0]
     rows = hit.in_contact & (hit.time >= onset) & (hit.time <= release)
     pair = hit.mechanism.joint.pair
+    length = pair.contact_length("the joint")
     depth = np.maximum(hit.penetration[rows], 0.0)  # m; at its ends a rounding error is left
     columns = {"time_us": 1e6 * (hit.time[rows] - onset), "penetration_um": 1e6 * depth}
     columns["force_N"] = hit.normal_force[rows]
-    columns["elastic_force_N"] = LAWS[law]().load(1e3 * depth, pair) * pair.length
+    columns["elastic_force_N"] = LAWS[law]().load(1e3 * depth, pair) * length
     return pd.DataFrame({"law": law, "clearance_mm": clearance, **columns})
 
 

@@ -162,7 +162,12 @@ class Case:
     friction: float | None = None
 
 
-def cases(*values: Iterable[Any]) -> list[Case]:
+def cases(
+    laws: Iterable[str | None],
+    clearances: Iterable[float | None],
+    restitutions: Iterable[float | None],
+    frictions: Iterable[float | None],
+) -> list[Case]:
     """Return all combinations of laws, clearances, restitutions and frictions.
 
     Examples
@@ -170,7 +175,7 @@ def cases(*values: Iterable[Any]) -> list[Case]:
     >>> [case.friction for case in cases(["johnson"], [0.5], [0.9], [0.0, 0.1])]
     [0.0, 0.1]
     """
-    return [Case(*case) for case in itertools.product(*values)]
+    return [Case(*case) for case in itertools.product(laws, clearances, restitutions, frictions)]
 
 
 def sweep(

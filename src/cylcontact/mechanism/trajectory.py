@@ -338,6 +338,11 @@ class Trajectory:
         return Statistics(self._revolutions, self.mechanism, self.settings, first)
 
     @property
+    def max_elastic_load(self) -> float:
+        """The largest elastic load, without damping, in N/mm."""
+        return float(self.statistics().revolutions["max_load_N_per_mm"].max())
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """A sentence for each thing to be wary of; see `Statistics.warnings`."""
         return self.statistics().warnings
