@@ -137,7 +137,7 @@ def test_simulate_gives_an_estimate_of_a_very_long_run(run, monkeypatch):
 
     monkeypatch.setattr("cylcontact.mechanism.long_run", end)
     err = run("simulate", SPEC, "--revolutions", 100_000)[2]
-    assert err.startswith("cylcontact: 100,000 revolutions last 1.2e+03 s, and a step in contact ")
+    assert err.startswith("cylcontact: 100,000 revolutions of 0.012 s in steps of up to 0.0001 s: ")
 
 
 def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):

@@ -25,7 +25,7 @@ from cylcontact.cli.terminal import progress_bars, say
 from cylcontact.files.writing import write_table
 from cylcontact.support import choices
 from cylcontact.support.choices import BEYOND, OUTPUT_SUFFIXES, listed
-from cylcontact.support.errors import require
+from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
     from cylcontact.mechanism import SliderCrank, Statistics
@@ -72,6 +72,7 @@ def simulate(
     """Simulate a slider-crank with a clearance joint; print its statistics."""
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism import simulate as run
+    from cylcontact.mechanism.run import estimate
     from cylcontact.mechanism.study import first_of
 
     require_output(table, *OUTPUT_SUFFIXES)
@@ -82,7 +83,8 @@ def simulate(
     require(first < total, "simulate", "--first", first, rule, "start earlier, or simulate more")
     depth = None if allowed_penetration is None else allowed_penetration * 1e-6
     settings: dict[str, Any] = {"beyond": beyond, "allowed_penetration": depth}
-    _say_estimate(mechanism, total)
+    if text := estimate(mechanism, total):
+        say(f"cylcontact: {text}", err=True)
     with progress_bars() as progress:
         if table is None:
             given = settings | {"progress": progress}
@@ -94,16 +96,10 @@ def simulate(
     say(statistics.to_text())
     if table is not None:
         say(f"\nwritten to {table}")
-    say(f"\n{_agreement(mechanism, total, settings)}")
+    if not estimate(mechanism, total):
+        say(f"\n{_agreement(mechanism, total, settings)}")
     for warning in (*mechanism.warnings, *statistics.warnings):
         say(f"warning: {warning}", err=True)
-
-
-def _say_estimate(mechanism: SliderCrank, revolutions: int) -> None:
-    from cylcontact.mechanism.run import estimate
-
-    if text := estimate(mechanism, revolutions):
-        say(f"cylcontact: {text}", err=True)
 
 
 def _long_run(mechanism: SliderCrank, total: int, first: int, given: dict[str, Any]) -> Statistics:
@@ -129,9 +125,12 @@ def _agreement(mechanism: SliderCrank, total: int, settings: dict[str, Any]) -> 
 
     total, tolerance = min(total, _LONGEST), mechanism.spec.tolerance
     tighter = max(_TIGHTER * tolerance, 1e-14)
-    other = run(mechanism.changed(tolerance=tighter), total, **settings)
-    agreed = horizon(run(mechanism, total, **settings), other)
     pair = f"runs at the tolerances {tolerance:g} and {tighter:g}"
+    try:
+        other = run(mechanism.changed(tolerance=tighter), total, **settings)
+    except InputError as error:
+        return f"{pair} differ: at the second one {error.rule}"
+    agreed = horizon(run(mechanism, total, **settings), other)
     if agreed >= total:
         return f"{pair} agree over all of {total} revolutions"
     return f"{pair} separate after {agreed:.1f} revolutions: compare means, not places"
@@ -155,6 +154,7 @@ def sweep(
     """Simulate every combination of laws, clearances and other values."""
     from cylcontact.mechanism import cases, read_mechanism
     from cylcontact.mechanism import sweep as run
+    from cylcontact.mechanism.run import estimate
 
     require_output(out, *OUTPUT_SUFFIXES)
     mechanism = read_mechanism(spec, materials, tolerance=tolerance)
@@ -164,7 +164,8 @@ def sweep(
         changes["clearance"] = _of_fit(fit, mechanism)
     total = revolutions or mechanism.spec.revolutions
     wanted = cases(*(changes.get(name, [None]) for name in CHANGES))
-    _say_estimate(mechanism, total * len(wanted))
+    if text := estimate(mechanism, total * len(wanted)):
+        say(f"cylcontact: {text}", err=True)
     with progress_bars() as progress:
         table = run(mechanism, wanted, total, first, beyond, scheduler or jobs, progress)
     write_table(table, out)

@@ -32,9 +32,9 @@ _LARGE = 1 << 20
 # Most steps of one revolution, and how many more for each second of it. Joints of restitution .5 to
 # .9 take 500 to 15,000; the most seen are 290,000, without any loss at a tolerance of 1e-12.
 _MOST_STEPS, _MORE_PER_SECOND = 3_000_000, 1_000_000
-# For estimates: a step in sustained contact takes about this long in s, however slow the crank is,
-# and about this many steps are computed in a second. An estimate is given above so many steps.
-_STEP, _STEPS_PER_SECOND, _MANY_STEPS = 8e-6, 5e5, 3e7
+# For estimates: the steps of a fast revolution, to which a slow one adds those of the longest step,
+# and how many are computed in a second. An estimate is given from so many steps on.
+_STEPS_PER_REVOLUTION, _STEPS_PER_SECOND, _MANY_STEPS = 2000, 4e5, 3e7
 
 
 class RunError(InputError):
@@ -96,14 +96,16 @@ def start_of(values: FloatArray) -> Steps:
 
 def estimate(mechanism: SliderCrank, revolutions: int) -> str:
     """Return a sentence on a run of very many steps; empty for others."""
-    steps = mechanism.period * revolutions / _STEP
+    longest = mechanism.spec.max_step
+    steps = revolutions * (_STEPS_PER_REVOLUTION + mechanism.period / longest)
     if steps < _MANY_STEPS:
         return ""
     minutes = steps / _STEPS_PER_SECOND / 60
     duration = f"{minutes:.0f} minutes" if minutes < 120 else f"{minutes / 60:,.0f} hours"
+    number = "a revolution" if revolutions == 1 else f"{revolutions:,} revolutions"
     return (
-        f"{revolutions:,} revolutions last {mechanism.period * revolutions:.3g} s, and a step in "
-        f"contact about {1e6 * _STEP:g} µs: expect about {steps:.1g} steps and {duration}"
+        f"{number} of {mechanism.period:.3g} s in steps of up to {longest:g} s: expect about "
+        f"{steps:.1g} steps, which take some {duration}"
     )
 
 

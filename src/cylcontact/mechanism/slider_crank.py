@@ -135,7 +135,7 @@ class SliderCrank:
         The content of the file as read, with the changes.
     source : str
         Its name in errors.
-    own : path, optional
+    materials : path, optional
         The user's table of materials.
     """
 
@@ -143,7 +143,7 @@ class SliderCrank:
     joint: ClearanceJoint
     data: dict[str, Any] = field(repr=False)
     source: str = "slider-crank"
-    own: Path | None = None
+    materials: Path | None = None
 
     @property
     def name(self) -> str:
@@ -189,7 +189,7 @@ class SliderCrank:
         """Return it with other values; see `read_mechanism`."""
         if changes.get("law") is None and self.data["joint"]["law"] == repr(self.joint.law):
             changes["law"] = self.joint.law  # it was given as an object
-        return mechanism_from(self.data, self.source, self.own, **changes)
+        return mechanism_from(self.data, self.source, self.materials, **changes)
 
     @property
     def warnings(self) -> tuple[str, ...]:
