@@ -262,8 +262,8 @@ class Trajectory:
         --------
         >>> from cylcontact.mechanism import read_mechanism, simulate
         >>> run = simulate(read_mechanism("datasets/slider_crank.toml"), revolutions=1)
-        >>> print(run.to_frame()[["slider_position_m", "slider_velocity_m_s"]].iloc[0].to_list())
-        [0.17, 0.0]
+        >>> print(run.to_frame()["crank_angle_rad"].iloc[-1].round(4))
+        -6.2832
         """
         import pandas as pd
 
