@@ -17,14 +17,13 @@ from benchmarks.harness import Side, seconds_of
 from cylcontact.fitting import Campaign, calibrate
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.runs import searches
-from cylcontact.mechanism import cases, read_mechanism
-from cylcontact.mechanism.study import Plan, run_case, sweep
+from cylcontact.mechanism import cases, read_mechanism, sweep
 from cylcontact.support.parallel import Cluster, Workers, call, collect
 
 ROOT = Path(__file__).parents[1]
 WORKERS, ROUNDS, RUNS, EMPTY = (1, 2, 4, 8), 3, 64, 500
 CASES = cases(["johnson"], [0.5, 0.3, 0.2, 0.1, 0.07, 0.05], [1.0, 0.9], [0.0, 0.1])
-PLAN = Plan(revolutions=150, beyond="tangent")
+REVOLUTIONS = 150
 
 
 def main() -> None:
@@ -34,8 +33,8 @@ def main() -> None:
     mechanism = read_mechanism(ROOT / "datasets/slider_crank.toml")
     jobs: dict[str, Callable[[Workers], Any]] = {
         f"fit of {RUNS} runs": lambda workers: calibrate(campaign, workers),
-        f"{len(CASES)} cases, {PLAN.revolutions} revolutions": partial(
-            sweep, mechanism, CASES, PLAN
+        f"{len(CASES)} cases, {REVOLUTIONS} revolutions": lambda workers: sweep(
+            mechanism, CASES, REVOLUTIONS, beyond="tangent", workers=workers
         ),
         f"{EMPTY} empty calls": lambda workers: collect([call(abs, -1)] * EMPTY, workers),
     }
@@ -50,7 +49,7 @@ def main() -> None:
         print(f"| {count} | " + " | ".join(f"{each:.2f} s" for each in seconds) + " |", flush=True)
     problem, _ = problem_of(campaign)
     run = searches(problem, spec.optimizer, spec.genetic, spec.seed, campaign.source)[0]
-    for name, task in {"run": run, "case": call(run_case, mechanism, PLAN)}.items():
+    for name, task in {"run": run, "case": call(sweep, mechanism, CASES[:1], REVOLUTIONS)}.items():
         function, arguments, named = task
         sent, back = len(cloudpickle.dumps(task)), function(*arguments, **named)
         print(

@@ -37,7 +37,7 @@ from exudyn.itemInterface import (
 from scipy.integrate import cumulative_trapezoid
 
 from cylcontact.laws.power import PowerShaped
-from cylcontact.mechanism import ClearanceJoint, Trajectory, joint_from
+from cylcontact.mechanism import ClearanceJoint, Motion, SliderCrank, joint_from
 
 _OUTPUT = exudyn.OutputVariableType
 
@@ -55,28 +55,27 @@ class Run:
 
 
 def simulate_in_exudyn(
-    mechanism, start: Trajectory, end: float, step: float, joint: ModuleType | None = None
+    mechanism: SliderCrank, end: float, step: float, joint: ModuleType | None = None
 ) -> Run:
-    """Simulate a slider-crank to a time in s, from where a run of ours begins, in equal steps.
+    """Simulate a slider-crank to a time in s, in equal steps.
 
     The contact is an exported joint, or else Exudyn's own: its law must then be a power law, its
     dissipation that of Hunt and Crossley; the friction differs below the speed v1.
     """
     container = exudyn.SystemContainer()
     system = container.AddSystem()
-    nodes, marker = _assemble(system, mechanism, start)
-    clearance = mechanism.clearance
+    nodes, marker = _assemble(system, mechanism)
+    ends = _ends(mechanism)
     powers = None
     if joint is None:
-        _contact(system, clearance, marker)
+        _contact(system, mechanism.joint, [marker(*end) for end in ends])
     else:
-        powers = _our_contact(system, joint, nodes[clearance.i], nodes[clearance.j])
+        powers = _our_contact(system, joint, *(nodes[body] for body, _ in ends))
     centres = [
-        _sensor(system, SensorMarker, "Position", markerNumber=marker(*end_of))
-        for end_of in ((clearance.i, clearance.point_i), (clearance.j, clearance.point_j))
+        _sensor(system, SensorMarker, "Position", markerNumber=marker(*end_of)) for end_of in ends
     ]
     speeds = [_sensor(system, SensorNode, "Coordinates_t", nodeNumber=node) for node in nodes]
-    drive = _guide(system, nodes, mechanism.driver.speed)
+    drive = _guide(system, nodes, mechanism.omega)
     moment = _sensor(system, SensorObject, "Force", objectNumber=drive)
     with _quiet():
         system.Assemble()
@@ -89,13 +88,13 @@ def simulate_in_exudyn(
     times = bearing[:, 0]
     eccentricity = np.hypot(*(bearing - journal)[:, 1:3].T)
     energy = sum(
-        0.5 * stored(sensor)[:, 1:4] ** 2 @ [body.mass, body.mass, body.inertia]
-        for sensor, body in zip(speeds, mechanism.bodies, strict=True)
+        0.5 * stored(sensor)[:, 1:4] ** 2 @ [mass, mass, inertia]
+        for sensor, (mass, inertia) in zip(speeds, _inertias(mechanism), strict=True)
     )
-    power = stored(moment)[:, 1] * -mechanism.driver.speed
+    power = stored(moment)[:, 1] * -mechanism.omega
     return Run(
         times,
-        eccentricity - 1e-3 * clearance.contact.radial,
+        eccentricity - 1e-3 * mechanism.joint.radial,
         seconds,
         np.asarray(energy),
         cumulative_trapezoid(power, times, initial=0.0),
@@ -103,14 +102,45 @@ def simulate_in_exudyn(
     )
 
 
-def joint_of(mechanism, **changes) -> ClearanceJoint:
+def joint_of(mechanism: SliderCrank, **changes) -> ClearanceJoint:
     """Return a mechanism's clearance joint as a force element in SI units."""
-    clearance = mechanism.clearance
+    data, (bearing, pin) = mechanism.joint.data, _ends(mechanism)
     points = {
-        body: clearance.contact.data[body] | {"point": [1e3 * x for x in point]}
-        for body, point in (("bearing", clearance.point_i), ("pin", clearance.point_j))
+        body: data[body] | {"point": [1e3 * x for x in point]}
+        for body, (_, point) in (("bearing", bearing), ("pin", pin))
     }
-    return joint_from(clearance.contact.data | points | changes)
+    return joint_from(data | points | changes)
+
+
+def _ends(mechanism: SliderCrank) -> list[tuple[int, tuple[float, float]]]:
+    """Return the bodies of bearing and pin (crank, rod, slider), with the centres in their axes."""
+    rod = mechanism.spec.rod
+    ends = [(1, (1e-3 * rod.length * (1 - rod.centre), 0.0)), (2, (0.0, 0.0))]
+    return ends if mechanism.spec.bearing_of == "rod" else ends[::-1]
+
+
+def _inertias(mechanism: SliderCrank) -> list[tuple[float, float]]:
+    """Return mass and inertia of crank, rod and slider; the slider does not turn."""
+    spec = mechanism.spec
+    return [(body.mass, body.inertia) for body in (spec.crank, spec.rod)] + [
+        (spec.slider.mass, 1.0)
+    ]
+
+
+def _places(mechanism: SliderCrank) -> tuple[np.ndarray, np.ndarray]:
+    """Return x, y, angle and their rates of crank, rod and slider at the start, shapes (3, 3)."""
+    spec, omega = mechanism.spec, mechanism.omega
+    angle = np.radians(spec.angle)
+    E, E_rate = (complex(*part) for part in np.split(mechanism.start, 2))
+    motion = Motion(mechanism, np.array([angle]), E, E_rate)
+    A, phi, spin = (x[0] for x in (motion.crank_pin, motion.rod_angle, motion.rod_spin))
+    arm = 1e-3 * spec.rod.length * spec.rod.centre * np.exp(1j * phi)
+    crank, rod = spec.crank.centre * A, A + arm
+    speeds = spec.crank.centre * 1j * omega * A, 1j * omega * A + 1j * spin * arm
+    slider = motion.slider_position[0], 1e-3 * spec.offset, 0.0
+    places = [[crank.real, crank.imag, angle], [rod.real, rod.imag, phi], slider]
+    rates = [[speeds[0].real, speeds[0].imag, omega], [speeds[1].real, speeds[1].imag, spin]]
+    return np.array(places), np.array([*rates, [motion.slider_velocity[0], 0.0, 0.0]])
 
 
 def _integral(powers: list[tuple[float, float]], times: np.ndarray) -> np.ndarray:
@@ -119,32 +149,29 @@ def _integral(powers: list[tuple[float, float]], times: np.ndarray) -> np.ndarra
     return np.interp(times, at, cumulative_trapezoid(power, at, initial=0.0))
 
 
-def _assemble(system, mechanism, start: Trajectory):
+def _assemble(system, mechanism: SliderCrank):
     """Build bodies and ideal joints; return the nodes, and a function that places markers."""
     nodes, bodies = [], []
-    for k, body in enumerate(mechanism.bodies):
-        node = system.AddNode(
-            NodeRigidBody2D(
-                referenceCoordinates=start.coordinates[0, k],
-                initialVelocities=start.velocities[0, k],
-            )
+    for place, rate, (mass, inertia) in zip(*_places(mechanism), _inertias(mechanism), strict=True):
+        nodes.append(
+            system.AddNode(NodeRigidBody2D(referenceCoordinates=place, initialVelocities=rate))
         )
-        shape = ObjectRigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node)
-        nodes.append(node)
+        shape = ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=nodes[-1])
         bodies.append(system.AddObject(shape))
-    ground = system.AddObject(ObjectGround())
+    bodies.append(system.AddObject(ObjectGround()))
 
     def marker(body: int, point) -> int:
-        return system.AddMarker(
-            MarkerBodyRigid(
-                bodyNumber=ground if body < 0 else bodies[body], localPosition=[*point, 0.0]
-            )
-        )
+        place = [*point, 0.0]
+        return system.AddMarker(MarkerBodyRigid(bodyNumber=bodies[body], localPosition=place))
 
-    for joint in mechanism.joints:
-        if joint.kind == "revolute" and joint.clearance is None:
-            pins = [marker(joint.i, joint.point_i), marker(joint.j, joint.point_j)]
-            system.AddObject(ObjectJointRevolute2D(markerNumbers=pins))
+    crank, rod, ground = mechanism.spec.crank, mechanism.spec.rod, -1
+    before, after = (1e-3 * crank.length * share for share in (-crank.centre, 1 - crank.centre))
+    for first, second in (
+        ((ground, (0.0, 0.0)), (0, (before, 0.0))),
+        ((0, (after, 0.0)), (1, (-1e-3 * rod.length * rod.centre, 0.0))),
+    ):
+        pins = [marker(*first), marker(*second)]
+        system.AddObject(ObjectJointRevolute2D(markerNumbers=pins))
     return nodes, marker
 
 
@@ -204,19 +231,14 @@ def _our_contact(system, joint: ModuleType, bearing: int, pin: int) -> list[tupl
     return powers
 
 
-def _contact(system, clearance, marker) -> None:
-    """Put the journal into its bearing, with Exudyn's own contact."""
-    contact = clearance.contact
+def _contact(system, contact: ClearanceJoint, ends: list[int]) -> None:
+    """Put the journal into its bearing, with Exudyn's own contact, at markers of their centres."""
     law: PowerShaped = contact.law
     factor, n = law.factor_and_exponent(contact.pair)
     data = system.AddNode(NodeGenericData(numberOfDataCoordinates=4, initialCoordinates=[0.0] * 4))
-    centres = [
-        marker(clearance.j, clearance.point_j),
-        marker(clearance.i, clearance.point_i),
-    ]
     system.AddObject(
         ObjectContactSphereSphere(
-            markerNumbers=centres,
+            markerNumbers=ends[::-1],
             nodeNumber=data,
             spheresRadii=[1e-3 * contact.pair.R_j, 1e-3 * contact.pair.R_i],
             isHollowSphere1=True,

@@ -12,9 +12,7 @@ import numpy as np
 
 from benchmarks.exudyn_peer import Run, simulate_in_exudyn
 from benchmarks.harness import Row, Side, rows, timings
-from cylcontact.files.spec import read_toml
-from cylcontact.mechanism import long_run, mechanism_from, read_mechanism, simulate
-from cylcontact.support.choices import METHODS
+from cylcontact.mechanism import long_run, read_mechanism, simulate
 
 SPEC = Path(__file__).parents[1] / "datasets" / "slider_crank.toml"
 # Where Exudyn and we are compared: elastic, without friction, so that the force laws are the
@@ -23,15 +21,13 @@ ELASTIC = {"law": "enhanced", "clearance": 0.5, "restitution": 1.0, "friction": 
 # The paper's laws of Section 4.
 LAWS = ("enhanced", "johnson", "lankarani-nikravesh")
 CONTACTS, END = 4, 1.5e-3
-# The equations of motion: those of the slider-crank, and those for any mechanism.
-FORMS = dict(zip(("cylcontact at 1e-8", "as any mechanism"), METHODS, strict=True))
+OURS = "cylcontact at 1e-8"
 TOLERANCES, STEPS = (1e-6, 1e-8, 1e-10), (1e-6, 2.5e-7, 6.25e-8)
 
 
 def measure(short: bool) -> Iterator[list[Row]]:
     """Yield the milliseconds per revolution of long runs by case, and the cost of accuracy."""
     yield from _cases(short)
-    yield _several(short)
     yield _accuracy(short)
 
 
@@ -49,48 +45,28 @@ def _cases(short: bool) -> Iterator[list[Row]]:
             revolutions=revolutions,
             tolerance=1e-8,
         )
-        run = partial(long_run, mechanism, revolutions, beyond="tangent")
-        sides = [Side(name, partial(run, method=method)) for name, method in FORMS.items()]
-        measured = timings(sides, 1)
+        ours = Side(OURS, partial(long_run, mechanism, revolutions, beyond="tangent"))
+        measured = timings([ours], 1)[OURS]
         seconds = {"real time": [mechanism.period]}
-        seconds |= {name: [total / revolutions for total in measured[name]] for name in FORMS}
+        seconds[OURS] = [total / revolutions for total in measured]
         case = f"{law}, {clearance} mm, restitution {restitution}, friction {friction}"
         yield rows("mechanism", case, seconds, "ms per revolution", 1e3)
-
-
-def _several(short: bool) -> list[Row]:
-    """Time one clearance and two, in both forms."""
-    revolutions, data = 1 if short else 50, read_toml(SPEC)
-    pin = next(joint for joint in data["joint"] if "law" in joint)
-    second = [pin | joint if joint["name"] == "crank-pin" else joint for joint in data["joint"]]
-    mechanisms = {
-        "one clearance": mechanism_from(data, str(SPEC)),
-        "two clearances": mechanism_from(data | {"joint": second}, str(SPEC)),
-    }
-    sides = [
-        Side(name + suffix, partial(long_run, mechanism, revolutions, method=method))
-        for suffix, method in zip(("", ", as any mechanism"), METHODS, strict=True)
-        for name, mechanism in mechanisms.items()
-    ]
-    seconds = {
-        name: [total / revolutions for total in times] for name, times in timings(sides, 1).items()
-    }
-    case = "several clearances: enhanced, 0.5 mm, restitution 0.9, friction 0.1"
-    return rows("mechanism", case, seconds, "ms per revolution", 1e3)
 
 
 def _accuracy(short: bool) -> list[Row]:
     """Time both up to the end of the fourth contact, and note the error of its onset."""
     mechanism = read_mechanism(SPEC, **ELASTIC, revolutions=1)
-    reference = simulate(mechanism, tolerance=1e-12)
+    reference = simulate(mechanism.changed(tolerance=1e-12))
     exact = onsets_of(reference)
     share = END / mechanism.period
     ours = {
-        f"cylcontact, tolerance {tolerance:g}": partial(simulate, mechanism, tolerance=tolerance)
+        f"cylcontact, tolerance {tolerance:g}": partial(
+            simulate, mechanism.changed(tolerance=tolerance)
+        )
         for tolerance in (TOLERANCES[1:2] if short else TOLERANCES)
     }
     theirs = {
-        f"Exudyn, step {step:g} s": partial(simulate_in_exudyn, mechanism, reference, END, step)
+        f"Exudyn, step {step:g} s": partial(simulate_in_exudyn, mechanism, END, step)
         for step in (STEPS[:1] if short else STEPS)
     }
     errors = {name: onset_error(exact, onsets_of(run())) for name, run in (ours | theirs).items()}

@@ -53,7 +53,7 @@ laws --E 207GPa --nu 0.3 --dR 0.05 --load 100
 export johnson --to c --contact internal -o out.c
 export good.json --to python -o out.py
 export --joint joint.toml --to c -o out.c
-simulate slider_crank.toml --law explicit --revolutions 1 --restitution 0.9 -o out.parquet
+simulate slider_crank.toml --law explicit --revolutions 1 --restitution 0.9 --table out.parquet
 sweep slider_crank.toml --law explicit --revolutions 1 -j 1 -o out.csv
 finite-element elements.toml -j 1 -o out.csv
 """

@@ -12,8 +12,9 @@ from cylcontact import Material
 from tests.support.paper_equations import e_star
 
 ROOT = Path(__file__).resolve().parents[2]
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+# Those that have a script as well.
 SCRIPTS = sorted((ROOT / "notebooks").glob("*.py"))
-each_notebook = pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 STEEL = Material("steel", E=207e3, nu=0.3, yield_stress=250.0)
 E_STAR = e_star(207e3, 0.3)
 
@@ -59,14 +60,32 @@ def has_picture(cell):
 
 
 def test_there_is_one_for_every_stage():
-    assert [path.stem[0] for path in SCRIPTS] == [str(n) for n in range(1, len(SCRIPTS) + 1)]
+    assert [path.stem[0] for path in NOTEBOOKS] == [str(n) for n in range(1, len(NOTEBOOKS) + 1)]
     listed = (ROOT / "notebooks" / "README.md").read_text(encoding="utf-8")
-    assert re.findall(r"`(\d_\w+)`", listed) == [path.stem for path in SCRIPTS]
+    assert re.findall(r"`(\d_\w+)`", listed) == [path.stem for path in NOTEBOOKS]
 
 
-@each_notebook
-def test_notebook_runs_in_time_and_ends_with_a_picture(script):
-    cells = import_module("jupytext").read(script)
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_has_no_outputs(notebook):
+    cells = import_module("nbformat").read(notebook, as_version=4)
+    filled = [cell for cell in code_cells(cells) if cell.outputs or cell.execution_count]
+    assert not filled, "clear the outputs"
+    assert cells.metadata.kernelspec.name == "cylcontact"
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_a_notebook_with_a_script_is_its_script(script):
+    jupytext, nbformat = import_module("jupytext"), import_module("nbformat")
+    paired = nbformat.read(script.with_suffix(".ipynb"), as_version=4)
+    written = jupytext.read(script)
+    assert [(cell.cell_type, cell.source) for cell in paired.cells] == [
+        (cell.cell_type, cell.source) for cell in written.cells
+    ], "make pair brings the notebook in line with its script"
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook_runs_in_time_and_ends_with_a_picture(notebook):
+    cells = import_module("nbformat").read(notebook, as_version=4)
     outputs = execute(cells)
     assert len(outputs) >= 3
     assert not [output for output in outputs if output.get("name") == "stderr"]

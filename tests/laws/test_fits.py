@@ -8,7 +8,7 @@ import pytest
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.bodies.fits import Fit
 from cylcontact.files.spec import read_toml
-from cylcontact.mechanism import joint_from, mechanism_from
+from cylcontact.joint import joint_from
 from tests.support.spec_files import DROP, changed
 
 STEEL, BRONZE = Material("steel", 207e3, 0.3), Material("bronze", 110e3, 0.34)
@@ -112,15 +112,3 @@ def test_a_joint_of_a_fit_is_that_of_the_middle_of_its_band():
 def test_a_joint_refuses_what_contradicts_its_fit(changes, rule):
     with pytest.raises(InputError, match=rule):
         joint_from(changed(JOINT, changes))
-
-
-def test_a_mechanism_takes_a_fit_and_a_clearance_replaces_it():
-    data = read_toml("datasets/four_bar.toml")
-    entry = next(joint for joint in data["joint"] if "law" in joint)
-    for body in ("bearing", "pin"):
-        entry[body].pop("R", None)
-    entry.pop("clearance", None)
-    entry["fit"] = "20H7/g6"
-    assert mechanism_from(data).clearances[0].contact.radial == pytest.approx(0.012)
-    wide = mechanism_from(data, clearance=0.2).clearances[0].contact.pair
-    assert (wide.R_i, wide.dR) == pytest.approx((10.00525, 0.2))

@@ -19,13 +19,13 @@ def mechanism():
 
 @pytest.fixture(scope="module")
 def ours(mechanism):
-    return simulate(mechanism, tolerance=1e-11)
+    return simulate(mechanism.changed(tolerance=1e-11))
 
 
 @pytest.fixture(scope="module")
-def theirs(mechanism, ours):
+def theirs(mechanism):
     steps = (2e-6, 1e-6, 2.5e-7, 1.25e-7)
-    return {step: simulate_in_exudyn(mechanism, ours, END, step) for step in steps}
+    return {step: simulate_in_exudyn(mechanism, END, step) for step in steps}
 
 
 def peaks_of(run):
@@ -53,8 +53,8 @@ def test_the_first_contacts_are_as_deep_as_ours(ours, theirs):
 # --- our joint, exported, inside Exudyn ---
 
 
-def test_without_dissipation_our_joint_is_exudyns_own_contact(mechanism, ours, theirs):
-    run = simulate_in_exudyn(mechanism, ours, END, 1e-6, module_of(joint_of(mechanism)))
+def test_without_dissipation_our_joint_is_exudyns_own_contact(mechanism, theirs):
+    run = simulate_in_exudyn(mechanism, END, 1e-6, module_of(joint_of(mechanism)))
     own = theirs[1e-6]
     assert (run.penetration > 0).sum() > 100
     np.testing.assert_allclose(run.penetration, own.penetration, rtol=0, atol=1e-11)
@@ -66,9 +66,9 @@ def test_without_dissipation_our_joint_is_exudyns_own_contact(mechanism, ours, t
 def sliding():
     """Restitution 0.9 and friction 0.1: the mechanism, our run and those with our joint."""
     mechanism = slider_crank(0.9, 0.1)
-    ours = simulate(mechanism, revolutions=1, tolerance=1e-11)
+    ours = simulate(mechanism.changed(tolerance=1e-11), revolutions=1)
     joint = module_of(joint_of(mechanism))
-    runs = {s: simulate_in_exudyn(mechanism, ours, END, s, joint) for s in (1e-6, 2.5e-7)}
+    runs = {s: simulate_in_exudyn(mechanism, END, s, joint) for s in (1e-6, 2.5e-7)}
     return mechanism, ours, runs
 
 

@@ -36,9 +36,6 @@ CASES = ("sweep", f"{ROOT}/datasets/slider_crank.toml", "-o", "cases.csv")
 # Commands that take some seconds, and what they write.
 SHORT = {
     "fit": (FIT, "fitting/results/small.json"),
-    "cases": (
-        (*CASES, "--revolutions", "40", "--law", "enhanced", "-j", "1", "--restitution", "1,0.9",
-         "--friction", "0,0.1"), "cases.csv"),
     "finite-element": (
         ("finite-element", "elements.toml", "-o", "elements.csv", "-j", "1"), "elements.csv"),
 }  # fmt: skip
@@ -118,7 +115,7 @@ def sampled(cases, *quick):
 
 @pytest.mark.parametrize(
     ("name", "how"),
-    sampled(itertools.product(SHORT, ENDS), ("fit", "SIGKILL"), ("cases", "SIGINT")),
+    sampled(itertools.product(SHORT, ENDS), ("fit", "SIGKILL"), ("finite-element", "SIGINT")),
 )
 def test_stopped_in_the_middle_and_resumed_it_gives_the_same(uninterrupted, tmp_path, name, how):
     command, output = SHORT[name]

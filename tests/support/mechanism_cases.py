@@ -1,4 +1,4 @@
-"""Mechanisms for tests: the shipped specs, changed where a test needs it."""
+"""Slider-cranks for tests: the shipped spec, changed where a test needs it."""
 
 import math
 import tomllib
@@ -8,102 +8,59 @@ from pathlib import Path
 import numba
 import numpy as np
 
-from cylcontact.mechanism import Settings, dop853, mechanism_from
-from cylcontact.mechanism.run import Run
+from cylcontact.mechanism import mechanism_from
+from cylcontact.mechanism import slider_crank as equations
 from tests.support.spec_files import changed
 
 ROOT = Path(__file__).resolve().parents[2]
-SLIDER_CRANK = tomllib.loads((ROOT / "datasets/slider_crank.toml").read_text(encoding="utf-8"))
-FOUR_BAR = tomllib.loads((ROOT / "datasets/four_bar.toml").read_text(encoding="utf-8"))
+SPEC = ROOT / "datasets/slider_crank.toml"
+SLIDER_CRANK = tomllib.loads(SPEC.read_text(encoding="utf-8"))
 LAWS = ("lankarani-nikravesh", "johnson", "enhanced")
 # The paper's: laws, clearances in mm, restitutions, friction coefficients.
 CASES = list(product(LAWS, (0.5, 0.02), (1.0, 0.9), (0.0, 0.1)))
-
-
-def slider_crank(law="enhanced", clearance=0.5, restitution=0.9, friction=0.1, spec=None):
-    """Return the slider-crank for one of the paper's cases, or with changes to its spec."""
-    data = changed(SLIDER_CRANK, spec or {})
-    return mechanism_from(
-        data, "slider-crank", law=law, clearance=clearance, restitution=restitution,
-        friction=friction,
-    )  # fmt: skip
-
-
-# Every length, mass and angle out of the ordinary: an offset, inclined slide, centres of mass off
-# the lines, gravity, an angle at the start.
+# Every number out of the ordinary: an offset, centres of mass, gravity, an angle at the start.
 ODD = {
+    "offset": 12.0,
+    "angle": 40.0,
     "gravity": [1.5, -9.81],
-    "ground.points.pivot": [0.01, -0.02],
-    "ground.points.slide": [0.03, 0.01],
-    "bodies.crank.points": {"pivot": [-0.02, 0.003], "pin": [0.025, 0.01]},
-    "bodies.rod.points": {"pin": [-0.05, -0.004], "eye": [0.07, 0.006]},
-    "bodies.slider.points": {"pin": [0.004, -0.003]},
-    "bodies.slider.guess": [0.16, 0.05, 20.0],
-    "joint.slide.direction": 15.0,
-    "joint.slide.angle": 20.0,
-    "joint.drive.angle": 40.0,
+    "crank.centre": 0.3,
+    "rod.centre": 0.42,
 }
 
 
-# The wrist pin's bearing in the slider.
-TURNED = {"joint.wrist-pin.between": ["slider.pin", "rod.eye"]}
+def slider_crank(law="enhanced", clearance=0.5, restitution=0.9, friction=0.1, spec=None, **more):
+    """Return the slider-crank for one of the paper's cases, or with changes to its spec."""
+    return mechanism_from(
+        changed(SLIDER_CRANK, spec or {}), "slider-crank", law=law, clearance=clearance,
+        restitution=restitution, friction=friction, **more,
+    )  # fmt: skip
 
 
 def yields_at(stress):
     """Return the change of the spec that gives pin and bearing a yield stress in MPa."""
-    return {f"joint.wrist-pin.{body}.yield_stress": stress for body in ("bearing", "pin")}
-
-
-# A second clearance, as that of the wrist pin.
-CLEARANCE = {
-    key: value
-    for key, value in next(j for j in SLIDER_CRANK["joint"] if "law" in j).items()
-    if key not in ("name", "between")
-}
-
-
-def with_clearance(spec, name, **changes):
-    """Return a spec with the clearance of the wrist pin at another joint as well."""
-    return changed(
-        spec, {f"joint.{name}.{key}": value for key, value in (CLEARANCE | changes).items()}
-    )
+    return {f"joint.{body}.yield_stress": stress for body in ("bearing", "pin")}
 
 
 @numba.njit(error_model="numpy")
-def _rates_at(t, y, model):
-    dop853.rates_at(t, dop853.clock(t, model.crank), y, 0, model)
-
-
-@numba.njit(error_model="numpy")
-def _motion(t, y, joint, crank, pin, linkage):
-    return dop853.motion(dop853.clock(t, crank), y, joint, crank, pin, linkage)
+def _rates(t, y, out, joint, law, crank):
+    equations.derivatives(equations.crank_turn(t, crank), y, out, joint, law, crank)
 
 
 class Equations:
-    """The compiled right-hand side of a mechanism, called from Python in either mode."""
+    """The compiled right-hand side of a slider-crank, called from Python in either mode."""
 
-    def __init__(self, mechanism, method="minimal", beyond="stop"):
-        self.run = Run.start(mechanism, Settings(method, 1e-8, 1e-4, beyond))
-        self.size = self.run.scale.size
-        self.space = np.zeros((dop853.STAGES + 1, self.run.state.values.size))
-
-    @property
-    def joint(self):
-        """The one joint with clearance, a record."""
-        return self.run.model.joints[0]
+    def __init__(self, mechanism, beyond="tangent"):
+        self.joint = mechanism.joint.record(beyond)
+        self.law, self.crank = mechanism.joint.kernel.parameters, mechanism.record
 
     def rates(self, t, y):
         """Return the rates of coordinates and ledgers."""
-        run, y = self.run, np.ascontiguousarray(y[: self.size], dtype=float)
-        model = run.model._replace(rates=self.space, stage=y)
-        _rates_at(t, y, model)
-        return self.space[0].copy()
+        out = np.zeros(equations.RATES)
+        _rates(t, np.ascontiguousarray(y, dtype=float), out, self.joint, self.law, self.crank)
+        return out
 
-    def gap(self, t, y):
+    def gap(self, y):
         """Return δ in m and δ̇ in m/s."""
-        run, y = self.run, np.ascontiguousarray(y[: self.size], dtype=float)
-        m = run.model
-        e_x, e_y, u_x, u_y, *_ = _motion(t, y, self.joint, m.crank, m.pin, m.linkage)
-        distance = math.hypot(e_x, e_y)
-        rate = (e_x * u_x + e_y * u_y) / distance if distance > 0 else 0.0
+        distance = math.hypot(y[0], y[1])
+        rate = (y[0] * y[2] + y[1] * y[3]) / distance if distance > 0 else 0.0
         return distance - self.joint["clearance"], rate

@@ -11,7 +11,8 @@ from cylcontact.bodies.material import Material, find_material, known_materials,
 from cylcontact.files.spec import Spec, broken
 from cylcontact.support.errors import InputError
 
-# In GPa, above diamond's 1200: a larger bare number was probably meant in MPa.
+# In GPa, above diamond's 1200: a larger bare number was probably meant in MPa, or in Pa if it is
+# too large for that too.
 _LARGEST_BARE = 1500.0
 
 
@@ -23,7 +24,8 @@ def _in_GPa(E: object) -> object:
         except InputError as error:
             raise broken("", E, error.rule, error.remedy) from None
     if isinstance(E, int | float) and _LARGEST_BARE < E < 1e300:
-        remedy = f'did you mean {E * 1e-3:g}? Or write "{E:g} GPa"'
+        meant = E * (1e-3 if E <= 1e3 * _LARGEST_BARE else 1e-9)
+        remedy = f'did you mean {meant:g}? Or write "{E:g} GPa"'
         raise broken("", E, "a bare number is in GPa, and diamond has 1200", remedy)
     return E
 

@@ -53,10 +53,6 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         mechanism.simulate: "simulate datasets/slider_crank.toml --law explicit --revolutions 3",
         mechanism.sweep: "sweep datasets/slider_crank.toml --law johnson,explicit --revolutions 3 "
         "-o build/sweep.csv",
-        mechanism.tolerances: "tolerances datasets/slider_crank.toml --revolutions 3 "
-        "-o build/tolerances.csv",
-        mechanism.bifurcation: "bifurcation datasets/slider_crank.toml --points 4 "
-        "--revolutions 40 --last 8 -o build/bifurcation.csv",
         fit.finite_element: "finite-element datasets/finite_element/recommended.toml",
     },
     "Figures and claims": {

@@ -9,11 +9,22 @@ from cylcontact.support.errors import InputError
 # By command.
 COMMANDS: dict[str, str] = {
     "paper": "draw figures with `cylcontact figure` and include their PDF in a text of yours",
+    "bifurcation": "use `cylcontact sweep datasets/slider_crank.toml --clearance 0.02,0.1,0.5 "
+    "--revolutions 40 -o build/sweep.csv`, whose table has the period of each run",
+    "tolerances": "use `cylcontact simulate datasets/slider_crank.toml --tolerance 1e-9`, which "
+    "prints the error of the energy",
 }
 # By command and option.
 OPTIONS: dict[tuple[str, str], str] = {
     ("figure", "--results"): "name a fit as an argument, e.g. fig12 result=build/internal.json",
     ("claims", "--results"): "the claims read the folder that they are run in",
+    ("simulate", "-o"): "use --table run.csv for the steps, Trajectory.plot for pictures",
+    ("simulate", "--out"): "use --table run.csv for the steps, Trajectory.plot for pictures",
+    ("simulate", "--method"): "leave it out; there is one method",
+    ("simulate", "--resume"): "leave it out; a run starts anew",
+    ("sweep", "--method"): "leave it out; there is one method",
+    ("sweep", "--resume"): "leave it out; a sweep starts anew",
+    ("sweep", "--against"): "compare two runs with cylcontact.mechanism.horizon",
 }
 
 

@@ -10,6 +10,7 @@ from cylcontact.export.program import Program
 from cylcontact.impact import RATIO_BEND
 from cylcontact.joint import contact
 from cylcontact.joint.clearance import TANGENT_FROM, ClearanceJoint, JointState, JointWrench
+from cylcontact.joint.contact import DEEPEST_SHARE, LEFT_HOLE
 from cylcontact.laws.kernels import TABLE
 from cylcontact.support.plain_text import comment
 
@@ -34,7 +35,7 @@ _MEANINGS = {
     "friction_force": ("force", "on the hole along t = (n_y, -n_x)"),
     "tangential_velocity": ("speed", "of the hole against the pin, along t"),
     "dissipated_power": ("power", "by damping and friction, not negative"),
-    "flag": ("", "1 above first yield, plus 2 beyond the law's domain"),
+    "flag": ("", "sum of 1 above first yield, 2 beyond the law's domain, 32 pin left its hole"),
 }  # fmt: skip
 # Units and meanings of the numbers of a joint's record.
 _CONSTANTS = {
@@ -111,6 +112,8 @@ def _assumptions(joint: ClearanceJoint) -> list[str]:
         if joint.can_yield
         else "the material is elastic, and as the yield stresses are not both known, flag never "
         "has the bit 1",
+        f"beyond a penetration of {DEEPEST_SHARE:g} times the hole's radius the pin has left its "
+        f"hole: flag has the bit {LEFT_HOLE}",
     ]
 
 

@@ -37,7 +37,7 @@ _MEANINGS = {
     "dissipated_power": ("power", "by damping and friction, not negative"),
     "elastic_energy": ("energy", "stored in the contacts"),
     "touched": ("length", "length of the wall that touches"),
-    "flag": ("", "sum of 1 yield, 2 beyond the law, 4 no rims, 8 tilt > 0.1, 16 unlike materials"),
+    "flag": ("", "sum of 1 yield, 2 beyond law, 4 no rims, 8 tilt > 0.1, 16 unlike, 32 left hole"),
 }
 _FUNCTIONS = (
     contact.bounded_ratio,

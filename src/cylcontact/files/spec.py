@@ -31,14 +31,21 @@ _SpecType = TypeVar("_SpecType", bound=Spec)
 _KINDS = (
     ("a fit result", {"coefficients"}),
     ("a fit result", {"settings"}),
-    ("a mechanism", {"bodies", "joint"}),
-    ("a mechanism", {"bodies", "joints"}),
+    ("a mechanism", {"crank", "rod"}),
+    ("a mechanism", {"bodies"}),
     ("a joint", {"bearing", "pin"}),
     ("a finite-element set-up", {"hole_radius", "load_on"}),
     ("a campaign", {"dataset", "law"}),
     ("a campaign", {"data", "law"}),
     ("a grid spec", {"contact", "reference"}),
 )
+
+# Keys of 1.0.0rc1 that are gone, with what to use instead. Kept for one release.
+_MECHANISM = (
+    "write [crank], [rod], [slider] and [joint] as datasets/slider_crank.toml does; for another "
+    "mechanism use a multibody code with an exported joint"
+)
+GONE = dict.fromkeys(("ground", "bodies", "integration"), _MECHANISM)
 
 # Pydantic's type rules in the terms of TOML and JSON.
 _PLAIN_RULES = {
@@ -118,7 +125,7 @@ def parse_spec(model: type[_SpecType], data: dict[str, Any], source: str) -> _Sp
         location += [parts["key"]] if parts["key"] else []
         value, rule, remedy = parts["value"], parts["rule"], parts["remedy"]
     else:
-        value = None if first["type"] == "missing" else first["input"]
+        value = None if first["type"] == "missing" or location[-1] in GONE else first["input"]
         rule, remedy = _explain(first["type"], first["msg"], model, location)
     raise InputError(source, ".".join(location), value, rule, remedy + more)
 
@@ -154,6 +161,8 @@ def _explain(kind: str, message: str, model: type[Spec], location: list[str]) ->
             table = _inner_spec(field.annotation) or Spec  # a plain mapping has keys of its own
     if kind == "missing":
         return "is required", f"add {description}"
+    if kind == "extra_forbidden" and location[-1] in GONE:
+        return "is gone", GONE[location[-1]]
     if kind == "extra_forbidden":
         return "is not a known key", f"known keys here: {', '.join(table.model_fields)}"
     rule = message[0].lower() + message[1:].replace("greater than or equal to", "at least")

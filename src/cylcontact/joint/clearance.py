@@ -161,7 +161,8 @@ class JointWrench(NamedTuple):
     dissipated_power : float or array of float
         By damping and friction, not negative.
     flag : int or array of int
-        1 if the elastic load is above first yield, plus 2 where the law's tangent has taken over.
+        1 if the elastic load is above first yield, plus 2 where the law's tangent has taken over,
+        plus 32 if the penetration is above a tenth of the hole's radius: the pin has left its hole.
     """
 
     force_bearing: FloatArray
@@ -306,7 +307,7 @@ class ClearanceJoint:
         record["metres"], record["first_yield"] = self.in_mm / 1e3, self.first_yield
         record["last_penetration"] = record["stop_penetration"] = np.inf
         law = self.kernel
-        record["kernel"], record["size"] = law.kind, law.parameters.size
+        record["kernel"] = law.kind
         if np.isfinite(law.max_penetration):
             last = law.max_penetration * (TANGENT_FROM if beyond == "tangent" else 1.0)
             record["last_penetration"] = last
@@ -418,8 +419,8 @@ def read_joint(path: Path | str, materials: Path | str | None = None) -> Clearan
     Parameters
     ----------
     path : path
-        A TOML file, e.g. datasets/joint.toml. The path of a fit result in it counts from the
-        folder in which Python runs.
+        A TOML file, e.g. datasets/joint.toml. A fit result named in it is searched beside the file
+        first, then in the working folder.
     materials : path, optional
         Your own table of materials; by default datasets/materials.csv if there is one, beside the
         file, above it or here.
@@ -537,7 +538,11 @@ def named_law(what: str, source: str) -> tuple[ContactLaw, str]:
         )  # fmt: skip
     from cylcontact.fitting.results import FitResult
 
-    result = FitResult.read(what)
+    path = next((path for path in (Path(source).parent / what, Path(what)) if path.is_file()), None)
+    if path is None:
+        rule = "is neither beside this file nor in the working folder"
+        raise InputError(source, "law", what, rule, "give the path of a fit's result")
+    result = FitResult.read(path)
     rule, remedy = "is a fit to external contact", "name a fit for a pin in a hole"
     require(result.contact == "internal", source, "law", what, rule, remedy)
     return result.to_law(what), f"fit result '{result.name}', fitted to {result.reference}"

@@ -52,10 +52,8 @@ JOINT = np.dtype(
         *((name, np.float64) for name in ("clearance", "R_bearing", "R_pin", "length")),
         *((name, np.float64) for name in ("last_penetration", "last_load", "last_slope")),
         *((name, np.float64) for name in ("stop_penetration", "allowed_penetration")),
-        # The law's kind, and where its numbers are among those of all joints.
-        *((name, np.int64) for name in ("kernel", "first", "size")),
-        # The bodies of bearing and pin, and the centres in the axes of each.
-        *((name, np.int64) for name in ("i", "j")),
+        # The law's kind, and the centres of hole and pin in the axes of their bodies.
+        ("kernel", np.int64),
         *((name, np.float64) for name in ("x_i", "y_i", "x_j", "y_j")),
         # The unit of length of a joint by itself in m, and its elastic force at first yield in N.
         *((name, np.float64) for name in ("metres", "first_yield")),
@@ -73,8 +71,11 @@ WORK = np.dtype(
     ]
 )
 
-# The bits of a wrench's flag.
-YIELDS, BEYOND_LAW = 1, 2
+# The bits of a wrench's flag; those between are of a joint in space.
+YIELDS, BEYOND_LAW, LEFT_HOLE = 1, 2, 32
+# Assumed: a penetration above this share of the hole's radius means that the pin has left its hole.
+# Strains are then of the same size, far above those of any elastic contact.
+DEEPEST_SHARE = 0.1
 
 
 @inlined
@@ -223,6 +224,8 @@ def evaluate(
         w.flag += YIELDS
     if delta * 1e3 > joint.last_penetration:
         w.flag += BEYOND_LAW
+    if delta > DEEPEST_SHARE * joint.R_bearing:
+        w.flag += LEFT_HOLE
 
 
 @called

@@ -167,7 +167,8 @@ class SpatialWrench(NamedTuple):
         The sum of 1 if the line load is above first yield somewhere (a sharp rim yields at once),
         2 beyond the end of the law, 4 if less than a quarter of the length touches and the rims
         have no stiffness, 8 if the tilt is above 0.1, 16 if the constants of a named [edge], which
-        are for like materials, carry load at a rim and the moduli differ by more than a tenth.
+        are for like materials, carry load at a rim and the moduli differ by more than a tenth, 32
+        if a rim's penetration is above a tenth of the hole's radius: the pin has left its hole.
     """
 
     force_bearing: FloatArray

@@ -43,7 +43,7 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.joint.contact import bounded_ratio
+from cylcontact.joint.contact import DEEPEST_SHARE, LEFT_HOLE, bounded_ratio
 from cylcontact.laws.kernels import inlined_load
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.numba_cache import called, inlined
@@ -80,7 +80,7 @@ WORK = np.dtype(
     ]
 )
 
-# The bits of a flag; `contact.YIELDS` and `contact.BEYOND_LAW` are 1 and 2.
+# The bits of a flag; `contact` has 1, 2 and 32.
 RIM_MISSING, OUTSIDE, UNLIKE = 4, 8, 16
 # Assumed: the least share of the length for which slices without the rim's stiffness are near
 # three-dimensional elasticity, the largest tan of the tilt, and the axes' least cosine.
@@ -606,6 +606,8 @@ def finish(w: Record, joint: Record) -> None:
         w.flag += OUTSIDE
     if w.rim_load > 0.0 and joint.unlike > 0.0:
         w.flag += UNLIKE
+    if max(w.penetration[0], w.penetration[1]) > DEEPEST_SHARE * joint.R_hole:
+        w.flag += LEFT_HOLE
     w.touched /= joint.in_mm
 
 

@@ -1,52 +1,42 @@
-"""Planar mechanisms with clearance joints: those of Section 4 of the paper, and your own."""
+"""The slider-crank of Section 4 of the paper, with a clearance joint between rod and slider."""
 
-from cylcontact.joint.clearance import (
+from typing import Any
+
+from cylcontact.joint import (
     ClearanceJoint,
     JointState,
     JointWrench,
+    SpatialJoint,
+    SpatialState,
+    SpatialWrench,
     joint_from,
     read_joint,
 )
-from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
-from cylcontact.mechanism.impact import Impact, isolated_impact
-from cylcontact.mechanism.joint_motion import JointMotion
-from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
+from cylcontact.mechanism.motion import Motion
 from cylcontact.mechanism.run import LawDomainError, RunError, Settings
+from cylcontact.mechanism.slider_crank import SliderCrank, mechanism_from, read_mechanism
 from cylcontact.mechanism.statistics import Statistics
-from cylcontact.mechanism.study import (
-    Case,
-    Plan,
-    bifurcation,
-    cases,
-    horizon,
-    long_run,
-    sweep,
-    tolerances,
-)
-from cylcontact.mechanism.trajectory import Interrupted, Trajectory, simulate
+from cylcontact.mechanism.study import Case, Interrupted, cases, horizon, long_run, sweep
+from cylcontact.mechanism.trajectory import Trajectory, simulate
 
 __all__ = [
     "Case",
     "ClearanceJoint",
-    "Impact",
     "Interrupted",
-    "JointMotion",
     "JointState",
     "JointWrench",
     "LawDomainError",
-    "Mechanism",
-    "Plan",
+    "Motion",
     "RunError",
     "Settings",
+    "SliderCrank",
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
     "Statistics",
     "Trajectory",
-    "bifurcation",
     "cases",
     "horizon",
-    "isolated_impact",
     "joint_from",
     "long_run",
     "mechanism_from",
@@ -54,8 +44,24 @@ __all__ = [
     "read_mechanism",
     "simulate",
     "sweep",
-    "tolerances",
 ]
+# Names of 1.0.0rc1 that are gone, with what to use instead. Kept for one release.
+_GONE = {
+    "Impact": "integrate one mass against the law with scipy.integrate.solve_ivp",
+    "JointMotion": "Trajectory has its arrays",
+    "Mechanism": "use SliderCrank",
+    "Plan": "give its values to sweep as arguments",
+    "bifurcation": "use sweep over clearances, and Statistics.period",
+    "isolated_impact": "integrate one mass against the law with scipy.integrate.solve_ivp",
+    "tolerances": "use sweep with mechanisms of several tolerances",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _GONE:
+        # Of an AttributeError, `from cylcontact.mechanism import` would not show the text.
+        raise ImportError(f"cylcontact.mechanism.{name} is gone: {_GONE[name]}")
+    raise AttributeError(f"module 'cylcontact.mechanism' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -1,15 +1,18 @@
-"""The compiled time loop: adaptive steps in pieces in which the forces are smooth.
+"""The compiled time loop: steps of DOP853 in pieces in which the force is smooth.
 
-The forces have kinks: at the onset and the release of contact, at the four speeds where friction
-bends (Eq 15), and where the tangent continues a law. Between them the loop holds every force in its
+The force has kinks: at the onset and the release of contact, at the four speeds where friction
+bends (Eq 15), and where the tangent continues a law. Between them the loop holds the force in its
 present piece, if need be beyond its end. A step that has passed an end is an event: it is repeated,
 shorter, until it ends there, and then the piece changes. States at events are results of steps,
-never of interpolation, which would lose energy at every impact. Of several joints the first event
-counts, and with it those at the same time.
+never of interpolation, which would lose energy at every impact.
 
 A root finder that compares signs at the ends of a step can overlook a shallow contact or a short
-release. Therefore a step in which δ turns is looked at more closely, and a step in flight moves a
+release. Therefore a step in which δ turns is looked at more closely, and a step in flight moves the
 pin by no more than a part of its clearance.
+
+DOP853 is Dormand and Prince's Runge–Kutta pair of order 8(5,3), with SciPy's coefficients (Hairer,
+Nørsett and Wanner, Solving Ordinary Differential Equations I, Sect. II.10). The ledgers feed
+nothing back and are summed with its weights, without error control.
 """
 
 from __future__ import annotations
@@ -18,32 +21,42 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.integrate import DOP853
 
 from cylcontact.joint import contact
 from cylcontact.joint.contact import Joint
-from cylcontact.mechanism import dop853
-from cylcontact.mechanism.dop853 import STAGES, Model, later, rates_at, step
-from cylcontact.mechanism.slider_crank import Turn
+from cylcontact.mechanism.slider_crank import (
+    COORDINATES,
+    Crank,
+    Turn,
+    crank_turn,
+    derivatives,
+    joint_motion,
+    later,
+)
 from cylcontact.support.arrays import BoolArray, FloatArray
-from cylcontact.support.numba_cache import called, compiled, copy_to, inlined, merged
+from cylcontact.support.numba_cache import called, compiled, inlined, merged
+
+STAGES = 12
+# Stage i is at t + C[i]·h, from the rates of the stages before it weighted by A[i]. The solution is
+# the last row; E3 and E5 weight its differences to solutions of the orders 3 and 5.
+A = np.vstack((DOP853.A[:STAGES, :STAGES], DOP853.B))
+C, E3, E5 = DOP853.C[:STAGES].copy(), DOP853.E3[:STAGES].copy(), DOP853.E5[:STAGES].copy()
 
 # Where a run is: time in s, the next step in s (0 at a start), the error of the last one,
-# evaluations so far, how many steps have ended at the kink that they start from since one last
-# ended at another, and the joint of the last event.
+# evaluations so far, and how many steps have ended at the kink that they start from.
 Now = Any
 NOW = np.dtype(
     [
         *((name, np.float64) for name in ("time", "step", "error")),
-        *((name, np.int64) for name in ("evaluations", "held", "joint")),
+        *((name, np.int64) for name in ("evaluations", "stuck")),
     ]
 )
-
 # Why `integrate` returns: the end is reached, the buffers are full, the law ends, no step is small
-# enough.
-END, FULL, LAW_LEFT, COLLAPSED = 0, 1, 2, 3
-
+# enough, the pin has left its hole.
+END, FULL, LAW_LEFT, COLLAPSED, HOLE_LEFT = 0, 1, 2, 3, 4
 # What a step may meet.
-_NOTHING, _GAP, _SLOWER, _FASTER, _LAW = 0, 1, 2, 3, 4
+_NOTHING, _TOUCH, _SLOWER, _FASTER, _LAW = 0, 1, 2, 3, 4
 _RETRY = -1
 
 # Steps in s: the first one after a start, the first one in flight, and the shortest before an event
@@ -52,81 +65,138 @@ _FIRST, _FIRST_IN_FLIGHT, _SHORTEST = 1e-9, 1e-6, 1e-10
 # Depth in m that the first step of a contact reaches, and above which δⁿ is smooth enough.
 _SHALLOW = 2e-9
 # How close in s a step must end at an onset or release, or at a kink.
-_AT_GAP, _AT_KINK = 1e-10, 2e-11
+_AT_TOUCH, _AT_KINK = 1e-10, 2e-11
 # Time in s over which the slope of a margin is taken.
 _AT_SLOPE = 1e-9
 _ATTEMPTS = 60
 # How many steps in a row may end at the kink that they start from. Up to 41 have been seen to go on
-# by themselves, mostly 1; runs that do are as they always were.
-_MOST_HELD = 64
-# δ in m, δ̇ and v_t in m/s, and the two components of ė in m/s.
-Look = tuple[float, float, float, float, float]
+# by themselves, mostly 1.
+_MOST_STUCK = 64
 # The controller of Hairer and Wanner's code, with less stabilisation and more growth.
 _SAFETY, _BETA, _SHRINK, _GROW = 0.9, 0.04, 1 / 3, 8.0
 
 
-class Space(NamedTuple):
-    """Room to work in, zero at first: the next state, looks, and |ë| of every joint."""
+class Model(NamedTuple):
+    """What is integrated, and work arrays: the rates at the stages of a step, and a state."""
 
-    new: FloatArray
-    looks: FloatArray
-    after: FloatArray
-    accelerations: FloatArray
+    joint: Any
+    law: FloatArray
+    crank: Any
+    rates: FloatArray
+    stage: FloatArray
 
-    @classmethod
-    def of(cls, size: int, joints: int) -> Space:
-        """Return the room for a state of a size, and for joints."""
-        shapes = size, (joints, 5), (joints, 5), joints
-        return cls(*[np.zeros(shape) for shape in shapes])
+
+class Gap(NamedTuple):
+    """The gap of the joint: δ in m, δ̇ and v_t in m/s, and the two components of ė in m/s."""
+
+    delta: float
+    rate: float
+    v_t: float
+    u_x: float
+    u_y: float
 
 
 class Start(NamedTuple):
-    """The start of a step: time in s, the crank's angle, the state, and the look at every joint."""
+    """The start of a step: time in s, the crank's angle, the state, and the gap."""
 
     time: float
     turn: Turn
     y: FloatArray
-    looks: FloatArray
+    gap: Gap
 
 
-@called
-def _look(turn: Turn, y: FloatArray, joint: Joint, m: Model) -> Look:
-    """Return δ, δ̇, v_t and ė of a joint at a state."""
-    e_x, e_y, u_x, u_y, spin_i, spin_j = dop853.motion(turn, y, joint, m.crank, m.pin, m.linkage)
-    distance = math.sqrt(e_x * e_x + e_y * e_y)
-    delta = distance - joint.clearance
-    if distance == 0.0:
-        return delta, 0.0, 0.0, u_x, u_y
-    n_x, n_y = e_x / distance, e_y / distance
-    sliding = spin_i * joint.R_bearing - spin_j * (joint.R_pin - delta)
-    return delta, u_x * n_x + u_y * n_y, u_x * n_y - u_y * n_x + sliding, u_x, u_y
-
-
-@compiled
-def penetration(t: float, y: FloatArray, joint: Joint, m: Model) -> float:
-    """Return δ of a joint at a state."""
-    turn = dop853.clock(t, m.crank)
-    e_x, e_y, _, _, _, _ = dop853.motion(turn, y, joint, m.crank, m.pin, m.linkage)
-    return math.sqrt(e_x * e_x + e_y * e_y) - float(joint.clearance)
-
-
-@called
-def _look_at_all(turn: Turn, y: FloatArray, m: Model, looks: FloatArray) -> None:
-    """Write the `Look` of every joint to a row of `looks`."""
-    for k in range(m.joints.shape[0]):
-        looks[k, 0], looks[k, 1], looks[k, 2], looks[k, 3], looks[k, 4] = _look(
-            turn, y, m.joints[k], m
-        )
+# --- a step -------------------------------------------------------------------------------------
 
 
 @inlined
-def _choose_pieces(delta: float, v_t: float, joint: Joint) -> None:
+def _rates_at(turn: Turn, y: FloatArray, row: int, m: Model) -> None:
+    """Write the rates of coordinates and ledgers at a state to a row of `rates`."""
+    derivatives(turn, y, m.rates[row], m.joint, m.law, m.crank)
+
+
+@called
+def _step(h: float, at: Start, new: FloatArray, m: Model) -> None:
+    """Write the state after a step to `new`, from that at its start and its rates in row 0."""
+    for i in range(1, STAGES):
+        _combine(i, h, at.y, m.rates, m.stage)
+        _rates_at(later(at.turn, C[i] * h, m.crank), m.stage, i, m)
+    _combine(STAGES, h, at.y, m.rates, new)
+
+
+@inlined
+def _combine(i: int, h: float, y: FloatArray, k: FloatArray, out: FloatArray) -> None:
+    """Write y + h·Σ a_ij·k_j to `out`: four sums that stay in registers."""
+    k0, k1, k2, k3 = 0.0, 0.0, 0.0, 0.0
+    for j in range(i):
+        a = A[i, j]
+        k0 += a * k[j, 0]
+        k1 += a * k[j, 1]
+        k2 += a * k[j, 2]
+        k3 += a * k[j, 3]
+    out[0], out[1], out[2], out[3] = y[0] + h * k0, y[1] + h * k1, y[2] + h * k2, y[3] + h * k3
+
+
+@merged
+def _error(
+    h: float, y: FloatArray, new: FloatArray, k: FloatArray, relative: float, absolute: FloatArray
+) -> float:
+    """Return the error of a step relative to the tolerances; the step is good up to 1."""
+    third, fifth = 0.0, 0.0
+    for n in range(COORDINATES):
+        e3, e5 = 0.0, 0.0
+        for j in range(STAGES):
+            e3 += E3[j] * k[j, n]
+            e5 += E5[j] * k[j, n]
+        scale = absolute[n] + relative * max(abs(y[n]), abs(new[n]))
+        third += (e3 / scale) ** 2
+        fifth += (e5 / scale) ** 2
+    if fifth == 0.0:
+        return 0.0
+    return abs(h) * fifth / math.sqrt(COORDINATES * (fifth + 0.01 * third))
+
+
+@merged
+def _sum_ledgers(h: float, rest: float, ledgers: FloatArray, rates: FloatArray) -> None:
+    """Add what a step contributes to the ledgers, and a very short time after it."""
+    for n in range(ledgers.size):
+        total = ledgers[n]
+        for j in range(STAGES):
+            total += h * A[STAGES, j] * rates[j, COORDINATES + n]
+        ledgers[n] = total + rest * rates[STAGES - 1, COORDINATES + n]
+
+
+@called
+def _shift(dt: float, y: FloatArray, rates: FloatArray) -> None:
+    """Move a state by a very short time, with the rates of the last stage."""
+    for n in range(2):
+        y[n] += dt * (y[2 + n] + 0.5 * dt * rates[STAGES - 1, 2 + n])
+        y[2 + n] += dt * rates[STAGES - 1, 2 + n]
+
+
+# --- pieces and their ends ----------------------------------------------------------------------
+
+
+@called
+def _gap_at(turn: Turn, y: FloatArray, joint: Joint, m: Crank) -> Gap:
+    """Return the gap of the joint at a state."""
+    e_x, e_y, u_x, u_y, spin_i, spin_j = joint_motion(turn, y, m)
+    distance = math.sqrt(e_x * e_x + e_y * e_y)
+    delta = distance - joint.clearance
+    if distance == 0.0:
+        return Gap(delta, 0.0, 0.0, u_x, u_y)
+    n_x, n_y = e_x / distance, e_y / distance
+    sliding = spin_i * joint.R_bearing - spin_j * (joint.R_pin - delta)
+    return Gap(delta, u_x * n_x + u_y * n_y, u_x * n_y - u_y * n_x + sliding, u_x, u_y)
+
+
+@inlined
+def _choose_pieces(gap: Gap, joint: Joint) -> None:
     """Set the branch of friction and the regime of the law by the state."""
-    speed = abs(v_t)
+    speed = abs(gap.v_t)
     branch = 0 if speed <= joint.v0 else (1 if speed <= joint.v1 else 2)
-    joint.branch = 0 if joint.friction == 0.0 else (branch if v_t >= 0.0 else -branch)
+    joint.branch = 0 if joint.friction == 0.0 else (branch if gap.v_t >= 0.0 else -branch)
     if joint.last_penetration < math.inf and joint.stop_penetration == math.inf:
-        beyond = delta * 1e3 > joint.last_penetration
+        beyond = gap.delta * 1e3 > joint.last_penetration
         joint.regime = contact.LINE if beyond else contact.LAW
 
 
@@ -142,53 +212,51 @@ def _bounds(joint: Joint) -> tuple[float, float]:
 
 
 @inlined
-def _margin(kind: int, delta: float, v_t: float, joint: Joint) -> float:
+def _margin(kind: int, gap: Gap, joint: Joint) -> float:
     """Return how far a state is inside the present piece; negative outside."""
-    if kind == _GAP:
-        return delta if joint.touching else -delta
+    if kind == _TOUCH:
+        return gap.delta if joint.touching else -gap.delta
     if kind in (_SLOWER, _FASTER):
         low, high = _bounds(joint)
-        return v_t - low if kind == _SLOWER else high - v_t
+        return gap.v_t - low if kind == _SLOWER else high - gap.v_t
     if joint.stop_penetration < math.inf:
-        return float(joint.stop_penetration - delta)
-    inside = float(joint.last_penetration * 1e-3 - delta)
+        return float(joint.stop_penetration - gap.delta)
+    inside = float(joint.last_penetration * 1e-3 - gap.delta)
     return -inside if joint.regime == contact.LINE else inside
 
 
 @called
-def _turning(h: float, start: FloatArray, end: FloatArray) -> tuple[float, float]:
-    """Return the fraction of a step at which δ turns, and δ there, by Hermite's cubic."""
-    a, b, c = h * start[1], end[0] - start[0], h * end[1]
-    cubic, square = a + c - 2 * b, 3 * b - 2 * a - c
-    low, high = 0.0, 1.0
-    for _ in range(40):
-        x = 0.5 * (low + high)
-        if ((3 * cubic * x + 2 * square) * x + a) * a > 0:
-            low = x
-        else:
-            high = x
-    return low, start[0] + low * (a + low * (square + low * cubic))
+def _first_event(start: Gap, end: Gap, joint: Joint) -> tuple[int, bool]:
+    """Return what a step has passed first, and whether its start was inside."""
+    event, starts_inside, earliest = _NOTHING, True, 2.0
+    for kind in range(_TOUCH, (_LAW if joint.touching else _TOUCH) + 1):
+        after = _margin(kind, end, joint)
+        if after < 0.0:
+            before = _margin(kind, start, joint)
+            fraction = before / (before - after) if before > 0.0 else 0.0
+            if fraction < earliest:
+                event, starts_inside, earliest = kind, before > 0.0, fraction
+    return event, starts_inside
 
 
 @called
-def _first_event(
-    start: FloatArray, end: FloatArray, joints: Any, but: int
-) -> tuple[int, int, bool]:
-    """Return what a step has passed first, of which joint but one, and if its start was inside."""
-    event, at, starts_inside, earliest = _NOTHING, but, True, 2.0
-    for k in range(joints.shape[0]):
-        joint = joints[k]
-        if k == but:
-            continue
-        last = _LAW if joint.touching else _GAP
-        for kind in range(_GAP, last + 1):
-            after = _margin(kind, end[k, 0], end[k, 2], joint)
-            if after < 0.0:
-                before = _margin(kind, start[k, 0], start[k, 2], joint)
-                fraction = before / (before - after) if before > 0.0 else 0.0
-                if fraction < earliest:
-                    event, at, starts_inside, earliest = kind, k, before > 0.0, fraction
-    return event, at, starts_inside
+def _switch(kind: int, gap: Gap, now: Now, joint: Joint) -> None:
+    """Change to the piece beyond an event, and set the first step there."""
+    if kind in (_SLOWER, _FASTER):
+        joint.branch += 1 if kind == _FASTER else -1
+    elif kind == _LAW:
+        joint.regime = contact.LINE if joint.regime == contact.LAW else contact.LAW
+    elif joint.touching:
+        joint.touching, joint.onset_rate = 0, 0.0
+        now.step = _FIRST_IN_FLIGHT
+    else:
+        joint.touching, joint.onset_rate = 1, gap.rate
+        joint.impact_rate = max(gap.rate, joint.rate_floor)
+        _choose_pieces(gap, joint)
+        now.step = min(_SHALLOW / max(gap.rate, 1e-3 * joint.rate_floor), 1e-7)
+
+
+# --- landing on an end --------------------------------------------------------------------------
 
 
 @merged
@@ -196,23 +264,23 @@ def _interpolate(
     x: float, h: float, y: FloatArray, new: FloatArray, rates: FloatArray, out: FloatArray
 ) -> None:
     """Write the state at a fraction x of a step, by Hermite's quintic from first and last rates."""
-    half, last = y.size // 2, rates.shape[0] - 1
-    for n in range(half):
-        d, v = new[n] - y[n], h * y[half + n]
-        w, a, b = h * new[half + n], h * h * rates[0, half + n], h * h * rates[last, half + n]
+    last = rates.shape[0] - 1
+    for n in range(2):
+        d, v = new[n] - y[n], h * y[2 + n]
+        w, a, b = h * new[2 + n], h * h * rates[0, 2 + n], h * h * rates[last, 2 + n]
         c3 = 10 * d - 6 * v - 4 * w - 1.5 * a + 0.5 * b
         c4 = -15 * d + 8 * v + 7 * w + 1.5 * a - b
         c5 = 6 * d - 3 * (v + w) - 0.5 * (a - b)
         out[n] = y[n] + x * (v + x * (0.5 * a + x * (c3 + x * (c4 + x * c5))))
-        out[half + n] = (v + x * (a + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h
+        out[2 + n] = (v + x * (a + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h
 
 
 @merged
 def _guess(
-    kind: int, k: int, h: float, margins: tuple[float, float], at: Start, new: FloatArray, m: Model
+    kind: int, h: float, margins: tuple[float, float], at: Start, new: FloatArray, m: Model
 ) -> float:
-    """Return about when an event of a joint occurs within a step, from margins at its ends."""
-    rates_at(at.time + h, later(at.turn, h, m.crank), new, STAGES, m)
+    """Return about when an event occurs within a step, from margins at its ends."""
+    _rates_at(later(at.turn, h, m.crank), new, STAGES, m)
     low, high, last = 0.0, 1.0, 2.0
     g_low, g_high = margins
     x = 0.5
@@ -221,8 +289,8 @@ def _guess(
         if abs(x - last) * h < 0.1 * _AT_KINK:
             break
         _interpolate(x, h, at.y, new, m.rates, m.stage)
-        delta, _, v_t, _, _ = _look(later(at.turn, x * h, m.crank), m.stage, m.joints[k], m)
-        g = _margin(kind, delta, v_t, m.joints[k])
+        gap = _gap_at(later(at.turn, x * h, m.crank), m.stage, m.joint, m.crank)
+        g = _margin(kind, gap, m.joint)
         if g > 0.0:
             g_high *= 0.5 if low == last else 1.0
             low, g_low = x, g
@@ -235,43 +303,39 @@ def _guess(
 
 @called
 def _land(
-    kind: int, k: int, h: float, at: Start, after: FloatArray, new: FloatArray, m: Model, now: Now
+    kind: int, h: float, at: Start, after: Gap, new: FloatArray, m: Model, now: Now
 ) -> tuple[float, float]:
     """Repeat a step until it ends at an event, as close as a shift by a very short time.
 
-    `new` is the state at its end, which is updated, and `after` has the looks there. Returned are
-    the length of the step and the time from its end to the event, in s; a length of 0 if the step
-    ends at the kink that it starts from, as too many before.
+    `new` is the state at its end, which is updated. Returned are the length of the step and the
+    time from its end to the event, in s; a length of 0 if the step ends at the kink that it starts
+    from, as too many before.
     """
-    joint, tolerance = m.joints[k], _AT_GAP if kind == _GAP else _AT_KINK
-    margins = (
-        _margin(kind, at.looks[k, 0], at.looks[k, 2], joint),
-        _margin(kind, after[k, 0], after[k, 2], joint),
-    )
-    x = _guess(kind, k, h, margins, at, new, m)
+    joint, tolerance = m.joint, _AT_TOUCH if kind == _TOUCH else _AT_KINK
+    x = _guess(kind, h, (_margin(kind, at.gap, joint), _margin(kind, after, joint)), at, new, m)
     now.evaluations += 1
     low, high = 0.0, h
     for _ in range(_ATTEMPTS):
-        step(at.time, x, at.turn, at.y, new, m)
+        _step(x, at, new, m)
         now.evaluations += STAGES - 1
         turn = later(at.turn, x, m.crank)
-        delta, _, v_t, _, _ = _look(turn, new, joint, m)
-        g = _margin(kind, delta, v_t, joint)
+        g = _margin(kind, _gap_at(turn, new, joint, m.crank), joint)
         if g > 0.0:
             low = x
         else:
             high = x
-        copy_to(new, m.stage)
+        for n in range(COORDINATES):
+            m.stage[n] = new[n]
         _shift(_AT_SLOPE, m.stage, m.rates)
-        delta, _, v_t, _, _ = _look(later(turn, _AT_SLOPE, m.crank), m.stage, joint, m)
-        rise = _margin(kind, delta, v_t, joint) - g
+        gap = _gap_at(later(turn, _AT_SLOPE, m.crank), m.stage, joint, m.crank)
+        rise = _margin(kind, gap, joint) - g
         correction = -g / rise * _AT_SLOPE if rise != 0.0 else math.inf
         if abs(correction) < tolerance or high - low < tolerance:
             if x >= tolerance:
-                now.held = 0
-            elif kind != _GAP and rise > 0.0:
-                now.held += 1
-                if now.held > _MOST_HELD:
+                now.stuck = 0
+            elif kind != _TOUCH and rise > 0.0:
+                now.stuck += 1
+                if now.stuck > _MOST_STUCK:
                     return 0.0, 0.0
             return x, min(max(correction, -tolerance), tolerance)
         x += correction
@@ -281,186 +345,96 @@ def _land(
 
 
 @called
-def _shift(dt: float, y: FloatArray, rates: FloatArray) -> None:
-    """Move a state by a very short time, with the rates of the last stage."""
-    half, last = y.size // 2, STAGES - 1
-    for n in range(half):
-        y[n] += dt * (y[half + n] + 0.5 * dt * rates[last, half + n])
-        y[half + n] += dt * rates[last, half + n]
-
-
-@called
-def _switch(kind: int, look: FloatArray, now: Now, joint: Joint) -> None:
-    """Change a joint to the piece beyond an event, and set the first step there."""
-    delta, rate, v_t = look[0], look[1], look[2]
-    if kind in (_SLOWER, _FASTER):
-        joint.branch += 1 if kind == _FASTER else -1
-    elif kind == _LAW:
-        joint.regime = contact.LINE if joint.regime == contact.LAW else contact.LAW
-    elif joint.touching:
-        joint.touching, joint.onset_rate = 0, 0.0
-        now.step = _FIRST_IN_FLIGHT
-    else:
-        joint.touching, joint.onset_rate = 1, rate
-        joint.impact_rate = max(rate, joint.rate_floor)
-        _choose_pieces(delta, v_t, joint)
-        now.step = min(_SHALLOW / max(rate, 1e-3 * joint.rate_floor), 1e-7)
+def _turning(h: float, start: Gap, end: Gap) -> tuple[float, float]:
+    """Return the fraction of a step at which δ turns, and δ there, by Hermite's cubic."""
+    a, b, c = h * start.rate, end.delta - start.delta, h * end.rate
+    cubic, square = a + c - 2 * b, 3 * b - 2 * a - c
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        x = 0.5 * (low + high)
+        if ((3 * cubic * x + 2 * square) * x + a) * a > 0:
+            low = x
+        else:
+            high = x
+    return low, start.delta + low * (a + low * (square + low * cubic))
 
 
 @merged
-def _switch_others(looks: FloatArray, now: Now, joints: Any) -> None:
-    """Begin and end contacts that do so at the time of the event of another joint."""
-    for k in range(joints.shape[0]):
-        outwards = looks[k, 0] >= 0.0 and looks[k, 1] > 0.0
-        inwards = looks[k, 0] <= 0.0 and looks[k, 1] < 0.0
-        if k != now.joint and (inwards if joints[k].touching else outwards):
-            _switch(_GAP, looks[k], now, joints[k])
+def _turn(h: float, start: Gap, end: Gap, joint: Joint) -> tuple[float, bool]:
+    """Return where a step should end as δ turns in it, and whether it missed an event."""
+    if start.rate * end.rate >= 0.0:
+        return h, False
+    at, depth = _turning(h, start, end)
+    touching = joint.touching != 0
+    overlooked = (depth < 0.0) == touching
+    deepest = touching and start.rate > 0.0
+    if 0.05 < at < 0.95 and (overlooked or deepest):
+        return at * h, overlooked
+    return h, False
 
 
 @merged
-def _length(
-    now: Now, looks: FloatArray, accelerations: FloatArray, end: float, max_step: float, joints: Any
-) -> float:
-    """Return the next step in s, bounded towards a release, in flight, and by the end."""
-    h = min(now.step, max_step)
-    for k in range(joints.shape[0]):
-        c, delta, rate = joints[k].clearance, looks[k, 0], looks[k, 1]
-        if joints[k].touching:
-            if rate < 0.0 and delta > _SHALLOW:
-                h = min(h, 0.85 * delta / -rate)
-            continue
-        speed = math.sqrt(looks[k, 3] * looks[k, 3] + looks[k, 4] * looks[k, 4])
-        if speed > 0.0:
-            h = min(h, c / (2.0 * speed))
-        if accelerations[k] > 0.0:
-            h = min(h, 0.5 * math.sqrt(c / accelerations[k]))
-    return float(end - now.time if now.time + h * (1.0 + 1e-9) >= end else h)
+def _examine(h: float, at: Start, new: FloatArray, m: Model, now: Now) -> tuple[int, float, float]:
+    """Find the first event in a step, and end the step there.
 
-
-@merged
-def _turn(h: float, start: FloatArray, end: FloatArray, joints: Any) -> tuple[float, bool]:
-    """Return where a step should end as some δ turns in it, and whether it missed an event."""
-    length, missed = h, False
-    for k in range(joints.shape[0]):
-        if start[k, 1] * end[k, 1] >= 0.0:
-            continue
-        at, depth = _turning(h, start[k], end[k])
-        touching = joints[k].touching != 0
-        overlooked = (depth < 0.0) == touching
-        deepest = touching and start[k, 1] > 0.0
-        if 0.05 < at < 0.95 and (overlooked or deepest) and at * h < length:
-            length, missed = at * h, overlooked
-    return length, missed
-
-
-@merged
-def _examine(
-    h: float, at: Start, after: FloatArray, new: FloatArray, m: Model, now: Now
-) -> tuple[int, float, float]:
-    """Find the first event in a step within its tolerance, and end the step there.
-
-    `new` is the state at its end, which is updated, and `after` is written. Returned are what is
-    at the end (`_RETRY` if the step must be repeated with the step in `now`), its length, and the
-    time from its end to the event, in s.
+    `new` is the state at its end, which is updated. Returned are what is at the end (`_RETRY` if
+    the step must be repeated with the step in `now`), its length, and the time from its end to the
+    event, in s.
     """
-    _look_at_all(later(at.turn, h, m.crank), new, m, after)
-    event, k, starts_inside = _first_event(at.looks, after, m.joints, -1)
+    after = _gap_at(later(at.turn, h, m.crank), new, m.joint, m.crank)
+    event, starts_inside = _first_event(at.gap, after, m.joint)
     if event == _NOTHING:
-        length, missed = _turn(h, at.looks, after, m.joints)
+        length, missed = _turn(h, at.gap, after, m.joint)
         if missed:
             now.step = length
             return _RETRY, length, 0.0
         if length < h:
-            step(at.time, length, at.turn, at.y, new, m)
+            _step(length, at, new, m)
             now.evaluations += STAGES - 1
         return _NOTHING, length, 0.0
-    allowed = m.joints[k].allowed_penetration
-    if event == _GAP and allowed > 0.0 and after[k, 0] > 0.0:
+    allowed = m.joint.allowed_penetration
+    if event == _TOUCH and allowed > 0.0 and after.delta > 0.0:
         now.step = 0.5 * h
-        return (_GAP if after[k, 0] <= allowed else _RETRY), h, 0.0
-    if starts_inside:
-        return _land_on_first(event, k, h, at, after, new, m, now)
-    return _at_once(event, k, h, now)
+        return (_TOUCH if after.delta <= allowed else _RETRY), h, 0.0
+    if not starts_inside:
+        now.step = 0.25 * h
+        return (_RETRY if h > _SHORTEST else event), h, 0.0
+    length, rest = _land(event, h, at, after, new, m, now)
+    if length == 0.0:
+        # The state has just passed a kink, and turns within the step to pass it again. Ended at its
+        # start, such steps change between the two pieces without end.
+        now.step = 0.5 * h
+        return _RETRY, h, 0.0
+    return event, length, rest
+
+
+# --- the loop -----------------------------------------------------------------------------------
 
 
 @merged
-def _at_once(event: int, k: int, h: float, now: Now) -> tuple[int, float, float]:
-    """Return that an event at the start of a step is taken if the step is very short."""
-    now.joint, now.step = k, 0.25 * h
-    return (_RETRY if h > _SHORTEST else event), h, 0.0
-
-
-@merged
-def _land_on_first(
-    event: int, k: int, h: float, at: Start, after: FloatArray, new: FloatArray, m: Model, now: Now
-) -> tuple[int, float, float]:
-    """End a step at an event of a joint, or at an earlier one of another joint; see `_examine`."""
-    while True:
-        length, rest = _land(event, k, h, at, after, new, m, now)
-        if length == 0.0:
-            # The state has just passed a kink, and turns within the step to pass it again. Ended
-            # at its start, such steps change between the two pieces without end.
-            now.step = 0.5 * h
-            return _RETRY, h, 0.0
-        now.joint = k
-        if m.joints.shape[0] == 1:
-            return event, length, rest
-        # Events were put in order by straight lines: that of another joint may be earlier.
-        _look_at_all(later(at.turn, length, m.crank), new, m, after)
-        earlier, other, starts_inside = _first_event(at.looks, after, m.joints, k)
-        if earlier == _NOTHING:
-            return event, length, rest
-        event, k, h = earlier, other, length
-        if not starts_inside:
-            return _at_once(event, k, h, now)
-
-
-@called
-def _record(
-    row: int,
-    now: Now,
-    y: FloatArray,
-    ledgers: FloatArray,
-    joints: Any,
-    buffers: tuple[FloatArray, FloatArray, BoolArray, FloatArray],
-) -> int:
-    """Write a row and return the number of the next."""
-    times, states, touching, onset_rates = buffers
-    times[row] = now.time
-    for n in range(y.size):
-        states[row, n] = y[n]
-    for n in range(ledgers.size):
-        states[row, y.size + n] = ledgers[n]
-    for k in range(joints.shape[0]):
-        touching[row, k], onset_rates[row, k] = joints[k].touching != 0, joints[k].onset_rate
-    return row + 1
-
-
-@merged
-def _begin(looks: FloatArray, joints: Any, now: Now) -> None:
-    """Choose the pieces of all joints by the state, and the first step."""
-    for k in range(joints.shape[0]):
-        joints[k].impact_rate = max(joints[k].onset_rate, joints[k].rate_floor)
-        _choose_pieces(looks[k, 0], looks[k, 2], joints[k])
-    if now.step == 0.0:
-        now.step, now.error = _FIRST, 1e-4
-
-
-@merged
-def _accelerate(h: float, before: FloatArray, after: FloatArray, out: FloatArray) -> None:
-    """Write the mean size of ë over a step for every joint, and update the looks before it."""
-    for k in range(out.size):
-        out[k] = math.hypot(after[k, 3] - before[k, 3], after[k, 4] - before[k, 4]) / h
-        copy_to(after[k], before[k])
+def _length(
+    now: Now, gap: Gap, acceleration: float, end: float, max_step: float, joint: Joint
+) -> float:
+    """Return the next step in s, bounded towards a release, in flight, and by the end."""
+    h = min(now.step, max_step)
+    if joint.touching:
+        if gap.rate < 0.0 and gap.delta > _SHALLOW:
+            h = min(h, 0.85 * gap.delta / -gap.rate)
+    else:
+        speed = math.sqrt(gap.u_x * gap.u_x + gap.u_y * gap.u_y)
+        if speed > 0.0:
+            h = min(h, joint.clearance / (2.0 * speed))
+        if acceleration > 0.0:
+            h = min(h, 0.5 * math.sqrt(joint.clearance / acceleration))
+    return float(end - now.time if now.time + h * (1.0 + 1e-9) >= end else h)
 
 
 @called
 def _good_step(
     now: Now,
     at: Start,
-    after: FloatArray,
     new: FloatArray,
-    accelerations: FloatArray,
+    acceleration: float,
     end: float,
     tolerances: tuple[float, FloatArray, float],
     m: Model,
@@ -474,21 +448,19 @@ def _good_step(
     t, grow = at.time, _GROW
     while True:
         wanted = min(now.step, max_step)
-        h = _length(now, at.looks, accelerations, end, max_step, m.joints)
+        h = _length(now, at.gap, acceleration, end, max_step, m.joint)
         if not t + h > t:
             return _NOTHING, 0.0, 0.0
-        step(t, h, at.turn, at.y, new, m)
+        _step(h, at, new, m)
         now.evaluations += STAGES - 1
-        measure = dop853.error(h, at.y, new, m.rates, relative, absolute)
+        measure = _error(h, at.y, new, m.rates, relative, absolute)
         if not measure <= 1.0:
             shrink = _SAFETY * measure**-0.125 if measure < math.inf else 0.0
             now.step, grow = h * max(shrink, _SHRINK), 1.0
             continue
-        event, length, rest = _NOTHING, h, 0.0
-        if m.joints.shape[0]:
-            event, length, rest = _examine(h, at, after, new, m, now)
-            if event == _RETRY:
-                continue
+        event, length, rest = _examine(h, at, new, m, now)
+        if event == _RETRY:
+            continue
         now.time = end if length == h and t + h * (1.0 + 1e-9) >= end else t + (length + rest)
         if event == _NOTHING:
             factor = _SAFETY * now.error**_BETA / max(measure, 1e-10) ** (0.125 - 0.2 * _BETA)
@@ -496,6 +468,26 @@ def _good_step(
         else:
             now.step, now.error = wanted, 1e-4
         return event, length, rest
+
+
+@called
+def _record(
+    row: int,
+    now: Now,
+    y: FloatArray,
+    ledgers: FloatArray,
+    joint: Joint,
+    buffers: tuple[FloatArray, FloatArray, BoolArray, FloatArray],
+) -> int:
+    """Write a row and return the number of the next."""
+    times, states, touching, onset_rates = buffers
+    times[row] = now.time
+    for n in range(COORDINATES):
+        states[row, n] = y[n]
+    for n in range(ledgers.size):
+        states[row, COORDINATES + n] = ledgers[n]
+    touching[row], onset_rates[row] = joint.touching != 0, joint.onset_rate
+    return row + 1
 
 
 @compiled
@@ -506,43 +498,46 @@ def integrate(
     end: float,
     m: Model,
     tolerances: tuple[float, FloatArray, float],
-    space: Space,
+    new: FloatArray,
     buffers: tuple[FloatArray, FloatArray, BoolArray, FloatArray],
 ) -> tuple[int, int]:
     """Integrate until the time `end`, or until something else stops it.
 
-    `now`, the state `y`, its ledgers and the joints are those of the start, and are advanced.
-    `tolerances` are the relative and the absolute one, and the longest step in s. Time, state with
-    ledgers, contacts and δ̇⁽⁻⁾ after each step are written to `buffers`; an onset and a release have
-    two rows, one in each mode. Returned are the rows filled, and `END`, `FULL`, `LAW_LEFT` or
-    `COLLAPSED`.
+    `now`, the state `y`, its ledgers and the joint are those of the start, and are advanced.
+    `tolerances` are the relative and the absolute one, and the longest step in s; `new` is a work
+    array for a state. Time, state with ledgers, contact and δ̇⁽⁻⁾ after each step are written to
+    `buffers`; an onset and a release have two rows, one in each mode. Returned are the rows filled,
+    and why it returns.
     """
-    new, looks, after, accelerations = space
-    joints, turn = m.joints, dop853.clock(now.time, m.crank)
-    _look_at_all(turn, y, m, looks)
-    _begin(looks, joints, now)
-    rows = 0
+    joint, turn, acceleration, rows = m.joint, crank_turn(now.time, m.crank), 0.0, 0
+    gap = _gap_at(turn, y, joint, m.crank)
+    joint.impact_rate = max(joint.onset_rate, joint.rate_floor)
+    _choose_pieces(gap, joint)
+    if now.step == 0.0:
+        now.step, now.error = _FIRST, 1e-4
     while now.time < end:
         if rows + 2 > buffers[0].size:
             return rows, FULL
-        rates_at(now.time, turn, y, 0, m)
+        _rates_at(turn, y, 0, m)
         now.evaluations += 1
-        at = Start(now.time, turn, y, looks)
-        event, length, rest = _good_step(now, at, after, new, accelerations, end, tolerances, m)
+        at = Start(now.time, turn, y, gap)
+        event, length, rest = _good_step(now, at, new, acceleration, end, tolerances, m)
         if length == 0.0:
             return rows, COLLAPSED
-        dop853.sum_ledgers(length, rest, ledgers, m.rates)
+        _sum_ledgers(length, rest, ledgers, m.rates)
         _shift(rest, new, m.rates)
-        copy_to(new, y)
-        turn = dop853.clock(now.time, m.crank)
-        _look_at_all(turn, y, m, after)
-        _accelerate(length, looks, after, accelerations)
-        rows = _record(rows, now, y, ledgers, joints, buffers)
-        if event == _LAW and joints[now.joint].stop_penetration < math.inf:
+        for n in range(COORDINATES):
+            y[n] = new[n]
+        turn, before = crank_turn(now.time, m.crank), gap
+        gap = _gap_at(turn, y, joint, m.crank)
+        acceleration = math.hypot(gap.u_x - before.u_x, gap.u_y - before.u_y) / length
+        rows = _record(rows, now, y, ledgers, joint, buffers)
+        if event == _LAW and joint.stop_penetration < math.inf:
             return rows, LAW_LEFT
+        if gap.delta > contact.DEEPEST_SHARE * joint.R_bearing:
+            return rows, HOLE_LEFT
         if event != _NOTHING:
-            _switch(event, looks[now.joint], now, joints[now.joint])
-            _switch_others(looks, now, joints)
-            if event == _GAP and now.time < end:
-                rows = _record(rows, now, y, ledgers, joints, buffers)
+            _switch(event, gap, now, joint)
+            if event == _TOUCH and now.time < end:
+                rows = _record(rows, now, y, ledgers, joint, buffers)
     return rows, END

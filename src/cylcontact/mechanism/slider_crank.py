@@ -1,10 +1,9 @@
-"""The slider-crank in minimal coordinates: the components of its one or two eccentricities.
+"""The slider-crank: its file, its dimensions, and its equations of motion.
 
-This is a second derivation, independent of multipliers, and the faster one. The frame has its
-origin at the crank's pivot and its first axis along the slide. A(t) is the crank pin, prescribed by
-the driver. The rod, of length L, points in the direction u = (cos φ, sin φ), and its far end is
-P = A + L·u. The centre of the joint on the slider is S = (s, h), with h the offset of the slide.
-The coordinates are
+The frame has its origin at the crank's pivot and its first axis along the slide. A(t) is the crank
+pin, prescribed by the driver. The rod, of length L, points in the direction u = (cos φ, sin φ), and
+its far end is P = A + L·u. The centre of the joint on the slider is S = (s, h), with h the offset
+of the slide. The coordinates are the two components of
 
     E = S − P,
 
@@ -14,81 +13,320 @@ determine the other coordinates as long as the rod is not perpendicular to the s
 
     sin φ = (h − A_y − E_y)/L,    s = A_x + L·cos φ + E_x.
 
-With the force F on the slider along the slide, −f on the rod at P, a moment M on the rod, the
-moment of inertia J_A of the rod about A and its centre of mass at a·u + b·u⊥ from A,
+With the force f on the slider, −f on the rod at P, a moment M on the rod, the moment of inertia J_A
+of the rod about A and its centre of mass at a·u from A,
 
-    J_A·φ̈ + m·(a·u⊥ − b·u)·Ä = L·u⊥·(−f) + M + gravity,    m_s·s̈ = F_x,
+    J_A·φ̈ + m·a·u⊥·Ä = L·u⊥·(−f) + M + gravity,    m_s·s̈ = f_x + gravity,
 
 and E follows by differentiating its definition twice. The driver's power is the moment of the
 crank's reaction about its pivot times ω.
-
-With a second clearance, between crank and rod, the rod begins at B = A + D in place of A, and D,
-the eccentricity of rod against crank, has two unknowns more. The rod is then free: with the force p
-on it at B and I about its centre of mass G,
-
-    m·G̈ = p − f + gravity,    I·φ̈ = (B − G)×p − (P − G)×f + M,
-
-and B̈ and P̈ follow from G̈, φ̈ and φ̇. Nothing else changes.
 """
 
 from __future__ import annotations
 
-import cmath
+import copy
 import math
-from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
+from pydantic import Field
 
+from cylcontact.bodies.fits import Fit
+from cylcontact.bodies.material import own_table
+from cylcontact.bodies.pair import unusual_lengths
+from cylcontact.files.spec import Spec, parse_spec, read_toml
 from cylcontact.joint import contact
-from cylcontact.joint.clearance import Point
-from cylcontact.mechanism.linkage import assemble
-from cylcontact.mechanism.model import GROUND, Joint, Mechanism
-from cylcontact.support.arrays import FloatArray
+from cylcontact.joint.clearance import ClearanceJoint, Point, build_joint, require_defined
+from cylcontact.support.arrays import FloatArray, require
+from cylcontact.support.errors import InputError
 from cylcontact.support.numba_cache import called, inlined
 
-# A slider-crank as compiled functions take it, in SI. The reciprocals save divisions.
-Crank = Any
+# --- the file -----------------------------------------------------------------------------------
+
+
+class BarSpec(Spec):
+    """Crank or rod."""
+
+    length: float = Field(gt=0, description="the length in mm")
+    mass: float = Field(gt=0, description="the mass in kg")
+    inertia: float = Field(gt=0, description="the moment of inertia about the centre, kg m²")
+    centre: float = Field(
+        0.5, description="the centre of mass as a share of the length, from the crank's pivot on"
+    )
+
+
+class SliderSpec(Spec):
+    """The slider."""
+
+    mass: float = Field(gt=0, description="the mass in kg")
+
+
+class SliderCrankSpec(Spec):
+    """A slider-crank's file."""
+
+    name: str = Field(description="its name")
+    speed: float = Field(description="the crank's speed in rpm, negative for clockwise")
+    angle: float = Field(0.0, description="the crank's angle at the start in degrees")
+    offset: float = Field(0.0, description="the distance of the slide from the pivot in mm")
+    gravity: Point = Field((0.0, 0.0), description="[along, across] the slide in m/s²")
+    crank: BarSpec = Field(description="a table [crank]")
+    rod: BarSpec = Field(description="a table [rod]")
+    slider: SliderSpec = Field(description="a table [slider]")
+    bearing_of: Literal["rod", "slider"] = Field("rod", description='"rod" or "slider"')
+    joint: dict[str, Any] = Field(description="a table [joint], with the keys of a joint's file")
+    eccentricity: Point = Field(
+        (0.0, 0.0), description="[x, y] in mm from the pin's centre to the bearing's, at the start"
+    )
+    eccentricity_rate: Point = Field((0.0, 0.0), description="its rate at the start in mm/s")
+    max_step: float = Field(1e-4, gt=0, description="the longest step in s")
+    tolerance: float = Field(1e-8, ge=1e-14, le=1e-3, description="the tolerance, e.g. 1e-8")
+    revolutions: int = Field(10, ge=1, description="the number of revolutions of the crank")
+
+
+# Values that `read_mechanism` may change: those of the joint, with their places, and others.
+_OF_JOINT = {
+    "law": ("law",),
+    "clearance": ("clearance",),
+    "restitution": ("dissipation", "restitution"),
+    "friction": ("friction", "coefficient"),
+}
+_OTHERS = ("revolutions", "tolerance", "max_step")
+# Assumed: the least rod length over the height that it must span. The rod then stays at least eight
+# degrees away from the perpendicular to the slide, where the equations end.
+_LEAST_ROD = 1.01
+# Assumed, for warnings: a density in kg/m³ above tungsten's, the radii of gyration of a bar over
+# its length, and ten times the gravity of the earth in m/s².
+_DENSITY, _GYRATION, _GRAVITY = 20e3, (0.05, 1.5), 98.1
+
+# A slider-crank for compiled functions, in SI. The reciprocals save divisions.
 CRANK = np.dtype(
     [
         (name, np.float64)
         for name in (
             *("crank", "rod", "offset", "omega", "angle", "side"),
-            *("crank_a", "crank_b", "crank_mass", "rod_a", "rod_b", "rod_mass", "rod_inertia"),
-            *("slider_mass", "gravity_x", "gravity_y"),
-            *("per_rod", "per_rod_inertia", "per_slider_mass"),
+            *("crank_a", "crank_mass", "rod_a", "rod_mass"),
+            *("gravity_x", "gravity_y", "per_rod", "per_rod_inertia", "per_slider_mass"),
         )
     ]
 )
-
-# What a second clearance between crank and rod adds: the sign of its eccentricity, where the joint
-# of the slider is among the two, the slider among the bodies, and the free rod.
-PIN = np.dtype(
-    [
-        ("side", np.float64),
-        *((name, np.int64) for name in ("wrist", "slider")),
-        *((name, np.float64) for name in ("per_rod_mass", "per_rod_inertia")),
-    ]
-)
-
+Crank = Any
 # Cosine and sine of the crank's angle.
 Turn = tuple[float, float]
+# The rates of the equations: four of E and Ė, the driver's work, and `JOINT_LEDGERS`.
+COORDINATES, DRIVE = 4, 4
+JOINT_LEDGERS = ("normal_dissipation", "friction_dissipation", "penetration_integral", "impulse")
+RATES = COORDINATES + 1 + len(JOINT_LEDGERS)
+
+
+@dataclass(frozen=True, eq=False)
+class SliderCrank:
+    """A slider-crank with a clearance joint; build one with `read_mechanism`.
+
+    Attributes
+    ----------
+    spec : SliderCrankSpec
+        The content of its file.
+    joint : ClearanceJoint
+        The joint of rod and slider.
+    data : dict
+        The content of the file as read, with the changes.
+    source : str
+        Its name in errors.
+    materials : path, optional
+        The user's table of materials.
+    """
+
+    spec: SliderCrankSpec
+    joint: ClearanceJoint
+    data: dict[str, Any] = field(repr=False)
+    source: str = "slider-crank"
+    materials: Path | None = None
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self.spec.name
+
+    @property
+    def omega(self) -> float:
+        """The crank's speed in rad/s."""
+        return self.spec.speed * 2 * math.pi / 60
+
+    @property
+    def period(self) -> float:
+        """The time of a revolution in s."""
+        return 2 * math.pi / abs(self.omega)
+
+    @property
+    def side(self) -> float:
+        """The sign of the eccentricity in E."""
+        return 1.0 if self.spec.bearing_of == "slider" else -1.0
+
+    @property
+    def record(self) -> Any:
+        """The numbers for compiled functions, of the type `CRANK`."""
+        spec, m = self.spec, np.zeros(1, CRANK)[0]
+        m["crank"], m["rod"] = 1e-3 * spec.crank.length, 1e-3 * spec.rod.length
+        m["offset"], m["omega"] = 1e-3 * spec.offset, self.omega
+        m["angle"], m["side"] = math.radians(spec.angle), self.side
+        m["crank_a"], m["rod_a"] = spec.crank.centre * m["crank"], spec.rod.centre * m["rod"]
+        m["crank_mass"], m["rod_mass"] = spec.crank.mass, spec.rod.mass
+        m["gravity_x"], m["gravity_y"] = spec.gravity
+        m["per_rod"], m["per_slider_mass"] = 1 / m["rod"], 1 / spec.slider.mass
+        m["per_rod_inertia"] = 1 / (spec.rod.inertia + spec.rod.mass * m["rod_a"] ** 2)
+        return m
+
+    @property
+    def start(self) -> FloatArray:
+        """E in m and its rate in m/s at the start."""
+        spec = self.spec
+        return self.side * 1e-3 * np.array([*spec.eccentricity, *spec.eccentricity_rate])
+
+    def changed(self, **changes: Any) -> SliderCrank:
+        """Return it with other values; see `read_mechanism`."""
+        if changes.get("law") is None and self.data["joint"]["law"] == repr(self.joint.law):
+            changes["law"] = self.joint.law  # it was given as an object
+        return mechanism_from(self.data, self.source, self.materials, **changes)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """A sentence for each mass, inertia, length or gravity that is hardly meant."""
+        return (*self._unusual_numbers(), *unusual_lengths(self.joint.pair))
+
+    def _unusual_numbers(self) -> Iterator[str]:
+        spec, hole = self.spec, 2 * float(self.joint.pair.radii("the joint")[0])
+        length = self.joint.pair.contact_length("the joint")
+        size = 1e-3 * max(spec.crank.length + spec.rod.length, length, hole)
+        for name, body in (("crank", spec.crank), ("rod", spec.rod), ("slider", spec.slider)):
+            if body.mass > _DENSITY * size**3:
+                yield f"the {name} has {body.mass:g} kg; masses are in kg, not in g"
+            elif isinstance(body, BarSpec):
+                radius = 1e3 * math.sqrt(body.inertia / body.mass)
+                if not _GYRATION[0] <= radius / body.length <= _GYRATION[1]:
+                    what = f"the {name}, {body.length:g} mm long, has a radius of gyration of"
+                    yield f"{what} {radius:.3g} mm; inertias are in kg m², not in g mm² or kg mm²"
+        if (pull := math.hypot(*spec.gravity)) > _GRAVITY:
+            yield f"gravity is {pull:g} m/s²; it is in m/s², not in mm/s²"
+
+
+def read_mechanism(
+    path: Path | str, materials: Path | str | None = None, **changes: Any
+) -> SliderCrank:
+    """Read the file of a slider-crank with a clearance between rod and slider.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file, e.g. datasets/slider_crank.toml.
+    materials : path, optional
+        Your own table of materials; by default datasets/materials.csv if there is one, beside the
+        file, above it or here.
+    **changes
+        Values that replace those of the file: `law` (a name, a fit's result or a ContactLaw),
+        `clearance` in mm, `restitution`, `friction`, `revolutions`, `tolerance`, `max_step` in s.
+        None keeps the value of the file.
+
+    Returns
+    -------
+    SliderCrank
+
+    Raises
+    ------
+    InputError
+        With the first mistake in the file.
+
+    Examples
+    --------
+    >>> crank = read_mechanism("datasets/slider_crank.toml", law="johnson", clearance=0.02)
+    >>> crank.joint.law, round(1e3 * crank.period)
+    (Johnson(), 12)
+    """
+    own = own_table(materials, Path(path).parent, str(path))
+    return mechanism_from(read_toml(path), str(path), own, **changes)
+
+
+def mechanism_from(
+    data: dict[str, Any], source: str = "slider-crank", own: Path | None = None, **changes: Any
+) -> SliderCrank:
+    """Return the slider-crank of a file's data; see `read_mechanism`."""
+    data, known = copy.deepcopy(data), (*_OF_JOINT, *_OTHERS)
+    law = changes.get("law")
+    given = None if isinstance(law, str) else law
+    for key, value in changes.items():
+        require(key in known, source, key, value, "cannot be set", f"choose {', '.join(known)}")
+        if value is not None:
+            _change(data, key, repr(value) if value is given else value, source)
+    spec = parse_spec(SliderCrankSpec, data, source)
+    try:
+        joint = build_joint({"name": "joint", **spec.joint}, source, own, given)
+        for body, point in (("bearing", joint.point_bearing), ("pin", joint.point_pin)):
+            rule, remedy = "must be 0: the joint is at the end of the rod", "remove it"
+            require(point == (0.0, 0.0), source, f"{body}.point", point, rule, remedy)
+        require_defined(joint, source)
+    except InputError as error:
+        key = f"joint.{error.key}" if error.source == source else error.key
+        raise InputError(error.source, key, error.value, error.rule, error.remedy) from None
+    mechanism = SliderCrank(spec, joint, data, source, own)
+    _require_motion(mechanism)
+    return mechanism
+
+
+def _require_motion(mechanism: SliderCrank) -> None:
+    """Refuse a slider-crank that cannot turn, or starts outside its clearance."""
+    spec, source, radial = mechanism.spec, mechanism.source, mechanism.joint.radial
+    rule, remedy = "must not be zero", "give it in rpm"
+    require(spec.speed != 0, source, "speed", spec.speed, rule, remedy)
+    span = spec.crank.length + abs(spec.offset) + radial
+    require(
+        spec.rod.length >= _LEAST_ROD * span, source, "rod.length", spec.rod.length,
+        f"is too short: crank, offset and clearance take {span:g} mm at the dead centre",
+        f"give at least {_LEAST_ROD * span:.4g} mm",
+    )  # fmt: skip
+    start = math.hypot(*spec.eccentricity)
+    rule, remedy = f"is outside the clearance of {radial:.4g} mm", "keep its length below that"
+    require(start < radial, source, "eccentricity", [*spec.eccentricity], rule, remedy)
+
+
+def _change(data: dict[str, Any], key: str, value: Any, source: str) -> None:
+    """Set a value in a file's data; a clearance decides the pin's radius."""
+    if key in _OTHERS:
+        data[key] = value
+        return
+    joint = data.setdefault("joint", {})
+    if not isinstance(joint, dict):  # refused with the file
+        return
+    bearing, pin = joint.get("bearing"), joint.get("pin")
+    if key == "clearance" and isinstance(bearing, dict) and isinstance(pin, dict):
+        pin.pop("R", None)
+        if "fit" in joint:
+            bearing["R"] = Fit.read(str(joint.pop("fit")), source, "joint.fit").middle[0]
+    *tables, last = _OF_JOINT[key]
+    table = joint.setdefault(tables[0], {}) if tables else joint
+    if isinstance(table, dict):
+        table[last] = value
+
+
+# --- the equations ------------------------------------------------------------------------------
+
 # Of Taylor's series.
 _COS = (-1 / 2, 1 / 24, -1 / 720, 1 / 40320)
 _SIN = (-1 / 6, 1 / 120, -1 / 5040, 1 / 362880)
 
 
 @called
-def crank_turn(t: float, m: Crank) -> tuple[float, float]:
+def crank_turn(t: float, m: Crank) -> Turn:
     """Return cosine and sine of the crank's angle."""
     theta = m.angle + m.omega * t
     return math.cos(theta), math.sin(theta)
 
 
 @inlined
-def turned(c: float, s: float, dt: float, m: Crank) -> tuple[float, float]:
+def later(turn: Turn, dt: float, m: Crank) -> Turn:
     """Return the cosine and sine of `crank_turn` a time dt later."""
+    c, s = turn
     angle = m.omega * dt
     if abs(angle) > 0.1:
         x, y = math.cos(angle), math.sin(angle)
@@ -100,310 +338,66 @@ def turned(c: float, s: float, dt: float, m: Crank) -> tuple[float, float]:
 
 
 @inlined
-def _rod_motion(c: float, s: float, up: float, rate: float, m: Crank) -> tuple[float, float, float]:
-    """Return sin φ, cos φ and φ̇ of the rod if eccentricities lift the slider by `up`."""
-    sine = (m.offset - m.crank * s - up) * m.per_rod
+def _rod_motion(turn: Turn, y: FloatArray, m: Crank) -> tuple[float, float, float]:
+    """Return sin φ, cos φ and φ̇ of the rod."""
+    sine = (m.offset - m.crank * turn[1] - y[1]) * m.per_rod
     cosine = math.sqrt(1.0 - sine * sine)
-    spin = -(m.omega * m.crank * c + rate) * m.per_rod / cosine
+    spin = -(m.omega * m.crank * turn[0] + y[3]) * m.per_rod / cosine
     return sine, cosine, spin
 
 
 @inlined
-def _weight(c: float, s: float, m: Crank) -> float:
-    """Return the moment of the gravity on the crank about its pivot."""
-    c_x, c_y = m.crank_a * c - m.crank_b * s, m.crank_a * s + m.crank_b * c
-    moment: float = m.crank_mass * (c_x * m.gravity_y - c_y * m.gravity_x)
-    return moment
+def _motion(spin: float, y: FloatArray, m: Crank) -> contact.Motion:
+    """Return the motion of the joint at a spin of the rod."""
+    side = m.side
+    of_bearing, of_pin = (0.0, spin) if side > 0 else (spin, 0.0)
+    return side * y[0], side * y[1], side * y[2], side * y[3], of_bearing, of_pin
 
 
 @inlined
-def _of_joint(
-    side: float, y: FloatArray, n: int, rate: int, near: float, far: float
-) -> contact.Motion:
-    """Return a joint's motion from y[n] and y[rate] on, and the spins of its two bodies."""
-    spin_i, spin_j = (far, near) if side > 0 else (near, far)
-    return side * y[n], side * y[n + 1], side * y[rate], side * y[rate + 1], spin_i, spin_j
-
-
-@inlined
-def joint_motion(
-    turn: Turn, y: FloatArray, joint: contact.Joint, m: Crank, pin: Any
-) -> contact.Motion:
-    """Return the motion of a joint along the slide, of two with a `pin`."""
-    if pin is not None:
-        _, _, spin = _rod_motion(turn[0], turn[1], y[1] + y[3], y[5] + y[7], m)
-        return _of_two(spin, y, joint, m, pin)
-    _, _, spin = _rod_motion(turn[0], turn[1], y[1], y[3], m)
-    return _of_joint(m.side, y, 0, 2, spin, 0.0)
-
-
-@inlined
-def _of_two(spin: float, y: FloatArray, joint: contact.Joint, m: Crank, pin: Any) -> contact.Motion:
-    if pin.slider in (joint.i, joint.j):
-        return _of_joint(m.side, y, 0, 4, spin, 0.0)
-    return _of_joint(pin.side, y, 2, 6, m.omega, spin)
+def joint_motion(turn: Turn, y: FloatArray, m: Crank) -> contact.Motion:
+    """Return the motion of the joint."""
+    return _motion(_rod_motion(turn, y, m)[2], y, m)
 
 
 @inlined
 def derivatives(
-    turn: Turn, y: FloatArray, rates: FloatArray, row: int, joint: Any, law: FloatArray, m: Crank
+    turn: Turn, y: FloatArray, rates: FloatArray, joint: contact.Joint, law: FloatArray, m: Crank
 ) -> None:
-    """Write the rates of coordinates and ledgers to a row of `rates`."""
+    """Write the rates of E, Ė and the ledgers."""
     c, s = turn
-    sine, cosine, spin = _rod_motion(c, s, y[1], y[3], m)
-    omega, length = m.omega, m.rod
+    sine, cosine, spin = _rod_motion(turn, y, m)
+    omega, length, a = m.omega, m.rod, m.rod_a
     A_x, A_y = m.crank * c, m.crank * s
     a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
 
     # Force on the slider, f, and moment on the rod about its end P.
     f_x, f_y, moment = 0.0, 0.0, 0.0
-    for n in range(5, 10):
-        rates[row, n] = 0.0
+    for n in range(DRIVE + 1, RATES):
+        rates[n] = 0.0
     if joint.touching:
-        side, motion = m.side, _of_joint(m.side, y, 0, 2, spin, 0.0)
         f_x, f_y, moment_i, moment_j, normal, lost, rubbed, delta, _ = contact.forces(
-            motion, joint.impact_rate, joint, law
+            _motion(spin, y, m), joint.impact_rate, joint, law
         )
-        f_x, f_y = side * f_x, side * f_y
-        moment = moment_j if side > 0 else moment_i
-        rates[row, 6], rates[row, 7] = lost, rubbed
-        rates[row, 8], rates[row, 9] = delta, normal
+        f_x, f_y = m.side * f_x, m.side * f_y
+        moment = moment_j if m.side > 0 else moment_i
+        rates[DRIVE + 1], rates[DRIVE + 2] = lost, rubbed
+        rates[DRIVE + 3], rates[DRIVE + 4] = delta, normal
 
     # The rod about A, in the accelerating frame; gravity on the rod reduces Ä.
-    a, b = m.rod_a, m.rod_b
-    lean_x, lean_y = -a * sine - b * cosine, a * cosine - b * sine  # a·u⊥ − b·u
-    inertial = lean_x * (a_x - m.gravity_x) + lean_y * (a_y - m.gravity_y)
+    inertial = -a * sine * (a_x - m.gravity_x) + a * cosine * (a_y - m.gravity_y)
     turning = length * (sine * f_x - cosine * f_y) + moment
     alpha = (turning - m.rod_mass * inertial) * m.per_rod_inertia
     square = spin * spin
 
-    rates[row, 0], rates[row, 1] = y[2], y[3]
+    rates[0], rates[1] = y[2], y[3]
     slider = f_x * m.per_slider_mass + m.gravity_x
-    rates[row, 2] = slider - a_x + length * (sine * alpha + cosine * square)
-    rates[row, 3] = -a_y - length * (cosine * alpha - sine * square)
+    rates[2] = slider - a_x + length * (sine * alpha + cosine * square)
+    rates[3] = -a_y - length * (cosine * alpha - sine * square)
 
     # The crank's reaction and the gravity on it, about the pivot.
-    offset_x, offset_y = a * cosine - b * sine, a * sine + b * cosine
-    G_x = a_x + lean_x * alpha - offset_x * square - m.gravity_x
-    G_y = a_y + lean_y * alpha - offset_y * square - m.gravity_y
+    G_x = a_x - a * sine * alpha - a * cosine * square - m.gravity_x
+    G_y = a_y + a * cosine * alpha - a * sine * square - m.gravity_y
     reaction_x, reaction_y = m.rod_mass * G_x + f_x, m.rod_mass * G_y + f_y
-    weight = _weight(c, s, m)
-    rates[row, 4] = omega * (A_x * reaction_y - A_y * reaction_x - weight)
-
-
-@inlined
-def derivatives_of_two(
-    turn: Turn,
-    y: FloatArray,
-    rates: FloatArray,
-    row: int,
-    joints: Any,
-    laws: FloatArray,
-    m: Crank,
-    pin: Any,
-) -> None:
-    """Write the rates with two eccentricities, of the slider and of the rod at the crank."""
-    c, s = turn
-    sine, cosine, spin = _rod_motion(c, s, y[1] + y[3], y[5] + y[7], m)
-    omega, length = m.omega, m.rod
-
-    # Forces on the slider, f, and on the rod at the crank, p; moments on rod and crank.
-    f_x, f_y, p_x, p_y, moment, on_crank = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(2):
-        joint, first = joints[k], 10 + 4 * k
-        lost, rubbed, delta, normal = 0.0, 0.0, 0.0, 0.0
-        if joint.touching:
-            law = laws[joint.first : joint.first + joint.size]
-            motion = _of_two(spin, y, joint, m, pin)
-            x, z, moment_i, moment_j, normal, lost, rubbed, delta, _ = contact.forces(
-                motion, joint.impact_rate, joint, law
-            )
-            if k == pin.wrist:
-                f_x, f_y = m.side * x, m.side * z
-                moment += moment_j if m.side > 0 else moment_i
-            else:
-                p_x, p_y = pin.side * x, pin.side * z
-                on_rod, on_crank = (moment_i, moment_j) if pin.side > 0 else (moment_j, moment_i)
-                moment += on_rod
-        rates[row, first], rates[row, first + 1] = lost, rubbed
-        rates[row, first + 2], rates[row, first + 3] = delta, normal
-
-    # The rod about its centre of mass G, then its ends B and P; B at −(o_x, o_y) from G.
-    a, b = m.rod_a, m.rod_b
-    o_x, o_y = a * cosine - b * sine, a * sine + b * cosine
-    far_x, far_y = length * cosine - o_x, length * sine - o_y
-    turning = o_y * p_x - o_x * p_y + far_y * f_x - far_x * f_y + moment
-    alpha, square = turning * pin.per_rod_inertia, spin * spin
-    b_x = (p_x - f_x) * pin.per_rod_mass + m.gravity_x + alpha * o_y + square * o_x
-    b_y = (p_y - f_y) * pin.per_rod_mass + m.gravity_y - alpha * o_x + square * o_y
-    A_x, A_y = m.crank * c, m.crank * s
-
-    for n in range(4):
-        rates[row, n] = y[4 + n]
-    slider = f_x * m.per_slider_mass + m.gravity_x
-    rates[row, 4] = slider - b_x + length * (sine * alpha + cosine * square)
-    rates[row, 5] = -b_y - length * (cosine * alpha - sine * square)
-    rates[row, 6], rates[row, 7] = b_x + omega * omega * A_x, b_y + omega * omega * A_y
-
-    weight = _weight(c, s, m)
-    rates[row, 8] = omega * (A_x * p_y - A_y * p_x - on_crank - weight)
-    rates[row, 9] = 0.0
-
-
-@dataclass(frozen=True)
-class SliderCrank:
-    """A slider-crank with a clearance between rod and slider, seen along its slide.
-
-    `bodies` are crank, rod and slider. The frame is at `pivot` and turned by `slide`. The turns,
-    added to the angle of a body, give the direction of its line; centres are those of mass, along
-    the lines or, of the slider, from the joint along the slide. `record` is of the type `CRANK`;
-    `pin` is of the type `PIN`, None without a clearance between crank and rod.
-    """
-
-    bodies: tuple[int, int, int]
-    pivot: Point
-    slide: float
-    crank_turn: float
-    rod_turn: float
-    slider_angle: float
-    slider_centre: complex
-    record: Any
-    pin: Any
-
-    @property
-    def size(self) -> int:
-        """The number of coordinates and rates."""
-        return 4 if self.pin is None else 8
-
-    def _displaced(self, values: FloatArray) -> tuple[FloatArray, ...]:
-        """Return E, its rate, D and its rate along the slide, from coordinates and rates."""
-        pairs = values[:, : self.size : 2] + 1j * values[:, 1 : self.size : 2]
-        if self.pin is None:
-            still = np.zeros_like(pairs[:, 0])
-            return pairs[:, 0], pairs[:, 1], still, still
-        return pairs[:, 0], pairs[:, 2], pairs[:, 1], pairs[:, 3]
-
-    def eccentricity(self, values: FloatArray, number: int) -> tuple[FloatArray, FloatArray]:
-        """Return e of a joint and its rate in global axes, shapes (n, 2)."""
-        E, E_rate, D, D_rate = self._displaced(values)
-        turn = np.exp(1j * self.slide)
-        side = self.record["side"]
-        if self.pin is not None and number != self.pin["wrist"]:
-            side, E, E_rate = self.pin["side"], D, D_rate
-        e, rate = turn * side * E, turn * side * E_rate
-        return np.column_stack((e.real, e.imag)), np.column_stack((rate.real, rate.imag))
-
-    def motion(self, t: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return coordinates and velocities of the bodies in global axes, shapes (n, 9)."""
-        m = self.record
-        E, E_rate, D, D_rate = self._displaced(values)
-        theta = m["angle"] + m["omega"] * t
-        crank = np.exp(1j * theta)
-        A = m["crank"] * crank
-        B, B_rate = A + D, 1j * m["omega"] * A + D_rate
-        sine = (m["offset"] - B.imag - E.imag) / m["rod"]
-        cosine = np.sqrt(1.0 - sine * sine)
-        phi, rod = np.arcsin(sine), cosine + 1j * sine
-        phi_rate = -(B_rate.imag + E_rate.imag) / (m["rod"] * cosine)
-        joint = B + m["rod"] * rod + E
-        joint_rate = B_rate + 1j * phi_rate * m["rod"] * rod + E_rate
-        rod_centre = complex(m["rod_a"], m["rod_b"]) * rod
-        crank_centre = complex(m["crank_a"], m["crank_b"]) * crank
-        # Centre, velocity, angle and spin of each body.
-        motions = (
-            (crank_centre, 1j * m["omega"] * crank_centre, theta - self.crank_turn, m["omega"]),
-            (B + rod_centre, B_rate + 1j * phi_rate * rod_centre, phi - self.rod_turn, phi_rate),
-            (joint + self.slider_centre, joint_rate, self.slider_angle, 0.0),
-        )
-        turn, pivot = np.exp(1j * self.slide), complex(*self.pivot)
-        q, v = np.empty((t.size, 9)), np.empty((t.size, 9))
-        for body, (centre, velocity, angle, spin) in zip(self.bodies, motions, strict=True):
-            place, speed, n = pivot + turn * centre, turn * velocity, 3 * body
-            q[:, n], q[:, n + 1], q[:, n + 2] = place.real, place.imag, angle
-            v[:, n], v[:, n + 1], v[:, n + 2] = speed.real, speed.imag, spin
-        return q, v
-
-
-@lru_cache(maxsize=64)
-def recognise(mechanism: Mechanism) -> SliderCrank | None:
-    """Return the dimensions of a mechanism if it is a slider-crank that this form is for."""
-    drivers = [joint for joint in mechanism.joints if joint.kind == "driver"]
-    slides = [joint for joint in mechanism.joints if joint.kind == "prismatic"]
-    if not (
-        (len(mechanism.bodies), len(mechanism.joints)) == (3, 5)
-        and len(drivers) == len(slides) == 1
-        and drivers[0].i == slides[0].i == GROUND
-        and drivers[0].j != slides[0].j
-        and not (mechanism.springs or mechanism.loads or drivers[0].ramp or drivers[0].torque)
-    ):
-        return None
-    crank, slider = drivers[0].j, slides[0].j
-    (rod,) = {0, 1, 2} - {crank, slider}
-    bodies, joints = (crank, rod, slider), {}
-    for pair in ((GROUND, crank), (crank, rod), (rod, slider)):
-        for joint in mechanism.joints:
-            if joint.kind == "revolute" and {joint.i, joint.j} == {*pair}:
-                joints[pair] = joint
-    if len(joints) != 3:
-        return None
-    main, pin, wrist = joints.values()
-    if wrist.clearance is None or main.clearance is not None:
-        return None
-    about = mechanism, bodies, (main, pin, wrist, slides[0]), drivers[0]
-    shape = _measure(*about)
-    q, _ = assemble(mechanism)
-    backwards = math.cos(q[3 * rod + 2] + shape.rod_turn) <= 0
-    return _measure(*about, math.pi) if backwards else shape
-
-
-def _measure(
-    mechanism: Mechanism,
-    bodies: tuple[int, int, int],
-    joints: tuple[Joint, ...],
-    driver: Joint,
-    turn: float = 0.0,
-) -> SliderCrank:
-    """Return lengths and angles from the points of the joints, in a frame turned by `turn`."""
-    crank, rod, slider = bodies
-    main, pin, wrist, slide = joints
-    pivot, centre = _at(main, GROUND), _at(main, crank)
-    along = slide.direction + turn
-    crank_line, rod_line = _at(pin, crank) - centre, _at(wrist, rod) - _at(pin, rod)
-    crank_angle, rod_angle = cmath.phase(crank_line), cmath.phase(rod_line)
-    rod_centre = _turned(-_at(pin, rod), -rod_angle)
-    crank_centre = _turned(-centre, -crank_angle)
-    on_slide = _turned(_at(slide, GROUND) - pivot, -along)
-    on_slider = _turned(_at(wrist, slider) - _at(slide, slider), slide.angle - along)
-    gravity = np.exp(-1j * along) * complex(*mechanism.gravity)
-    masses = [mechanism.bodies[body] for body in bodies]
-    a, b = rod_centre.real, rod_centre.imag
-    m = np.zeros(1, CRANK)[0]
-    m["crank"], m["rod"] = abs(crank_line), abs(rod_line)
-    m["offset"] = on_slide.imag + on_slider.imag
-    m["omega"], m["angle"] = driver.speed, driver.angle + crank_angle - along
-    m["side"] = 1.0 if wrist.i == slider else -1.0
-    m["crank_a"], m["crank_b"] = crank_centre.real, crank_centre.imag
-    m["crank_mass"], m["rod_mass"], m["slider_mass"] = (body.mass for body in masses)
-    m["rod_a"], m["rod_b"] = a, b
-    m["rod_inertia"] = masses[1].inertia + masses[1].mass * (a * a + b * b)
-    m["gravity_x"], m["gravity_y"] = gravity.real, gravity.imag
-    m["per_rod"], m["per_slider_mass"] = 1 / m["rod"], 1 / m["slider_mass"]
-    m["per_rod_inertia"] = 1 / m["rod_inertia"]
-    second = None
-    if pin.clearance is not None:
-        second = np.zeros(1, PIN)[0]
-        second["side"] = 1.0 if pin.i == rod else -1.0
-        second["wrist"], second["slider"] = mechanism.clearances.index(wrist), slider
-        second["per_rod_mass"] = 1 / masses[1].mass
-        second["per_rod_inertia"] = 1 / masses[1].inertia
-    centre_on_slider = _turned(-_at(wrist, slider), slide.angle - along)
-    turns = along, crank_angle - along, rod_angle - along, slide.angle
-    return SliderCrank(bodies, (pivot.real, pivot.imag), *turns, centre_on_slider, m, second)
-
-
-def _at(joint: Joint, body: int) -> complex:
-    return complex(*(joint.point_i if joint.i == body else joint.point_j))
-
-
-def _turned(a: complex, angle: float) -> complex:
-    return cmath.rect(1.0, angle) * a
+    weight = m.crank_mass * m.crank_a * (c * m.gravity_y - s * m.gravity_x)
+    rates[DRIVE] = omega * (A_x * reaction_y - A_y * reaction_x - weight)

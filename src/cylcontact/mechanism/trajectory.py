@@ -1,176 +1,247 @@
-"""Trajectories: the accepted steps of a simulation, derived quantities, Parquet files and text."""
+"""Trajectories: the steps of a run, what follows from them, and their numbers by revolution."""
 
 from __future__ import annotations
 
 import itertools
-import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.files.provenance import made_with
-from cylcontact.files.reading import marked, require_file, unmarked
-from cylcontact.files.writing import replacing, require_parquet
-from cylcontact.mechanism.joint_motion import JointMotion, Motion, numbers_of
-from cylcontact.mechanism.linkage import largest_gaps, linkage_of
-from cylcontact.mechanism.model import Mechanism, Spring, mechanism_from
-from cylcontact.mechanism.run import (
-    LEDGERS,
-    Run,
-    RunError,
-    Settings,
-    State,
-    StepHistory,
-    concatenate,
-    settings_for,
-)
-from cylcontact.mechanism.statistics import Statistics, described
-from cylcontact.support.arrays import FloatArray, as_floats
-from cylcontact.support.choices import Beyond, Method
-from cylcontact.support.errors import InputError
+from cylcontact.joint import contact
+from cylcontact.mechanism.motion import Motion
+from cylcontact.mechanism.run import Settings, Steps, concatenate, revolutions_of
+from cylcontact.mechanism.slider_crank import COORDINATES, DRIVE, JOINT_LEDGERS, SliderCrank
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray, as_floats
+from cylcontact.support.choices import Beyond
 from cylcontact.support.html_repr import table_html
+from cylcontact.support.numba_cache import called, compiled
 from cylcontact.support.progress import Progress, silent
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from cylcontact.plots import Drawing
+    from cylcontact.mechanism.statistics import Statistics
+    from cylcontact.plots import StyledFigure
 
-# The key of the schema's metadata with everything but the states.
-_METADATA = b"cylcontact.trajectory"
-_LIBRARIES = ("numpy", "numba", "pyarrow")
-
-
-def _of_the_joint(name: str) -> Any:
-    """Return a property of the one joint with clearance."""
-    return property(lambda run: getattr(run.joint, name), doc=getattr(JointMotion, name).__doc__)
+# Parts of a step in each of which the force is computed once.
+PARTS = 4
+FORCE_PERCENTILES = (50, 95, 99)
+# The Poincaré section at the end of every revolution.
+SECTION = ("e_x_um", "e_y_um", "e_x_rate_m_per_s", "e_y_rate_m_per_s", "in_contact")
 
 
-def _over_joints(name: str, about: str) -> Any:
-    """Return a property that is the sum of those of the joints."""
+def _ledger(name: str, about: str) -> Any:
+    column = DRIVE + 1 + JOINT_LEDGERS.index(name)
+    return property(lambda run: run.steps.values[:, column], doc=about)
 
-    def total(run: Trajectory) -> FloatArray:
-        parts = [getattr(joint, name) for joint in run.joints.values()]
-        return as_floats(sum(parts, np.zeros_like(run.time)))
 
-    return property(total, doc=about)
+def _of_forces(columns: int | slice, about: str) -> Any:
+    return property(lambda run: run._forces[:, columns], doc=about)
+
+
+def _of_motion(name: str) -> Any:
+    return property(lambda run: getattr(run.motion, name), doc=getattr(Motion, name).__doc__)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trajectory(Motion):
-    """The motion of a mechanism over whole revolutions.
+class Trajectory:
+    """The motion of a slider-crank over whole revolutions.
 
-    Every array has one element or row for each of the n accepted steps of the integrator, in SI
-    units: m, s, rad, N, J. An onset or release of contact has two rows at the same time, one in
-    each mode. `joints` has what concerns each joint with clearance, by its name; of a mechanism
-    with one, the run itself has the same under the same names.
+    Every array has one element or row for each of the n accepted steps, in SI units: m, s, rad, N,
+    J. An onset or release of contact has two rows at the same time, one in each mode. Axes are
+    along and across the slide.
 
     Parameters
     ----------
-    mechanism : Mechanism
-        The mechanism.
+    mechanism : SliderCrank
     settings : Settings
-        Method, tolerance, longest step in s, and continuation beyond the law's domain.
-    rows : StepHistory
-        The steps as returned by the integrator.
+    steps : Steps
+        The steps as the integrator has returned them.
     """
 
+    mechanism: SliderCrank
+    settings: Settings
+    steps: Steps
+
+    @property
+    def time(self) -> FloatArray:
+        """Times in s, shape (n,)."""
+        return self.steps.time
+
+    @property
+    def revolution(self) -> FloatArray:
+        """Time in revolutions of the crank, shape (n,)."""
+        return self.steps.time / self.mechanism.period
+
+    @property
+    def in_contact(self) -> BoolArray:
+        """Whether the row belongs to the contact mode, shape (n,)."""
+        return self.steps.in_contact
+
+    @property
+    def impact_rate(self) -> FloatArray:
+        """δ̇⁽⁻⁾ of the current contact in m/s, 0 out of contact, shape (n,)."""
+        return self.steps.impact_rate
+
+    @property
+    def eccentricity(self) -> FloatArray:
+        """e = r_i − r_j in m, from the pin's centre to the bearing's, shape (n, 2)."""
+        return self.mechanism.side * self.steps.values[:, :2]
+
+    @property
+    def eccentricity_rate(self) -> FloatArray:
+        """The rate of `eccentricity` in m/s, shape (n, 2)."""
+        return self.mechanism.side * self.steps.values[:, 2:COORDINATES]
+
+    # --- the joint ---
+
     @cached_property
-    def joints(self) -> dict[str, JointMotion]:
-        """The joints with clearance, by name."""
-        # Not of this run itself: in a circle with its joints, it would outlive its use.
-        motion = Motion(self.mechanism, self.settings, self.rows)
-        motion.__dict__["_motion"] = self._motion
-        joints = enumerate(self.mechanism.clearances)
-        return {joint.name: JointMotion(motion, number, joint) for number, joint in joints}
+    def _compiled(self) -> tuple[Any, FloatArray]:
+        """The joint as compiled functions take it, and the numbers of its law."""
+        joint = self.mechanism.joint
+        return joint.record(self.settings.beyond), joint.kernel.parameters
+
+    @cached_property
+    def penetration(self) -> FloatArray:
+        """δ = |e| − c in m, negative out of contact, shape (n,)."""
+        return as_floats(np.hypot(*self.eccentricity.T) - self._compiled[0]["clearance"])
+
+    @cached_property
+    def penetration_rate(self) -> FloatArray:
+        """δ̇ in m/s, shape (n,)."""
+        distance = np.hypot(*self.eccentricity.T)
+        along = (self.eccentricity * self.eccentricity_rate).sum(axis=1)
+        return as_floats(along / np.where(distance > 0, distance, 1.0))
+
+    @cached_property
+    def _forces(self) -> FloatArray:
+        """The columns that `_joint_forces` writes."""
+        spin = self._coordinates.rod_spin
+        still = np.zeros_like(spin)
+        spins = (still, spin) if self.mechanism.side > 0 else (spin, still)
+        out = np.zeros((self.time.size, 7))
+        _joint_forces(
+            self.eccentricity, self.eccentricity_rate, np.column_stack(spins), self.in_contact,
+            self.impact_rate, *self._compiled, out,
+        )  # fmt: skip
+        return out
+
+    force = _of_forces(slice(2), "The contact force on the bearing in N, Eq 13a, shape (n, 2).")
+    normal_force = _of_forces(2, "f_n in N, shape (n,).")
+    friction_force = _of_forces(3, "f_t in N along t = [n_y, −n_x], on the bearing, shape (n,).")
+    tangential_velocity = _of_forces(4, "v_t = (v_i − v_j)·t in m/s at the contact, shape (n,).")
+
+    @cached_property
+    def force_within(self) -> FloatArray:
+        """f_n in N in the middle of equal parts of every step, shape (n − 1, PARTS).
+
+        Steps are long against the peaks of the force. The eccentricity is interpolated by Hermite's
+        cubic; out of contact the force is 0.
+        """
+        out = np.zeros((self.time.size - 1, PARTS))
+        _force_within(
+            self.time, self.eccentricity, self.eccentricity_rate, self.in_contact,
+            self.impact_rate, *self._compiled, out,
+        )  # fmt: skip
+        return out
+
+    @cached_property
+    def contacts(self) -> pd.DataFrame:
+        """One row for each contact.
+
+        Columns: `onset_s`, `release_s` (NaN while under way), `impact_rate_m_per_s` (δ̇⁽⁻⁾),
+        `max_penetration_m` and `max_force_N`.
+        """
+        import pandas as pd
+
+        begins, ends = changes(self.in_contact)
+        last = np.append(ends, self.time.size - 1)[: begins.size]
+        spans = [slice(a, b + 1) for a, b in zip(begins, last, strict=True)]
+        release = np.full(begins.size, np.nan)
+        release[: ends.size] = self.time[ends]
+        return pd.DataFrame(
+            {
+                "onset_s": self.time[begins],
+                "release_s": release,
+                "impact_rate_m_per_s": self.impact_rate[begins],
+                "max_penetration_m": [self.penetration[span].max() for span in spans],
+                "max_force_N": [self._peak(span) for span in spans],
+            }
+        )
+
+    def _peak(self, span: slice) -> float:
+        """Return the largest f_n in N in some rows and within the steps between them."""
+        within = self.force_within[span.start : span.stop - 1]
+        return float(max(self.normal_force[span].max(), within.max(initial=0.0)))
+
+    # --- bodies ---
 
     @property
-    def joint(self) -> JointMotion:
-        """The one joint with clearance; an `InputError` unless there is one."""
-        return self.joints[self.mechanism.clearance.name]
+    def crank_angle(self) -> FloatArray:
+        """The crank's angle from the slide in rad, shape (n,)."""
+        angle = np.radians(self.mechanism.spec.angle)
+        return as_floats(angle + self.mechanism.omega * self.time)
 
-    in_contact = _of_the_joint("in_contact")
-    impact_rate = _of_the_joint("impact_rate")
-    eccentricity = _of_the_joint("eccentricity")
-    eccentricity_rate = _of_the_joint("eccentricity_rate")
-    penetration = _of_the_joint("penetration")
-    penetration_rate = _of_the_joint("penetration_rate")
-    force = _of_the_joint("force")
-    normal_force = _of_the_joint("normal_force")
-    friction_force = _of_the_joint("friction_force")
-    tangential_velocity = _of_the_joint("tangential_velocity")
-    flag = _of_the_joint("flag")
-    contacts = _of_the_joint("contacts")
-    max_elastic_load = _of_the_joint("max_elastic_load")
-    limits = _of_the_joint("limits")
+    @cached_property
+    def _coordinates(self) -> Motion:
+        """The motion without forces, from which the forces follow."""
+        E, E_rate = (self.steps.values[:, k] + 1j * self.steps.values[:, k + 1] for k in (0, 2))
+        return Motion(self.mechanism, self.crank_angle, E, E_rate)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """Positions, velocities, accelerations and reactions of the bodies."""
+        side, (on_bearing, on_pin) = self.mechanism.side, self._forces[:, 5:].T
+        moments = (on_pin, on_bearing) if side > 0 else (on_bearing, on_pin)
+        load = side * (self.force[:, 0] + 1j * self.force[:, 1])
+        state = self._coordinates
+        return Motion(self.mechanism, state.crank_angle, state.E, state.E_rate, load, *moments)
+
+    @cached_property
+    def ideal(self) -> Motion:
+        """The motion of the ideal mechanism, without clearance and friction, at the same angles."""
+        return Motion(self.mechanism, self.crank_angle)
+
+    slider_position = _of_motion("slider_position")
+    slider_velocity = _of_motion("slider_velocity")
+    slider_acceleration = _of_motion("slider_acceleration")
+    crank_moment = _of_motion("crank_moment")
+
+    # --- energies ---
 
     @property
-    def revolutions(self) -> int:
-        """The number of complete revolutions."""
-        return int(self.rows.counts.shape[0])
+    def kinetic_energy(self) -> FloatArray:
+        """Kinetic energy in J, shape (n,)."""
+        return self._coordinates.kinetic_energy
 
     @property
-    def end(self) -> State:
-        """The last state, from which a run can be resumed."""
-        return self.rows.end
+    def potential_energy(self) -> FloatArray:
+        """Potential energy of gravity in J, shape (n,)."""
+        return self._coordinates.potential_energy
+
+    @cached_property
+    def elastic_energy(self) -> FloatArray:
+        """Energy stored in the contact in J, shape (n,)."""
+        depth = np.where(self.in_contact, self.penetration, 0.0)
+        energy = np.zeros_like(depth)
+        _elastic_energy(depth, *self._compiled, energy)
+        return energy
 
     @property
     def drive_work(self) -> FloatArray:
-        """Work of the drivers since the start in J, shape (n,)."""
-        return self.rows.ledgers[:, LEDGERS.index("drive_work")]
+        """Work of the driver since the start in J, shape (n,)."""
+        return self.steps.values[:, DRIVE]
 
-    @property
-    def damping(self) -> FloatArray:
-        """Energy dissipated by dampers since the start in J, shape (n,)."""
-        return self.rows.ledgers[:, LEDGERS.index("damping")]
-
-    normal_dissipation = _over_joints(
-        "normal_dissipation", "Energy dissipated by the normal forces since the start in J, (n,)."
-    )
-    friction_dissipation = _over_joints(
-        "friction_dissipation",
-        "Energy dissipated by all friction since the start in J, shape (n,).",
-    )
-    elastic_energy = _over_joints(
-        "elastic_energy", "Energy stored in the contacts of all joints in J, shape (n,)."
-    )
-
-    @cached_property
-    def kinetic_energy(self) -> FloatArray:
-        """Kinetic energy of all bodies in J, shape (n,)."""
-        mass = np.array([[b.mass, b.mass, b.inertia] for b in self.mechanism.bodies]).ravel()
-        return as_floats(0.5 * (self._motion[1] ** 2) @ mass)
-
-    @cached_property
-    def potential_energy(self) -> FloatArray:
-        """Potential energy of gravity, constant loads and springs in J, shape (n,)."""
-        q, gravity = self._motion[0], self.mechanism.gravity
-        weight = np.array([b.mass * g for b in self.mechanism.bodies for g in (*gravity, 0.0)])
-        energy = -q @ weight
-        for load in self.mechanism.loads:
-            at = self.point(load.body, load.point)[0]
-            angle = q[:, 3 * load.body + 2] if load.body >= 0 else 0.0
-            energy = energy - at @ load.force - load.moment * angle
-        for spring in self.mechanism.springs:
-            energy = energy + 0.5 * spring.stiffness * self._stretch(spring) ** 2
-        return as_floats(energy)
-
-    def _stretch(self, spring: Spring) -> FloatArray:
-        """Return how far a spring is from where it has no force, in m or rad."""
-        if spring.turning:
-            angle = np.column_stack((self.coordinates[:, :, 2], np.zeros_like(self.time)))
-            return as_floats(angle[:, spring.j] - angle[:, spring.i] - spring.rest)
-        ends = self.point(spring.i, spring.point_i)[0], self.point(spring.j, spring.point_j)[0]
-        return as_floats(np.hypot(*(ends[1] - ends[0]).T) - spring.rest)
+    normal_dissipation = _ledger("normal_dissipation", "Lost by the normal force in J, (n,).")
+    friction_dissipation = _ledger("friction_dissipation", "Lost by friction in J, shape (n,).")
 
     @cached_property
     def energy(self) -> FloatArray:
-        """Energy stored and dissipated minus the drivers' work, which is constant, in J, (n,)."""
+        """Energy stored and dissipated minus the driver's work, which is constant, in J, (n,)."""
         stored = self.kinetic_energy + self.potential_energy + self.elastic_energy
-        lost = self.normal_dissipation + self.friction_dissipation + self.damping
+        lost = self.normal_dissipation + self.friction_dissipation
         return as_floats(stored + lost - self.drive_work)
 
     @property
@@ -178,292 +249,308 @@ class Trajectory(Motion):
         """`energy` minus its value at the start in J, shape (n,)."""
         return as_floats(self.energy - self.energy[0])
 
-    @cached_property
-    def drift(self) -> FloatArray:
-        """The largest |Φ| (m, rad) and |dΦ/dt| of the joints' constraints, shape (n, 2)."""
-        q, v = map(np.ascontiguousarray, self._motion)
-        gaps = np.zeros((self.time.size, 2))
-        largest_gaps(self.time, q, v, linkage_of(self.mechanism), gaps)
-        return gaps
+    # --- numbers ---
 
-    @property
-    def counts(self) -> pd.DataFrame:
-        """Accepted steps, evaluations and seconds (NaN from a file), a row for each revolution."""
+    def to_frame(self) -> pd.DataFrame:
+        """Return a table with one row for each accepted step, units in the names.
+
+        Reactions are those of the ground on the crank at the pivot, of the crank on the rod at the
+        crank pin, and of the guide on the slider. The last columns are of the ideal mechanism,
+        without clearance and friction.
+
+        Examples
+        --------
+        >>> from cylcontact.mechanism import read_mechanism, simulate
+        >>> run = simulate(read_mechanism("datasets/slider_crank.toml"), revolutions=1)
+        >>> print(run.to_frame()["crank_angle_rad"].iloc[-1].round(4))
+        -6.2832
+        """
         import pandas as pd
 
-        table = pd.DataFrame(self.rows.counts, columns=["steps", "evaluations", "seconds"])
-        return table.astype({"steps": int, "evaluations": int})
+        motion, ideal, e = self.motion, self.ideal, self.eccentricity
+        return pd.DataFrame(
+            {
+                "time_s": self.time,
+                "crank_angle_rad": self.crank_angle,
+                "slider_position_m": motion.slider_position,
+                "slider_velocity_m_s": motion.slider_velocity,
+                "slider_acceleration_m_s2": motion.slider_acceleration,
+                "crank_moment_Nm": motion.crank_moment,
+                "eccentricity_x_m": e[:, 0],
+                "eccentricity_y_m": e[:, 1],
+                "penetration_m": self.penetration,
+                "penetration_rate_m_s": self.penetration_rate,
+                "normal_force_N": self.normal_force,
+                "friction_force_N": self.friction_force,
+                "pivot_force_x_N": motion.pivot_force.real,
+                "pivot_force_y_N": motion.pivot_force.imag,
+                "crank_pin_force_x_N": motion.crank_pin_force.real,
+                "crank_pin_force_y_N": motion.crank_pin_force.imag,
+                "guide_force_N": motion.guide_force,
+                "guide_moment_Nm": motion.guide_moment,
+                "ideal_position_m": ideal.slider_position,
+                "ideal_velocity_m_s": ideal.slider_velocity,
+                "ideal_acceleration_m_s2": ideal.slider_acceleration,
+                "ideal_crank_moment_Nm": ideal.crank_moment,
+            }
+        )
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """A sentence for each thing to be wary of; see `Statistics.warnings`."""
-        return self.statistics().warnings
+    def plot(self, revolutions: float = 2.0) -> StyledFigure:
+        """Draw the last revolutions, and the Poincaré map of the whole run.
 
-    @property
-    def assumptions(self) -> tuple[str, ...]:
-        """What is assumed, with the continuation of a law if there was one."""
-        return self.statistics().assumptions
+        Panels: acceleration of the slider and moment of the crank, with those of the ideal
+        mechanism; contact force; path of the journal in its clearance; velocity and acceleration of
+        the slider at the end of every revolution.
+        """
+        from cylcontact.mechanism.drawing import drawn
 
-    def taken(self, rows: slice, index: int) -> Trajectory:
-        """Return some rows and the counts of a revolution, as a trajectory."""
-        return replace(self, rows=self.rows.taken(rows, index))
+        return drawn(self, revolutions)
 
     @cached_property
     def _revolutions(self) -> pd.DataFrame:
         """The rows of `Statistics.revolutions`."""
         import pandas as pd
 
-        starts = np.searchsorted(self.rows.revolution, np.arange(self.revolutions + 1))
-        origin = float(self.taken(slice(1), 0).energy[0])
+        count = len(self.steps.counts)
+        starts = np.searchsorted(self.steps.revolution, np.arange(count + 1))
         # From the last row of the previous revolution.
         spans = [slice(max(a - 1, 0), b) for a, b in itertools.pairwise(starts.tolist())]
-        records = [reduced(self.taken(span, k), origin) for k, span in enumerate(spans)]
-        return pd.DataFrame(records, pd.RangeIndex(self.revolutions, name="revolution"))
+        parts = (
+            Trajectory(self.mechanism, self.settings, self.steps.part(span, k))
+            for k, span in enumerate(spans)
+        )
+        records = [numbers_of(part, float(self.energy[0])) for part in parts]
+        return pd.DataFrame(records, pd.RangeIndex(count, name="revolution"))
 
     def statistics(self, first: int = 0) -> Statistics:
         """Return the statistics over the revolutions from `first` (0 is the first) on.
 
-        Raises
-        ------
-        InputError
-            If no revolution is left.
-
         Examples
         --------
         >>> from cylcontact.mechanism import read_mechanism, simulate
-        >>> mechanism = read_mechanism("datasets/slider_crank.toml", clearance=0.02)
-        >>> statistics = simulate(mechanism, revolutions=2).statistics(first=1)
+        >>> crank = read_mechanism("datasets/slider_crank.toml", clearance=0.02)
+        >>> statistics = simulate(crank, revolutions=2).statistics(first=1)
         >>> print(f"{statistics.mean['contact_fraction']:.3f}")
         1.000
         """
-        limits = {name: joint.limits for name, joint in self.joints.items()}
-        return Statistics(self._revolutions, self.mechanism, self.settings, self.end, limits, first)
+        from cylcontact.mechanism.statistics import Statistics
 
-    def save(self, path: Path | str) -> None:
-        """Write to a Parquet file, with the spec, the settings and the provenance.
+        return Statistics(self._revolutions, self.mechanism, self.settings, first)
 
-        One column for each state, and for the contact and δ̇⁽⁻⁾ of each joint under its name; the
-        rest is in the schema's metadata. The same run gives the same bytes.
-        """
-        pa = require_parquet(path)
-        rows, mechanism = self.rows, self.mechanism
-        columns: dict[str, Any] = {"time_s": rows.time, "revolution": rows.revolution}
-        for name, joint in self.joints.items():
-            columns[f"{name}.in_contact"] = joint.in_contact
-            columns[f"{name}.impact_rate_m_per_s"] = joint.impact_rate
-        columns |= {f"state_{k}": column.copy() for k, column in enumerate(rows.values.T)}
-        origin = Path(mechanism.source).parent
-        metadata = {
-            "spec": mechanism.data,
-            "source": mechanism.source,
-            "settings": asdict(self.settings),
-            "counts": rows.counts[:, :2].tolist(),  # times would differ from run to run
-            "assumptions": mechanism.assumptions,
-            "provenance": made_with(origin, {"mechanism": mechanism.data}, _LIBRARIES),
-        }
-        text = json.dumps(marked(metadata))
-        table = pa.table(columns).replace_schema_metadata({_METADATA: text})
-        with replacing(path) as temporary:
-            pa.parquet.write_table(table, temporary, compression="zstd")
+    @property
+    def max_elastic_load(self) -> float:
+        """The largest elastic load, without damping, in N/mm."""
+        return float(self.statistics().revolutions["max_load_N_per_mm"].max())
 
-    @classmethod
-    def load(cls, path: Path | str) -> Trajectory:
-        """Read a trajectory that `save` has written.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be read, holds no trajectory, or one of a newer format.
-        """
-        require_file(path)
-        pa = require_parquet(path)
-        try:
-            table = pa.parquet.ParquetFile(path).read()
-            metadata = dict(json.loads((table.schema.metadata or {})[_METADATA]))
-            metadata = unmarked(metadata, str(path))
-            settings = Settings(**metadata["settings"])
-            mechanism = mechanism_from(metadata["spec"], str(metadata["source"]))
-            names = [joint.name for joint in mechanism.clearances]
-            return cls(mechanism, settings, _rows_of(table, metadata["counts"], names))
-        except InputError:
-            raise
-        except (OSError, pa.ArrowInvalid) as error:
-            reason = getattr(error, "strerror", None) or "not a Parquet file"
-            rule, remedy = f"cannot be read ({reason})", "check the path"
-        except (KeyError, ValueError, TypeError, AttributeError, pa.ArrowException):
-            rule, remedy = "holds no trajectory", "give what simulate -o has written"
-        raise InputError(str(path), "", None, rule, remedy)
-
-    def plot(self, revolutions: float = 2.0, joint: str | None = None) -> Drawing:
-        """Draw the path of a pin's centre in its bearing, and the force in the joint.
-
-        Parameters
-        ----------
-        revolutions : float, optional
-            How many are drawn, from the end.
-        joint : str, optional
-            Its name, where several have a clearance.
-
-        Returns
-        -------
-        Drawing
-            Its table has one row for each step, its headline the largest force in N.
-
-        Raises
-        ------
-        InputError
-            If `revolutions` is not positive.
-        """
-        from cylcontact.mechanism.drawing import joint_drawing
-
-        return joint_drawing(self.joint if joint is None else self.joints[joint], revolutions)
-
-    def __str__(self) -> str:
-        return described(f"Trajectory of {self.mechanism.name!r}", self.statistics().summary)
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """A sentence for each thing to be wary of; see `Statistics.warnings`."""
+        return self.statistics().warnings
 
     def __repr__(self) -> str:
-        return (
-            f"Trajectory({self.mechanism.name!r}, revolutions={self.revolutions}, "
-            f"rows={self.time.size}, end={self.time[-1]:.6g} s)"
-        )
+        count, end = len(self.steps.counts), self.time[-1]
+        return f"Trajectory({self.mechanism.name!r}, {count} revolutions, {end:.6g} s)"
 
     def _repr_html_(self) -> str:
-        rows = {"duration (s)": self.time[-1] - self.time[0], **self.statistics().summary}
-        pictures = [self.plot(joint=name)._repr_html_() for name in self.joints]
-        return table_html(f"Trajectory of {self.mechanism.name}", rows) + "".join(pictures)
+        rows = {"duration (s)": self.time[-1], **self.statistics().summary}
+        return table_html(f"Trajectory of {self.mechanism.name}", rows)
 
 
-def reduced(run: Trajectory, origin: float) -> dict[str, Any]:
-    """Return the row of `Statistics.revolutions` for one revolution, and the step before it.
-
-    `origin` is the `energy` at the start of the whole run in J.
-    """
-    row: dict[str, Any] = {}
-    for name, joint in run.joints.items():
-        prefix = f"{name}." if len(run.joints) > 1 else ""
-        row |= {f"{prefix}{key}": value for key, value in numbers_of(joint).items()}
-    end = run.taken(slice(-1, None), 0)
-    steps, evaluations, seconds = run.rows.counts[0]
-    row["drive_work_J"] = float(run.drive_work[-1] - run.drive_work[0])
-    if run.mechanism.springs:
-        row["damping_J"] = float(run.damping[-1] - run.damping[0])
-    return row | {
-        "steps": int(steps),
-        "evaluations": int(evaluations),
-        "seconds": float(seconds),
-        "kinetic_energy_J": float(run.kinetic_energy.max()),
-        "energy_error_J": float(end.energy[0]) - origin,
-        "drift": np.nan if run.settings.method == "minimal" else float(end.drift[0, 0]),
-    }
-
-
-def _rows_of(table: Any, counts: Any, joints: list[str]) -> StepHistory:
-    """Return the rows that a table holds; an error of Python's if a column is missing or odd."""
-    names = [name for name in table.column_names if name.startswith("state_")]
-    time, *states = (np.asarray(table[name].to_numpy(), float) for name in ("time_s", *names))
-    values, revolution = np.column_stack(states), table["revolution"].to_numpy()
-    if not values.size or not (np.isfinite(values).all() and np.isfinite(time).all()):
-        raise ValueError("the states are no finite numbers")
-
-    def of_joints(column: str, kind: type) -> Any:
-        parts = [table[f"{name}.{column}"].to_numpy() for name in joints]
-        return np.array(parts, kind).T.reshape(time.size, len(joints)).copy()
-
-    known = np.array([row[:2] for row in counts], dtype=np.float64).reshape(-1, 2)
-    touching, rates = of_joints("in_contact", bool), of_joints("impact_rate_m_per_s", float)
-    known = np.insert(known, 2, np.nan, axis=1)
-    return StepHistory(time, values, touching, rates, revolution.astype(np.int32), known)
-
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run, with what the complete revolutions give; None before the first one.
-
-    `simulate` leaves a `trajectory`, `long_run` leaves `statistics`.
-    """
-
-    def __init__(
-        self, trajectory: Trajectory | None = None, statistics: Statistics | None = None
-    ) -> None:
-        super().__init__()
-        self.trajectory = trajectory
-        self.statistics = statistics
+def changes(in_contact: BoolArray) -> tuple[IndexArray, IndexArray]:
+    """Return the rows at which contacts begin and those at which they end."""
+    step = np.diff(in_contact.astype(np.int8))
+    return np.flatnonzero(step == 1) + 1, np.flatnonzero(step == -1)
 
 
 def simulate(
-    mechanism: Mechanism,
-    method: Method | None = None,
+    mechanism: SliderCrank,
     revolutions: int | None = None,
-    tolerance: float | None = None,
     beyond: Beyond = "stop",
-    progress: Progress = silent,
-    resume: Trajectory | None = None,
     allowed_penetration: float | None = None,
+    progress: Progress = silent,
 ) -> Trajectory:
-    """Simulate a mechanism.
+    """Simulate a slider-crank and keep every step.
 
     Parameters
     ----------
-    mechanism : Mechanism
-        The mechanism; see `read_mechanism`.
-    method : {"minimal", "multiplier"}, optional
-        The equations of motion: minimal coordinates, for a slider-crank at constant speed with a
-        clearance between rod and slider, and none or one between crank and rod; or multipliers,
-        for any mechanism. By default minimal coordinates if they apply.
+    mechanism : SliderCrank
+        See `read_mechanism`, which takes the tolerance too.
     revolutions : int, optional
-        Total number of revolutions of the driver; by default that of the spec.
-    tolerance : float, optional
-        By default that of the spec.
+        The number of revolutions of the crank; by default that of the file.
     beyond : {"stop", "tangent"}
-        What to do at the end of a contact law: stop with an error, or continue along the
-        tangent at nine tenths of the law's largest penetration. The trajectory records which.
+        What to do at the end of a contact law: stop with an error, or go on along its tangent at
+        nine tenths of the largest penetration.
+    allowed_penetration : float, optional
+        The paper's control of the step, for comparison: the onset of a contact is not located, but
+        the step halved until the penetration at the onset is at most this, in m.
     progress : callable, optional
         Called with a stage, the number of revolutions done and their total.
-    resume : Trajectory, optional
-        An earlier trajectory to continue. Its mechanism and settings are used, and of the other
-        arguments only `revolutions` and `progress`. The result equals that of an uninterrupted
-        run to the bit.
-    allowed_penetration : float, optional
-        The paper's step control, for comparison: instead of locating the onset of a contact, the
-        step is halved until the penetration at the onset is at most this, in m.
 
     Returns
     -------
     Trajectory
-        Whole revolutions.
 
     Raises
     ------
     InputError
-        If the mechanism cannot be assembled, a law is undefined for its joint, a penetration
-        leaves the domain of its law (`LawDomainError`, with time, penetration and limit) or the
-        steps collapse. The last two are a `RunError`, with the complete revolutions.
-    Interrupted
-        After Ctrl-C, with the complete revolutions.
+        If the penetration leaves the domain of its law (`LawDomainError`), the pin leaves its hole,
+        or the steps collapse (`RunError`).
 
     Examples
     --------
     >>> from cylcontact.mechanism import read_mechanism
-    >>> mechanism = read_mechanism("datasets/slider_crank.toml", clearance=0.02)
-    >>> run = simulate(mechanism, revolutions=1)
+    >>> run = simulate(read_mechanism("datasets/slider_crank.toml", clearance=0.02), revolutions=1)
     >>> print(f"{run.penetration.max() * 1e6:.1f} µm")
     10.3 µm
     """
-    if resume is None:
-        settings = settings_for(mechanism, method, tolerance, beyond, allowed_penetration)
-        run, first = Run.start(mechanism, settings), 0
-        parts = [StepHistory.of(run.state)]
-    else:
-        mechanism, settings, first = resume.mechanism, resume.settings, resume.revolutions
-        run, parts = Run.start(mechanism, settings, resume.end), [resume.rows]
-    total = mechanism.integration.revolutions if revolutions is None else revolutions
-    try:
-        for rows in run.revolutions(total, progress, first):
-            parts.append(rows)
-    except (KeyboardInterrupt, RunError) as error:
-        done = concatenate(parts)
-        complete = Trajectory(mechanism, settings, done) if done.counts.size else None
-        if isinstance(error, RunError):
-            error.trajectory = complete
-            raise
-        raise Interrupted(complete) from None
+    settings = Settings(beyond, allowed_penetration)
+    total = mechanism.spec.revolutions if revolutions is None else revolutions
+    parts = list(revolutions_of(mechanism, settings, total, progress))
     return Trajectory(mechanism, settings, concatenate(parts))
+
+
+def numbers_of(run: Trajectory, origin: float) -> dict[str, Any]:
+    """Return the row of `Statistics.revolutions` for one revolution, and the step before it.
+
+    `origin` is the `energy` at the start of the whole run in J.
+    """
+    touching, dt, values = run.in_contact, np.diff(run.time), run.steps.values
+    # A step has the mode of its last row; the second row of an onset has dt = 0.
+    inside, moving = touching[1:], dt > 0
+    contact_time, flight_time = float(dt[inside].sum()), float(dt[~inside].sum())
+    contact_steps = int(np.count_nonzero(inside & moving))
+    steps, evaluations, seconds = run.steps.counts[0]
+    within = run.force_within
+    drive, *spent = (float(number) for number in values[-1, DRIVE:] - values[0, DRIVE:])
+    lost, rubbed, depth, impulse = spent
+    percentiles = _percentiles(dt[inside], within[inside])
+    begins, _ = changes(touching)
+    under_way = np.append(0, begins) if touching[0] else begins
+    deepest = np.where(touching, run.penetration, -np.inf)
+    deepest = np.maximum.reduceat(deepest, under_way) if under_way.size else np.empty(0)
+    joint, limits = run._compiled[0], run.mechanism.joint.first_yield
+    tangent = run.settings.beyond == "tangent"
+    law_end = float(joint["last_penetration"]) * 1e-3 if tangent else np.inf
+    loads = np.array([_elastic_force(depth, *run._compiled) for depth in deepest])
+    end = (*run.eccentricity[-1] * 1e6, *run.eccentricity_rate[-1], bool(touching[-1]))
+    return {
+        "contact_fraction": contact_time / (contact_time + flight_time),
+        "impacts": begins.size,
+        "mean_penetration_um": _ratio(depth, contact_time) * 1e6,
+        "max_penetration_um": float(run.penetration[touching].max(initial=0.0)) * 1e6,
+        "mean_force_N": _ratio(impulse, contact_time),
+        **{f"force_p{p}_N": x for p, x in zip(FORCE_PERCENTILES, percentiles, strict=True)},
+        "max_force_N": float(max(run.normal_force.max(initial=0.0), within.max(initial=0.0))),
+        "normal_dissipation_J": lost,
+        "friction_dissipation_J": rubbed,
+        "mean_step_contact_us": _ratio(contact_time, contact_steps) * 1e6,
+        "mean_step_flight_us": _ratio(flight_time, steps - contact_steps) * 1e6,
+        "contact_time_s": contact_time,
+        "flight_time_s": flight_time,
+        "penetration_integral_um_s": depth * 1e6,
+        "impulse_N_s": impulse,
+        "contact_steps": contact_steps,
+        "impact_rate_m_per_s": float(run.impact_rate[-1]),
+        "contacts": under_way.size,
+        "above_yield": int(np.count_nonzero(loads > limits)),
+        "beyond_law": int(np.count_nonzero(deepest > law_end)),
+        "max_load_N_per_mm": float(loads.max(initial=0.0)) / float(joint["length"]),
+        **dict(zip(SECTION, end, strict=True)),
+        "drive_work_J": drive,
+        "steps": int(steps),
+        "evaluations": int(evaluations),
+        "seconds": float(seconds),
+        "kinetic_energy_J": float(run.kinetic_energy.max()),
+        "energy_error_J": float(run.energy[-1]) - origin,
+    }
+
+
+def _ratio(numerator: float, denominator: float) -> float:
+    return numerator / denominator if denominator > 0 else float("nan")
+
+
+def _percentiles(dt: FloatArray, values: FloatArray) -> list[float]:
+    """Return percentiles over the time of steps, with `values` in equal parts; NaN without any."""
+    if not dt.sum() > 0:
+        return [float("nan")] * len(FORCE_PERCENTILES)
+    weight, sample = np.repeat(dt, values.shape[1]), values.ravel()
+    order = np.argsort(sample, kind="stable")
+    share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
+    return [float(np.interp(percent / 100, share, sample[order])) for percent in FORCE_PERCENTILES]
+
+
+# --- compiled, over rows ------------------------------------------------------------------------
+
+_elastic_force = compiled(contact.elastic_force)
+
+
+@compiled
+def _joint_forces(
+    e: FloatArray,
+    e_rate: FloatArray,
+    spins: FloatArray,
+    in_contact: BoolArray,
+    impact_rate: FloatArray,
+    joint: contact.Joint,
+    law: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Write force on the bearing (x, y), f_n, f_t in N, v_t in m/s, and moments, shape (n, 7).
+
+    The moments in N m are on the bearing and on the pin, about their centres.
+    """
+    for k in range(e.shape[0]):
+        motion = e[k, 0], e[k, 1], e_rate[k, 0], e_rate[k, 1], spins[k, 0], spins[k, 1]
+        out[k, 4] = contact.relative_motion(motion, joint)[4]
+        if in_contact[k]:
+            rate = max(impact_rate[k], joint.rate_floor)
+            f_x, f_y, moment_i, moment_j, normal, _, _, _, _ = contact.forces(
+                motion, rate, joint, law
+            )
+            out[k, 0], out[k, 1], out[k, 2] = f_x, f_y, normal
+            out[k, 3] = contact.friction_force(normal, out[k, 4], joint)
+            out[k, 5], out[k, 6] = moment_i, moment_j
+
+
+@compiled
+def _force_within(
+    time: FloatArray,
+    e: FloatArray,
+    e_rate: FloatArray,
+    in_contact: BoolArray,
+    impact_rate: FloatArray,
+    joint: contact.Joint,
+    law: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Write `Trajectory.force_within`."""
+    for k in range(time.size - 1):
+        h = time[k + 1] - time[k]
+        if not in_contact[k + 1] or h <= 0.0:
+            continue
+        rate = max(impact_rate[k + 1], joint.rate_floor)
+        for part in range(PARTS):
+            x = (part + 0.5) / PARTS
+            e_x, u_x = _hermite(x, h, e[k, 0], e[k + 1, 0], e_rate[k, 0], e_rate[k + 1, 0])
+            e_y, u_y = _hermite(x, h, e[k, 1], e[k + 1, 1], e_rate[k, 1], e_rate[k + 1, 1])
+            out[k, part] = contact.forces((e_x, e_y, u_x, u_y, 0.0, 0.0), rate, joint, law)[4]
+
+
+@called
+def _hermite(
+    x: float, h: float, start: float, end: float, start_rate: float, end_rate: float
+) -> tuple[float, float]:
+    """Return a value and its rate at a fraction x of a step, from those at its ends."""
+    a, b, c = h * start_rate, end - start, h * end_rate
+    cubic, square = a + c - 2.0 * b, 3.0 * b - 2.0 * a - c
+    value = start + x * (a + x * (square + x * cubic))
+    return value, (a + x * (2.0 * square + x * 3.0 * cubic)) / h
+
+
+@compiled
+def _elastic_energy(
+    penetration: FloatArray, joint: contact.Joint, law: FloatArray, out: FloatArray
+) -> None:
+    """Write ∫ F_el dδ in J up to each penetration in m."""
+    for k in range(penetration.size):
+        out[k] = contact.stored_energy(penetration[k], joint, law)

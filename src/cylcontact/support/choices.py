@@ -8,13 +8,11 @@ from typing import Literal, get_args
 
 Contact = Literal["internal", "external"]
 Branch = Literal["loading", "unloading"]
-Method = Literal["minimal", "multiplier"]
 Beyond = Literal["stop", "tangent"]
 Format = Literal["png", "pdf", "svg"]
 
 CONTACTS: tuple[Contact, ...] = get_args(Contact)
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
-METHODS: tuple[Method, ...] = get_args(Method)
 BEYOND: tuple[Beyond, ...] = get_args(Beyond)
 FORMATS: tuple[Format, ...] = get_args(Format)
 # Languages of laws and joints, with the suffix of the file.
@@ -38,7 +36,6 @@ DESIGN_FILES = ("design.csv", "design.png", "design.pdf")
 # Of tables that are read, those in text first, and of those that are written.
 TABLE_SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx", ".parquet")
 OUTPUT_SUFFIXES = (".csv", ".parquet")
-FILM_SUFFIXES = (".gif", ".mp4")
 
 
 def is_table(path: Path) -> bool:

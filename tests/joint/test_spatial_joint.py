@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from cylcontact import InputError
 from cylcontact.files.spec import read_toml
 from cylcontact.joint import spatial_forces
+from cylcontact.joint.contact import LEFT_HOLE
 from cylcontact.joint.spatial_forces import OUTSIDE, RIM_MISSING, UNLIKE, WORK
 from cylcontact.mechanism import (
     JointState,
@@ -385,7 +386,8 @@ def test_accept_keeps_a_rate_for_each_rim_and_each_face():
 
 FLAGS = {
     "no rims": ({"edge.kind": "none"}, 5.05e-3, RIM_MISSING),
-    "tilt": ({}, 0.11, OUTSIDE),
+    "tilt": ({"length": 15.0}, 0.11, OUTSIDE),
+    "out of the hole": ({}, 0.11, OUTSIDE + LEFT_HOLE),
     "yield": ({"bearing.yield_stress": 100.0, "pin.yield_stress": 100.0}, 5.05e-3, 1),
     "unlike": ({"bearing.E": 3.6, "edge.kind": "flush"}, 5.05e-3, UNLIKE),
     "own rims": ({"bearing.E": 3.6, "edge": {"c": 0.1, "b": 0.5}}, 5.05e-3, 0),
