@@ -40,6 +40,12 @@ _KINDS = (
     ("a grid spec", {"contact", "reference"}),
 )
 
+# Keys that 1.0.0rc1 had, with what to use instead. Kept for one release.
+GONE = {
+    "parameters": "write [bounds] n = [1.0, 1.5], and [fixed] n = 1.1 for a fixed one",
+    "optimizer": "leave it out: a campaign searches with PyGAD, then descends from many points",
+}
+
 # Pydantic's type rules in the terms of TOML and JSON.
 _PLAIN_RULES = {
     "model_type": "must be a table",
@@ -154,6 +160,8 @@ def _explain(kind: str, message: str, model: type[Spec], location: list[str]) ->
             table = _inner_spec(field.annotation) or Spec  # a plain mapping has keys of its own
     if kind == "missing":
         return "is required", f"add {description}"
+    if kind == "extra_forbidden" and location[-1] in GONE:
+        return "is gone", GONE[location[-1]]
     if kind == "extra_forbidden":
         return "is not a known key", f"known keys here: {', '.join(table.model_fields)}"
     rule = message[0].lower() + message[1:].replace("greater than or equal to", "at least")
