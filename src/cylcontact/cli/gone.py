@@ -7,9 +7,13 @@ from collections.abc import Sequence
 from cylcontact.support.errors import InputError
 
 # By command.
-COMMANDS: dict[str, str] = {}
+COMMANDS: dict[str, str] = {
+    "optimizers": "cylcontact fit searches with PyGAD, then descends from many points",
+}
 # By command and option.
-OPTIONS: dict[tuple[str, str], str] = {}
+OPTIONS: dict[tuple[str, str], str] = {
+    ("fit", "--optimizer"): "leave it out: the search is PyGAD's, with descents from many points",
+}
 
 
 def refuse_gone(arguments: Sequence[str]) -> None:

@@ -22,7 +22,6 @@ RESULTS = Path("fitting/results")
 # Keys of tables of functions, which are slow to import; tests/cli/test_commands.py compares them.
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 NOISES = ("constant", "proportional", "both")
-OPTIMIZERS = ("genetic", "differential-evolution", "least-squares", "descents", "cma")
 STYLES = ("journal", "single-column", "double-column", "slides")
 
 Read = Callable[[str], Any]

@@ -361,8 +361,8 @@ def grid_from(data: dict[str, Any], source: str) -> AnyGrid:
     axes = data.get("axes")
     if isinstance(axes, dict) and not axes.keys().isdisjoint(DundursAxesSpec.model_fields):
         own = parse_spec(DimensionlessGridSpec, data, source)
-        values = (getattr(own.axes, name).numbers() for name in DundursAxesSpec.model_fields)
-        return DimensionlessGrid(own.reference, *values, source=source)
+        alpha, beta, phi = (getattr(own.axes, name).numbers() for name in ("alpha", "beta", "phi"))
+        return DimensionlessGrid(own.reference, alpha, beta, phi, source)
     spec = parse_spec(GridSpec, data, source)
-    values = (getattr(spec.axes, name).numbers() for name in AxesSpec.model_fields)
-    return Grid(spec.contact, spec.reference, *values, source=source)
+    E, nu, dR, load = (getattr(spec.axes, name).numbers() for name in ("E", "nu", "dR", "load"))
+    return Grid(spec.contact, spec.reference, E, nu, dR, load, source)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.fitting.calibration import calibrate, space_of
-from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.results import DataFit, FitResult, LawFit
 from cylcontact.fitting.space import Space
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of

@@ -95,8 +95,8 @@ class Profiles:
             on = (np.minimum(-inside, outside) > _PRECISION) & (width > _PRECISION)
             if not on.any():
                 break
-            # Every other step halves the bracket, where the distance is far from linear.
-            share = np.clip(share if step % 2 == 0 else np.full(share.size, 0.5), 0.05, 0.95)
+            # Every third step halves the bracket, where the distance is far from linear.
+            share = np.clip(np.full(share.size, 0.5) if step % 3 == 2 else share, 0.05, 0.95)
             self._insert(inner[on], outer[on], (low + share * (high - low))[on])
         return ends
 

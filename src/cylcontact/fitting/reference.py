@@ -157,9 +157,12 @@ class OfLaw(Space):
             laws = PowerLaws(np.log(dR) - log_K, np.where(n > 0, n, np.nan))
         if any(p.tie for p in self.parameters):
             ties = central_differences(self.complete, self.low, self.high, points)
-            return laws, *(as_floats(ties @ each) for each in by_all)
-        is_free = [p.is_free for p in self.parameters]
-        return laws, *(each if all(is_free) else each[:, is_free] for each in by_all)
+            by_free = [as_floats(ties @ each) for each in by_all]
+        else:
+            is_free = [p.is_free for p in self.parameters]
+            by_free = [each if all(is_free) else each[:, is_free] for each in by_all]
+        d_log_K, dn = by_free
+        return laws, d_log_K, dn
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +178,7 @@ class OnMoments(OfLaw):
 
     @property
     def random_starts(self) -> int:
-        """As many as the memory of a cache holds."""
+        """As many as their slopes leave memory for."""
         return min(_STARTS, _SLOPES // (self.size * len(self.free)))
 
     def residuals(self, points: FloatArray) -> FloatArray:
@@ -185,10 +188,9 @@ class OnMoments(OfLaw):
     def values(self, points: FloatArray) -> FloatArray:
         """Return the objective of P points, shape (P,); inf if undefined."""
         some = max(1, _AT_ONCE // self.moments.dR.size)
-        parts = [points[first : first + some] for first in range(0, len(points), some)]
-        return np.hypot(
-            np.concatenate([super(OnMoments, self).values(p) for p in parts]), self.bound
-        )
+        starts = range(0, len(points), some)
+        parts = [super(OnMoments, self).values(points[k : k + some]) for k in starts]
+        return as_floats(np.hypot(np.concatenate(parts), self.bound))
 
     def linearised(self, points: FloatArray, smooth: float = 0.0) -> tuple[FloatArray, FloatArray]:
         """Return the residuals and their derivatives, by formula if the law has one."""
@@ -243,7 +245,8 @@ class OnSamples(OfLaw):
         """Return residuals whose squares add up to the objective's, or the extremes of groups."""
         if self.is_largest:
             return np.array([self._extremes(each) for each in self._deviations(points)])
-        return np.array([*self._deviations(points)]) / np.sqrt(self.samples.s.size)
+        deviations = np.array([*self._deviations(points)])
+        return as_floats(deviations / np.sqrt(self.samples.s.size))
 
     def values(self, points: FloatArray) -> FloatArray:
         """Return the objective of P points, shape (P,); inf if undefined."""

@@ -986,8 +986,8 @@ def _of_this_format(data: dict[str, Any], source: str) -> dict[str, Any]:
         remedy = "read it with the cylcontact that wrote it, or redo the fit"
         raise InputError(source, "format", version, rule, remedy)
     contents = {key: value for key, value in data.items() if key != "format"}
-    settings = contents.get("settings")
-    campaign = settings.get("campaign") if isinstance(settings, dict) else None
+    settings: Any = contents.get("settings")
+    campaign: Any = settings.get("campaign") if isinstance(settings, dict) else None
     if not isinstance(campaign, dict) or not isinstance(campaign.get("parameters"), dict):
         return contents
     tables = campaign["parameters"]

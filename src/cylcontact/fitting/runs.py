@@ -24,7 +24,7 @@ from cylcontact.support.progress import Progress
 
 
 def searches(space: Space, genetic: GeneticSpec, seed: int, source: str = "campaign") -> list[Call]:
-    """Return the runs of a campaign as calls of `run_search`, each of which returns its RunRecord."""
+    """Return the runs of a campaign as calls, each of which returns its RunRecord."""
     children = np.random.SeedSequence(seed).spawn(genetic.runs)
     seeds = [int(child.generate_state(1)[0]) for child in children]
     return [call(run_search, space, genetic, index, own, source) for index, own in enumerate(seeds)]

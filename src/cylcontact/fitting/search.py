@@ -113,7 +113,10 @@ def _mutate(offspring: FloatArray, engine: Any) -> FloatArray:
 
 
 def minimise(space: Space, start: FloatArray, seed: int = 0) -> tuple[FloatArray, float]:
-    """Return the lowest minimum below a point, random points and points beside it, and its value."""
+    """Return the lowest minimum below a point and others, and its value.
+
+    The others are random points, and then points beside the lowest end.
+    """
     rng = np.random.default_rng(seed)
     starts = np.vstack([start, space.scatter(rng, space.random_starts)])
     ends, values = descend(space, np.vstack([start, sharpen(space, starts)]), _FINE)
@@ -133,8 +136,9 @@ def minimise(space: Space, start: FloatArray, seed: int = 0) -> tuple[FloatArray
 
 def beside(space: Space, points: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Return a point beside each of P points, at distances of all sizes from 0.05 % to 5 %."""
-    size = 10 ** rng.uniform(*np.log10(_HOPS), (len(points), 1)) * space.span
-    return np.clip(points + rng.normal(size=points.shape) * size, space.low, space.high)
+    low, high = np.log10(_HOPS)
+    size = 10 ** rng.uniform(low, high, size=(len(points), 1)) * space.span
+    return as_floats(np.clip(points + rng.normal(size=points.shape) * size, space.low, space.high))
 
 
 def polish(space: Space, start: FloatArray, precision: float = EXACT) -> tuple[FloatArray, float]:

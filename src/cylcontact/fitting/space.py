@@ -99,7 +99,7 @@ class Space:
     @cached_property
     def size(self) -> int:
         """The number of residuals, q."""
-        return self.residuals(self.low[None, :]).shape[1]
+        return int(self.residuals(self.low[None, :]).shape[1])
 
     def values(self, points: FloatArray) -> FloatArray:
         """Return the objective of P points, shape (P, k) to (P,); inf if undefined."""
@@ -133,7 +133,11 @@ class Space:
         return ()
 
     def linearised(self, points: FloatArray, smooth: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Return the residuals and their derivatives, shapes (P, q) and (P, k, q)."""
+        """Return the residuals and their derivatives, shapes (P, q) and (P, k, q).
+
+        Maxima in the law are smoothed over one of the widths in `smoothing`.
+        """
+        assert not smooth, "this space smooths nothing"
         residuals = self.finite_residuals
         return residuals(points), central_differences(residuals, self.low, self.high, points)
 

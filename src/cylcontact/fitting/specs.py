@@ -56,7 +56,8 @@ class ParametersSpec(Spec):
             if low >= high:
                 rule, remedy = "must be below the upper bound", "exchange them, or use [fixed]"
                 raise broken(f"bounds.{name}", [low, high], rule, remedy)
-        tables = {"bounds": self.bounds, "fixed": self.fixed, "ties": self.ties}
+        tables: dict[str, dict[str, Any]] = {}
+        tables |= {"bounds": self.bounds, "fixed": self.fixed, "ties": self.ties}
         for name in self.named:
             given = [key for key, table in tables.items() if name in table]
             if len(given) > 1:

@@ -12,6 +12,7 @@ import operator
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -72,7 +73,7 @@ def _is_arithmetic(expression: str) -> bool:
             nodes = list(ast.walk(_parsed(expression)))
     except (SyntaxError, ValueError):
         return False
-    numbers = (node.value for node in nodes if isinstance(node, ast.Constant))
+    numbers: list[Any] = [node.value for node in nodes if isinstance(node, ast.Constant)]
     return all(isinstance(node, _ALLOWED) for node in nodes) and all(
         type(number) in (int, float) and math.isfinite(number) for number in numbers
     )

@@ -19,9 +19,9 @@ from cylcontact.bodies.pair import Contact
 from cylcontact.datasets.grid import grid_from
 from cylcontact.files.reading import read_text, unmarked
 from cylcontact.fitting.law_models import grid_model_of
-from cylcontact.fitting.objectives import Form, LawForm, collect_samples, form_of
+from cylcontact.fitting.reference import Samples
 from cylcontact.fitting.results import FitResult
-from cylcontact.laws import PUBLISHED, Explicit, Johnson
+from cylcontact.laws import PUBLISHED, ContactLaw, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.reports.bench import Bench
@@ -45,8 +45,8 @@ _JOHNSON = "f = π·E*·δ/(−W₋₁(−e·δ/(4ΔR)))"
 # The campaigns of the enhanced law and of the power laws, by contact and ranges.
 Ranges = Literal["practical", "paper"]
 _REFITS: dict[tuple[Contact, Ranges], tuple[str, ...]] = {
-    ("internal", "practical"): ("practical", "power-practical", "power-clearance-practical-six"),
-    ("internal", "paper"): ("internal", "power-internal", "power-clearance-six"),
+    ("internal", "practical"): ("practical", "power-practical", "power-clearance-practical"),
+    ("internal", "paper"): ("internal", "power-internal", "power-clearance"),
     ("external", "practical"): ("external", "power-external", "power-clearance-external"),
     ("external", "paper"): ("external", "power-external", "power-clearance-external"),
 }
@@ -79,7 +79,7 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
     """
     enhanced, *powers = _REFITS[contact, ranges]
     result = bench.result(enhanced)
-    samples, _ = collect_samples(grid_from(result.settings["dataset"], result.name))
+    samples = Samples.of(grid_from(result.settings["dataset"], result.name))
     # What to add to ln(δ/δ_Johnson) for another reference.
     references: dict[str, FloatArray] = {"johnson": np.zeros_like(samples.j)}
     if contact == "internal":
@@ -93,15 +93,16 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
         law: str,
         formula: str,
         constants: Mapping[str, float],
-        form: Form | None = None,
+        of: ContactLaw | None = None,
         fit: FitResult = result,
         timed: str = "power",
         **said: Any,
     ) -> dict[str, object]:
-        if form is None:  # a fitted one; the samples may be at the open end of its range
+        if of is None:  # a fitted one; the samples may be at the open end of its range
             model = grid_model_of(fit.law, contact, fit.name)
-            form = form_of(model, model.candidates(constants), samples.dR)
-        ratio = form.log_ratio(0, samples)
+            (ratio,) = samples.log_ratios(model, model.candidates(constants))
+        else:
+            ratio = samples.log_ratio(of)
         errors: dict[str, float] = {}
         for reference, shift in references.items():
             errors[f"rms_{reference}"] = float(np.sqrt(np.mean((ratio + shift) ** 2)))
@@ -130,14 +131,14 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
         power(one, _POWER, calibrated=f"φ {phi.min():.1e}…{phi.max():.2g}", units="any"),
         *(power(fit, _CLEARANCE) for fit in by_clearance),
         row(
-            *("explicit", _EXPLICIT, asdict(CALIBRATED[contact]), LawForm((Explicit(),))),
+            *("explicit", _EXPLICIT, asdict(CALIBRATED[contact]), Explicit()),
             timed="explicit",
             units="any",
             defined="every δ",
             calibrated=f"φ {low:.1e}…{high:g}",
         ),
         row(
-            *("johnson", _JOHNSON, {}, LawForm((Johnson(),))),
+            *("johnson", _JOHNSON, {}, Johnson()),
             timed="johnson",
             units="any",
             defined=f"φ ≤ {johnson_end():.3f} (Eq 8)",
