@@ -14,7 +14,6 @@ BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.toml datasets/*/
 # Your own, named mine*, are for `cylcontact fit` and `cylcontact figure` alone.
 CAMPAIGNS := $(filter-out fitting/mine%,$(wildcard fitting/*.toml))
 RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
-COMPARISONS := $(patsubst %,fitting/results/optimizers-%.csv,internal external)
 RECIPES := $(filter-out reports/mine%,$(wildcard reports/*.py))
 # The paper's figures and the maps of the refit: all that needs the two main fits
 # only. `make report` draws every figure. Figure 15 compiles the mechanism, so it comes first.
@@ -24,7 +23,7 @@ MAIN_FIGURES := $(foreach number,15 01 02 03 04 05 06 07 08 09 10 11 12 13 14 16
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all committed env extras fits finite-element mechanism bifurcation readings tilt housing optimizers figures report paper claims verify \
+.PHONY: all committed env extras fits finite-element mechanism bifurcation readings tilt housing figures report paper claims verify \
 	bench references explore notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
 
 ##@ The main job
@@ -92,11 +91,6 @@ tilt: $(VENV)/.editable ## Redo datasets/tilted_pin.csv, a pin that tilts in thr
 
 housing: $(VENV)/.editable ## Redo datasets/housing.csv, one joint in fifteen housings by finite elements
 	$(BIN)/python -m reports.fig_housing
-
-optimizers: $(COMPARISONS) ## Compare the optimisers on both main campaigns, into fitting/results
-
-$(COMPARISONS): fitting/results/optimizers-%.csv: fitting/%.toml FORCE | $(VENV)/.extras
-	$(CYLCONTACT) optimizers $< -o $@
 
 figures: build/.figures ## Draw the figures from this machine's fits, in build
 

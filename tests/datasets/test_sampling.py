@@ -71,9 +71,8 @@ def test_a_frame_holds_any_reference_law(reference):
     assert list(frame.columns) == COLUMNS
     assert done[-1] == ("sampling", 4, 4)
     for row in frame.iloc[:: len(frame) // 7].itertuples():
-        pair = CylinderPair.from_dR(
-            "internal", row.dR_mm, Material("", f"{row.E_GPa!r} GPa", row.nu)
-        )
+        material = Material("", f"{row.E_GPa!r} GPa", row.nu)
+        pair = CylinderPair.from_dR("internal", row.dR_mm, material)
         depth = LAWS[reference]().penetration(row.load_N_per_mm, pair)
         assert row.penetration_mm == pytest.approx(float(depth), rel=1e-12)
 

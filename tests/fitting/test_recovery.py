@@ -6,15 +6,11 @@ The paper's are derived once more with numpy and scipy alone, sample by sample.
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
-from _cylcontact_bench.fig_readings import readings
-from _cylcontact_bench.searched_readings import searched_readings
 from scipy.optimize import least_squares
 
 from cylcontact.datasets import Grid
 from cylcontact.fitting import Campaign, FitResult, calibrate
-from cylcontact.reports.bench import Bench
 
 pytestmark = pytest.mark.slow
 
@@ -93,40 +89,6 @@ def test_the_published_coefficients_come_back(contact, rms):
     again = searched_again(contact, PUBLISHED[contact], sampled)
     assert rms_of(again) >= result.objective.value * (1 - 1e-9)
     assert again == pytest.approx(actual, rel=1e-5)
-
-
-READINGS = [
-    ("internal", "12", {"points": 12}),
-    ("internal", "E log, dR log, load linear, E to 1000 GPa", {"spacing": "log log linear"}),
-    ("internal", "200 GPa", {"E_end": 200e3}),
-    ("external", "8", {"points": 8}),
-    ("external", "E log, dR log, load log, E to 10000 GPa", {"spacing": "log log log"}),
-]
-
-
-@pytest.mark.parametrize(("contact", "label", "sampling"), READINGS)
-def test_readings_are_right(figures, contact, label, sampling):
-    table = figures["fig_readings"].drawing.table
-    chosen = table[(table["contact"] == contact) & (table["reading"] == label)]
-    sampled = samples(contact, **sampling)
-    assert len(chosen) == {"internal": 2, "external": 5}[contact]
-    for _, rows in chosen.groupby("search"):
-        actual = rows["value"].to_numpy()
-        assert searched_again(contact, actual, sampled) == pytest.approx(actual, rel=1e-4)
-        rms = np.sqrt(np.mean(residuals(contact, actual, sampled) ** 2))
-        assert rows["objective"].to_numpy() == pytest.approx(rms, rel=1e-9)
-        start = (*PUBLISHED[contact], 1.094)[: actual.size]
-        far = searched_again(contact, start, sampled)
-        assert np.sqrt(np.mean(residuals(contact, far, sampled) ** 2)) >= rms * (1 - 1e-6)
-        if contact == "external":
-            assert far == pytest.approx(actual, rel=1e-4)
-
-
-# By night: test_readings_are_right holds rows of the same table by searches of scipy.
-@pytest.mark.long
-def test_the_table_of_the_readings_is_what_the_searches_give():
-    bench = Bench(ROOT)
-    pd.testing.assert_frame_equal(readings(bench), searched_readings(bench), rtol=1e-6, atol=1e-6)
 
 
 @pytest.mark.parametrize("contact", ["internal", "external"])

@@ -124,7 +124,7 @@ PARAMETERS: Options = {
     "fixed": (list[str] | None, several("Fix a parameter.", "--fix",
               of=_named(plain_number, "n=1.1"), metavar="NAME=VALUE")),
     "ties": (list[str] | None, several("Set a parameter from others.", "--tie",
-             of=_named(str, "b=a/10"), metavar="NAME=EXPRESSION")),
+             of=_named(str, "b=a/10"), metavar="NAME=EXPR")),
 }  # fmt: skip
 
 

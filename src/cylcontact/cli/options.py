@@ -208,7 +208,5 @@ SCHEDULER = option(
     "A Dask cluster instead, e.g. tcp://host:8786.", metavar="ADDRESS", callback=_cluster
 )
 MATERIALS = option("Your own materials; datasets/materials.csv by default.", metavar="TABLE")
-FORCE = option(
-    "Replace a default output of other inputs; -o always does.", "--force", default=False
-)
+FORCE = option("Replace a default output of other inputs.", "--force", default=False)
 RESUME = option("Go on after an interruption.", "--resume", default=False)

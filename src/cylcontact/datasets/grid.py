@@ -356,7 +356,8 @@ def read_grid(path: Path | str) -> AnyGrid:
 def grid_from(data: dict[str, Any], source: str) -> AnyGrid:
     """Return the grid described by the contents of a spec."""
     if data.get("reference") == "finite-element":
-        rule, remedy = "is gone as a reference", "fit a law to the table: cylcontact fit TABLE.csv"
+        rule = "is gone as a reference"
+        remedy = "fit the table: cylcontact fit TABLE.csv --law enhanced --contact internal"
         raise InputError(source, "reference", "finite-element", rule, remedy)
     axes = data.get("axes")
     if isinstance(axes, dict) and not axes.keys().isdisjoint(DundursAxesSpec.model_fields):

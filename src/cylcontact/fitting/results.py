@@ -995,6 +995,7 @@ def _of_this_format(data: dict[str, Any], source: str) -> dict[str, Any]:
     new = {key: value for key, value in campaign.items() if key not in former} | {
         "bounds": {k: [t["low"], t["high"]] for k, t in tables.items() if not t.get("fixed")},
         "fixed": {k: t["value"] for k, t in tables.items() if t.get("fixed")},
+        "ties": campaign.get("ties") or {},
     }
     return {**contents, "settings": {**settings, "campaign": new}}
 
