@@ -237,8 +237,8 @@ class Grid(Sampled):
     --------
     >>> grid = Grid("internal", "johnson", np.array([207.0]), np.array([0.3]),
     ...             np.array([0.05, 0.5]), np.array([10.0, 100.0, 1000.0]))
-    >>> grid.size
-    6
+    >>> grid.shape, grid.size
+    ((1, 1, 2, 3), 6)
     """
 
     contact: Contact
@@ -254,6 +254,11 @@ class Grid(Sampled):
     def law(self) -> ContactLaw:
         """The reference law."""
         return reference_law(self.reference)
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Points along E, ν, ΔR and load."""
+        return (self.E.size, self.nu.size, self.dR.size, self.load.size)
 
     @property
     def rows(self) -> int:
