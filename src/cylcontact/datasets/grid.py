@@ -207,7 +207,7 @@ class Sampled:
         ...             np.array([0.05]), np.array([10.0, 100.0]))
         >>> grid.sample().round(7)
            E_GPa   nu  dR_mm  load_N_per_mm  penetration_mm
-        0  207.0  0.3   0.05           10.0        0.000230
+        0  207.0  0.3   0.05           10.0        0.000220
         1  207.0  0.3   0.05          100.0        0.001559
         """
         from cylcontact.datasets import sampling
