@@ -15,7 +15,7 @@ from distributed import LocalCluster
 
 from benchmarks.harness import Side, seconds_of
 from cylcontact.fitting import Campaign, calibrate
-from cylcontact.fitting.calibration import problem_of
+from cylcontact.fitting.calibration import space_of
 from cylcontact.fitting.runs import searches
 from cylcontact.mechanism import cases, read_mechanism, sweep
 from cylcontact.support.parallel import Cluster, Workers, call, collect
@@ -47,8 +47,8 @@ def main() -> None:
             sides = [Side(name, partial(job, where)) for name, job in jobs.items()]
             seconds = [min(seconds_of(side) for _ in range(ROUNDS)) for side in sides]
         print(f"| {count} | " + " | ".join(f"{each:.2f} s" for each in seconds) + " |", flush=True)
-    problem, _ = problem_of(campaign)
-    run = searches(problem, spec.optimizer, spec.genetic, spec.seed, campaign.source)[0]
+    space, _ = space_of(campaign)
+    run = searches(space, spec.genetic, spec.seed)[0]
     for name, task in {"run": run, "case": call(sweep, mechanism, CASES[:1], REVOLUTIONS)}.items():
         function, arguments, named = task
         sent, back = len(cloudpickle.dumps(task)), function(*arguments, **named)

@@ -20,7 +20,7 @@ from scipy.optimize import differential_evolution, least_squares
 from benchmarks.search import pygad_of
 from cylcontact.datasets import Grid
 from cylcontact.datasets.sampling import blocks
-from cylcontact.fitting.objectives import Problem
+from cylcontact.fitting.reference import OnMoments
 
 # What the campaign gives to one of its runs.
 POPULATION, GENERATIONS = 60, 300
@@ -72,7 +72,7 @@ class RowProblem:
         return self.low + rng.uniform(0.02, 0.98, self.low.size) * (self.high - self.low)
 
 
-def rows_of(grid: Grid, problem: Problem, target: float) -> RowProblem:
+def rows_of(grid: Grid, space: OnMoments, target: float) -> RowProblem:
     """Return a problem with its samples kept one by one."""
     sampled = [block for dR in map(float, grid.dR) for block in blocks(grid, dR)]
     columns = [
@@ -80,9 +80,7 @@ def rows_of(grid: Grid, problem: Problem, target: float) -> RowProblem:
         for name in ("E_star", "load", "penetration")
     ]
     dR = np.concatenate([np.full(block.load.size, block.dR) for block in sampled])
-    return RowProblem(
-        problem.low, problem.high, columns[0], dR, columns[1], columns[2], target=target
-    )
+    return RowProblem(space.low, space.high, columns[0], dR, columns[1], columns[2], target=target)
 
 
 def by_pygad(rows: RowProblem, seed: int) -> None:

@@ -1,4 +1,4 @@
-"""The genetic search, against its objective alone and against PyGAD one individual at a time."""
+"""The genetic search, a population per call, against its objective alone and PyGAD used plainly."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ import pygad
 from benchmarks.harness import Row, Side, compare
 from benchmarks.sampling import grid_of
 from cylcontact.datasets import reduce_grid
-from cylcontact.fitting import genetic
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.objectives import Problem, RmsLogPenetration
-from cylcontact.fitting.optimizers import ELITE
+from cylcontact.fitting.reference import OnMoments
+from cylcontact.fitting.search import genetic_search
 from cylcontact.laws.law import Parameter
 
 # The bounds of the paper's internal campaign.
@@ -30,21 +29,16 @@ BOUNDS = {
 
 def measure(short: bool) -> Iterator[list[Row]]:
     """Yield the time of a search."""
-    problem = problem_of(9, 5, 61, 15)
+    space = space_of(9, 5, 61, 15)
     population, generations = (60, 5) if short else (120, 50)
-    _require_same_search(problem, population, generations)
-    points = np.random.default_rng(0).uniform(size=(population - ELITE, len(problem.free)))
-    points = problem.low + points * (problem.high - problem.low)
-    size = (problem, population, generations)
+    points = space.scatter(np.random.default_rng(0), population)
+    size = (space, population, generations)
     sides = [
-        Side("cylcontact: genetic search", lambda: genetic.search(*size, "uniform", 1)),
-        Side(
-            "the objective alone",
-            lambda: [problem.values(points) for _ in range(generations)],
-        ),
+        Side("cylcontact: genetic search", lambda: genetic_search(*size, "uniform", 1)),
+        Side("the objective alone", lambda: [space.values(points) for _ in range(generations)]),
         Side(
             "PyGAD, the same objective for one individual after the other",
-            lambda: pygad_of(*size, problem.value, mutation_probability=0.2, keep_elitism=2).run(),
+            lambda: pygad_of(*size, space.value, mutation_probability=0.2, keep_elitism=2).run(),
         ),
     ]
     case = f"{population} candidates, {generations} generations"
@@ -52,11 +46,11 @@ def measure(short: bool) -> Iterator[list[Row]]:
     yield compare("search", case, sides, rounds, "ms per generation", 1e3 / generations)
 
 
-def problem_of(*shape: int) -> Problem:
+def space_of(*shape: int) -> OnMoments:
     """Return the calibration of the enhanced law for internal contact on a grid of that shape."""
     moments, _ = reduce_grid(grid_of(*shape))
     parameters = tuple(Parameter(name, low, high) for name, (low, high) in BOUNDS.items())
-    return Problem(MODELS["enhanced", "internal"], parameters, RmsLogPenetration(moments))
+    return OnMoments(MODELS["enhanced", "internal"], parameters, moments)
 
 
 def pygad_of(
@@ -75,20 +69,3 @@ def pygad_of(
         suppress_warnings=True,
         **{"random_seed": 1, **options},
     )
-
-
-def _require_same_search(problem: Problem, population: int, generations: int) -> None:
-    """Evolve with PyGAD's own crossover and ranking: not a bit of the result may differ."""
-    engine = pygad_of(
-        problem,
-        population,
-        generations,
-        problem.values,
-        fitness_batch_size=population,
-        mutation_type=genetic.mutate,
-        keep_elitism=ELITE,
-    )
-    engine.run()
-    ours = genetic.search(problem, population, generations, "uniform", 1)
-    genes, _, _ = engine.best_solution(engine.last_generation_fitness)
-    assert np.array_equal(problem.low + genes * (problem.high - problem.low), ours.point)

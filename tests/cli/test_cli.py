@@ -26,7 +26,7 @@ def bench(tmp_path, monkeypatch, small_result):
     write_bench(tmp_path)
     small_result.save(tmp_path / "good.json")
     variants = {
-        "excluded": {"parameters.K_star": {"low": -2, "high": -1}},
+        "excluded": {"bounds.K_star": [-2, -1]},
         "masked": {"dataset": "datasets/masked.toml"},
     }
     for name, changes in variants.items():
@@ -162,7 +162,7 @@ BAD_INPUT = [
     # what is read
     (("fit", "folder"), "folder: cannot be read (Is a directory); check the path"),
     (("fit", "fitting/masked.toml"), "datasets/masked.toml: axes: all 24 samples lie outside"),
-    (("fit", "fitting/excluded.toml"), "excluded.toml: parameters = {'K_star': [-2.0, -1.0], 'n'"),
+    (("fit", "fitting/excluded.toml"), "excluded.toml: bounds = {'K_star': [-2.0, -1.0], 'n'"),
     (("verify", "nan.json"), "objective.value = nan: must be a finite number; give a value that"),
     (("verify",), "fitting/results: has no results; name some, or lay out a bench with"),
     # files of another kind
@@ -194,13 +194,13 @@ def test_bad_input_gets_one_line_and_exit_code_2_and_writes_nothing(bench, run, 
 
 def test_a_run_that_finds_no_defined_law_is_told_of(bench, run):
     few = {"genetic.populations": [4], "genetic.generations": 1, "genetic.runs": 20}
-    bounds = {"parameters.K_star": {"low": -1000, "high": 1}, "parameters.n.low": -50}
+    bounds = {"bounds.K_star": [-1000, 1], "bounds.n": [-50, 1.5]}
     write_toml(bench / "fitting/few.toml", changed(CAMPAIGN, few | bounds))
     code, _, errors = run("fit", "fitting/few.toml", "--jobs", "1")
     assert code == 2
     assert re.fullmatch(
         r"cylcontact: fitting/few\.toml: genetic\.populations = 4: run \d+ found no coefficients "
-        r"for which the law is defined; narrow the parameters' bounds, or raise populations and "
+        r"for which the law is defined; narrow the bounds, or raise populations and "
         r"generations\n",
         errors,
     )
@@ -211,7 +211,7 @@ def test_memory_that_is_short_is_told_in_one_line(run, monkeypatch):
     def short(*_):
         raise MemoryError
 
-    monkeypatch.setattr("cylcontact.datasets.write_samples", short)
+    monkeypatch.setattr("cylcontact.datasets.sampling.write_samples", short)
     code, said, errors = run(*SAMPLE, *OUT)
     assert (code, said) == (2, "")
     assert errors.startswith("cylcontact: memory is short; thin the grid")
@@ -222,7 +222,7 @@ def test_a_mistake_of_ours_is_not_hidden(bench, monkeypatch):
     def broken(*_):
         raise ZeroDivisionError
 
-    monkeypatch.setattr("cylcontact.datasets.write_samples", broken)
+    monkeypatch.setattr("cylcontact.datasets.sampling.write_samples", broken)
     monkeypatch.setattr(sys, "argv", ["cylcontact", *SAMPLE, *OUT])
     with pytest.raises(ZeroDivisionError):
         cli.main()

@@ -11,7 +11,6 @@ from cylcontact.cli import options
 from cylcontact.cli.app import app as program
 from cylcontact.fitting.measured import LOSSES
 from cylcontact.fitting.noise import NOISES
-from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.plots.style import WIDTHS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -40,8 +39,8 @@ def test_the_help_fits_a_screen(run, name, monkeypatch):
 
 
 def test_help_offers_what_there_is():
-    known = (LOSSES, NOISES, OPTIMIZERS, WIDTHS)
-    offered = (options.LOSSES, options.NOISES, options.OPTIMIZERS, options.WIDTHS)
+    known = (LOSSES, NOISES, WIDTHS)
+    offered = (options.LOSSES, options.NOISES, options.WIDTHS)
     assert offered == tuple(map(tuple, known))
 
 

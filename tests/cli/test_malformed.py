@@ -24,7 +24,7 @@ from tests.support.spec_files import CAMPAIGN, DROP, ELEMENTS, GRID, changed, to
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = ("slider_crank", "joint", "spatial_joint", "any-pair")
 FILES = {name: tomllib.loads((ROOT / f"datasets/{name}.toml").read_text()) for name in SHIPPED}
-QUICK = {"parameters.n": {"value": 1.2, "fixed": True}, "genetic.runs": 1, "genetic.generations": 2}
+QUICK = {"bounds.n": DROP, "fixed.n": 1.2, "genetic.runs": 1, "genetic.generations": 2}
 FILES |= {"small": GRID, "campaign": changed(CAMPAIGN, QUICK), "elements": ELEMENTS}
 READERS = {
     "slider_crank": read_mechanism,

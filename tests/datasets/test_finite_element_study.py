@@ -1,6 +1,5 @@
 """Set-up files, their studies and tables, the command around them, and what reads the tables."""
 
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 
 from benchmarks.calculix import run_case
 from cylcontact import InputError, laws
-from cylcontact.datasets import read_grid, write_samples
 from cylcontact.datasets.finite_element import (
     Setup,
     outer_ratio_like_johnson,
@@ -19,7 +17,6 @@ from cylcontact.datasets.finite_element import (
     solve,
 )
 from cylcontact.datasets.finite_element.study import study_from
-from cylcontact.datasets.grid import grid_from
 from tests.support.programs import require_program
 from tests.support.spec_files import DROP, ELEMENTS, changed, tree, write_toml
 
@@ -228,42 +225,3 @@ class TestCommand:
         solved, _ = run_study(study, checkpoint=kept)
         pd.testing.assert_frame_equal(run_study(study, checkpoint=kept, resume=True)[0], solved)
         pd.testing.assert_frame_equal(solved, rows, rtol=1e-6, check_dtype=False)
-        spec = {"contact": "internal", "reference": "finite-element", "table": "both-embedded.csv"}
-        with pytest.raises(InputError, match="is of a pin and a plate of different materials"):
-            read_grid(write_toml(bench / "grid.toml", spec))
-
-
-class TestReference:
-    def test_the_grid_and_its_samples_are_the_table(self, tmp_path):
-        grid, rows = (
-            read_grid(ROOT / "datasets/finite-element.toml"),
-            rows_of("recommended-embedded"),
-        )
-        assert grid.shape == (1, 1, 13, 3)
-        assert grid.penetrations.ravel() == pytest.approx(rows["penetration_mm"].to_numpy())
-        counts = write_samples(grid, tmp_path / "s.csv")
-        assert (counts.samples, counts.masked) == (39, 0)
-        written = pd.read_csv(tmp_path / "s.csv")
-        for column in written:
-            assert written[column].to_numpy() == pytest.approx(rows[column].to_numpy(), rel=1e-12)
-
-    @pytest.mark.parametrize(
-        ("changes", "message"),
-        [
-            ({"table": DROP}, 'table: is required with reference = "finite-element"'),
-            ({"table": "none.csv"}, "cannot be read"),
-            ({"axes": {}}, "axes: cannot be combined with table"),
-            ({"contact": "external"}, "contact = 'external': must be internal"),
-            ({"reference": "johnson", **AXES}, "is used only with reference finite-element"),
-            ({**AXES, **_nodes([[1e-4, 2e-4]])}, "a list for each dR with a number for each load"),
-            ({**AXES, **_nodes([[1e-4, 2e-4], [1e-4, -2e-4]])}, "must be positive"),
-        ],
-    )
-    def test_mistakes_in_a_grid_are_told(self, tmp_path, changes, message):
-        path = str(TABLES / "recommended-embedded.csv")
-        spec = {"contact": "internal", "reference": "finite-element", "table": path}
-        file = write_toml(tmp_path / "grid.toml", changed(spec, changes))
-        read = partial(grid_from, changed(spec, changes), "inline")
-        with pytest.raises(InputError) as caught:
-            read() if "penetrations" in changes else read_grid(file)
-        assert message in str(caught.value)

@@ -22,10 +22,7 @@ INTERNAL, EXTERNAL = (0.05, 10.0), (5.0, 500.0)
 RANGES = {
     "internal": ("internal", FULL, RATIO, INTERNAL),
     "external": ("external", FULL, RATIO, EXTERNAL),
-    "internal-linear": ("internal", FULL, RATIO, INTERNAL),
-    "external-linear": ("external", FULL, RATIO, EXTERNAL),
     "internal-E1000": ("internal", REAL, RATIO, INTERNAL),
-    "internal-E1000-thin": ("internal", REAL, RATIO, INTERNAL),
     "external-E1000": ("external", REAL, RATIO, EXTERNAL),
     "practical": ("internal", (69.0, 600.0), (0.24, 0.34), (0.0075, 2.0)),
     "large": ("internal", FULL, RATIO, INTERNAL),
@@ -92,6 +89,10 @@ BAD_INPUT = [
         for values in ([-0.1, 0.3], [0.3, 0.51])
     ),
     ({"reference": "hertz"}, "reference", "hertz", "is not a", "johnson"),
+    (  # of 1.0.0rc1
+        {"reference": "finite-element", "axes": DROP, "table": "elements.csv"},
+        *("reference", "finite-element", "is gone as a reference", "cylcontact fit TABLE.csv"),
+    ),
 ]
 
 

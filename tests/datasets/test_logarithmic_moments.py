@@ -7,8 +7,8 @@ import pytest
 
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.datasets import Grid, Moments, merge, reduce_grid
-from cylcontact.datasets.moments import row_moments
-from cylcontact.datasets.sampling import PIECE, blocks
+from cylcontact.datasets.moments import logarithmic_moments
+from cylcontact.datasets.sampling import blocks
 
 LOGARITHMIC = [name for name in laws.REFERENCES if issubclass(laws.LAWS[name], laws.LogarithmicLaw)]
 
@@ -39,7 +39,7 @@ def assert_same(one, two):
 @pytest.mark.parametrize(("rows", "loads"), [(1, 1), (1, 40), (40, 1), (7, 90), (90, 7)])
 def test_rows_give_the_moments_of_their_samples(name, rows, loads):
     law, pair, load = laws.LAWS[name](), pairs(rows), np.geomspace(0.1, 300.0, loads)
-    assert_same(row_moments(law, pair, load), by_samples(law, pair, load))
+    assert_same(logarithmic_moments(law, pair, load, pair), by_samples(law, pair, load))
 
 
 def test_grids_that_are_partly_masked_are_the_sum_of_their_samples():
@@ -56,16 +56,6 @@ def test_grids_that_are_partly_masked_are_the_sum_of_their_samples():
     assert counts.samples + counts.masked == grid.size
 
 
-def test_a_clearance_of_several_pieces_is_the_same_for_any_number_of_threads():
-    nu = np.linspace(0.1, 0.4, 4)
-    load = np.geomspace(1.0, 1000.0, PIECE // 10)
-    grid = Grid("external", "johnson", np.geomspace(20, 900, 6), nu, np.array([30.0]), load)
-    one, two = (reduce_grid(grid, jobs)[0] for jobs in (1, 2))
-    for field in fields(Moments):
-        assert np.array_equal(getattr(one, field.name), getattr(two, field.name))
-    assert one.total == grid.size
-
-
 def test_interpolated_moments_are_the_sums_in_long_double():
     """From Eq 1 itself, with nineteen digits where the machine has them."""
     law, pair, load = laws.Johnson(), pairs(150), np.geomspace(0.1, 300.0, 170)
@@ -75,7 +65,7 @@ def test_interpolated_moments_are_the_sums_in_long_double():
     j = s - np.log(pi) + np.log(np.log(4 * pi * np.longdouble(pair.dR) / f * E_star) - 1)
     s0, j0 = s - s.mean(), j - j.mean()
     sums = [s.mean(), j.mean(), (s0 * s0).sum(), (s0 * j0).sum(), (j0 * j0).sum()]
-    m = row_moments(law, pair, load)
+    m = logarithmic_moments(law, pair, load, pair)
     actual = [m.mean_s, m.mean_j, m.ss, m.sj, m.jj]
     assert np.concatenate(actual) == pytest.approx(np.array(sums, dtype=float), rel=2e-14)
     unexplained = sums[4] - sums[3] ** 2 / sums[2]

@@ -218,8 +218,8 @@ def campaign_on(tmp_path, columns, law="power", **settings):
 
 def test_the_objective_follows_the_standard_deviations(tmp_path):
     (tmp_path / "mine.py").write_text(USER_LAW)
-    bounds = {name: {"low": 1.0, "high": 2.0} for name in ("K_star", "n")}
-    own = {"law": "mine:load", "parameters": bounds}
+    bounds = {"K_star": [1.0, 2.0], "n": [1.0, 2.0]}
+    own = {"law": "mine:load", "bounds": bounds}
     of_load, of_depth = {"load_std_N_per_mm": [1] * 3}, {"penetration_std_um": [1] * 3}
     for added, settings, objective in (
         ({}, {}, "rms-log-penetration"),
@@ -255,16 +255,16 @@ def test_readings_below_zero_need_a_free_offset_and_constant_noise(tmp_path):
     rows = [line.split(",") for line in table.read_text().splitlines()]
     rows[3][2] = "-0.5"
     table.write_text("\n".join(map(",".join, rows)) + "\n")
-    free = {"offset": {"low": -0.01, "high": 0.01}}
-    fixed = {"offset": {"value": -0.001, "fixed": True}}
+    free = {"bounds": {"offset": [-0.01, 0.01]}}
+    fixed = {"fixed": {"offset": -0.001}}
     for objective, offset in (("rms-penetration", fixed), ("rms-log-load", free)):
-        settings = {"objective": objective, "parameters": offset}
+        settings = {"objective": objective, **offset}
         with pytest.raises(InputError) as caught:
             campaign_of_table(table, "johnson", "internal", CONSTANTS, **settings)
         told = "penetration", -0.0005, "must be positive and finite", "--free offset"
         assert_told(caught, f"{table}, line 4", *told)
         assert "--noise constant" in caught.value.remedy
-    settings = {"objective": "rms-penetration", "parameters": free}
+    settings = {"objective": "rms-penetration", **free}
     plan = campaign_of_table(table, "johnson", "internal", CONSTANTS, **settings)
     assert plan.measurements.penetration[2] == -0.0005
 

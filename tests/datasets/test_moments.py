@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.datasets import Grid, Moments, concatenate, merge, reduce_grid
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.objectives import RmsLogPenetration, form_of
+from cylcontact.fitting.reference import OnMoments
 from tests.support.strategies import powers_of_ten
 
 JOHNSON = laws.Johnson()
@@ -59,8 +59,7 @@ def test_the_objective_is_that_of_the_samples_one_by_one(grid, data):
     moments, counts = reduce_grid(grid)
     assert counts.samples == moments.total == count
     assert counts.masked == grid.size - count
-    objective = RmsLogPenetration(moments)
-    value = objective.values(form_of(model, np.array([candidate]), moments.dR))[0]
+    value = OnMoments(model, model.parameters, moments).value(np.array(candidate))
     assert value == pytest.approx(np.sqrt(squares / count), rel=1e-10, abs=1e-13)
 
 
@@ -112,10 +111,6 @@ def test_many_clearances_merge_each_with_its_own():
     assert (merged.mean_s.tolist(), merged.mean_j.tolist()) == ([2, 5], [4, 5])
     assert (merged.ss.tolist(), merged.sj.tolist(), merged.jj.tolist()) == ([2, 0], [4, 0], [8, 0])
     assert (merged.slope.tolist(), merged.unexplained.tolist()) == ([2, 0], [0, 0])
-    for dR in ([0.1, 0.3], [0.1]):
-        other = concatenate([moments_of([1.0, 2.0], dR=value) for value in dR])
-        with pytest.raises(InputError, match=r"^merge: dR: moments of different clearances cannot"):
-            merge([merged, other])
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e2, 1e5])

@@ -10,9 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.search import problem_of
-from cylcontact import InputError
-from cylcontact.datasets import Grid, Moments, reduce_grid, sampling, write_samples
+from benchmarks.search import space_of
+from cylcontact import CylinderPair, InputError, Material
+from cylcontact.datasets import Grid, Moments, reduce_grid, sampling
+from cylcontact.laws import LAWS, REFERENCES
 from tests.support.paper_equations import e_star, johnson, johnson_end
 from tests.support.spec_files import GRID, changed, write_toml
 
@@ -51,7 +52,7 @@ def by_hand(grid):
 @pytest.mark.parametrize("suffix", [".parquet", ".csv"])
 def test_tables_hold_the_law_where_it_is_defined(grid, suffix, tmp_path):
     path = tmp_path / f"samples{suffix}"
-    counts = write_samples(grid, path)
+    counts = grid.sample(path)
     frame = pd.read_parquet(path) if suffix == ".parquet" else pd.read_csv(path)
     rows = frame.to_numpy()
     expected, masked = by_hand(grid)
@@ -60,6 +61,25 @@ def test_tables_hold_the_law_where_it_is_defined(grid, suffix, tmp_path):
     assert masked > 0
     assert np.array_equal(rows[:, :4], expected[:, :4])
     assert rows[:, 4] == pytest.approx(expected[:, 4], rel=1e-12)
+
+
+@pytest.mark.parametrize("reference", REFERENCES)
+def test_a_frame_holds_any_reference_law(reference):
+    grid = Grid("internal", reference, *(np.array(axis) for axis in AXES))
+    done = []
+    frame = grid.sample(progress=lambda *step: done.append(step))
+    assert list(frame.columns) == COLUMNS
+    assert done[-1] == ("sampling", 4, 4)
+    for row in frame.iloc[:: len(frame) // 7].itertuples():
+        material = Material("", f"{row.E_GPa!r} GPa", row.nu)
+        pair = CylinderPair.from_dR("internal", row.dR_mm, material)
+        depth = LAWS[reference]().penetration(row.load_N_per_mm, pair)
+        assert row.penetration_mm == pytest.approx(float(depth), rel=1e-12)
+
+
+def test_a_frame_is_what_a_file_holds(grid, tmp_path):
+    grid.sample(tmp_path / "s.csv")
+    pd.testing.assert_frame_equal(grid.sample(), pd.read_csv(tmp_path / "s.csv"), rtol=1e-15)
 
 
 def test_moments_are_those_of_the_rows_by_hand(grid):
@@ -84,10 +104,10 @@ def test_rows_of_one_modulus_are_as_many_samples_of_it():
 
 @pytest.mark.parametrize("block", [1, 7, 63, 1 << 30])
 def test_nothing_depends_on_the_block_size_or_the_jobs(grid, block, tmp_path, monkeypatch):
-    write_samples(grid, tmp_path / "one.csv")
+    grid.sample(tmp_path / "one.csv")
     whole, counts = reduce_grid(grid)
     monkeypatch.setattr(sampling, "BLOCK", block)
-    write_samples(grid, tmp_path / "two.csv")
+    grid.sample(tmp_path / "two.csv")
     assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
     (parts, same), (many, also) = reduce_grid(grid), reduce_grid(grid, jobs=3)
     assert counts == same == also
@@ -110,25 +130,27 @@ def test_what_cannot_be_written_leaves_nothing(grid, tmp_path, monkeypatch):
         (grid, ".csv", format_),
     ):
         with pytest.raises(InputError, match=said):
-            write_samples(each, tmp_path / name)
+            each.sample(tmp_path / name)
     with pytest.raises(InputError, match=masked):
         reduce_grid(MASKED, 2)
+    with pytest.raises(InputError, match=masked):
+        MASKED.sample()
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(InputError, match=r"pip install 'cylcontact\[parquet\]'"):
-        write_samples(grid, tmp_path / "s.parquet")
+        grid.sample(tmp_path / "s.parquet")
     assert not any(path.is_file() for path in tmp_path.rglob("*"))
 
 
 # Prints how far the peak of memory rises, in MiB, over that of a small grid.
 PEAK = """
 import resource, sys
-from cylcontact.datasets import read_grid, reduce_grid, write_samples
+from cylcontact.datasets import read_grid, reduce_grid
 
 def peak():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 small, large, out = sys.argv[1:]
-work = (lambda grid: write_samples(grid, out)) if out else (lambda grid: reduce_grid(grid, 2)[1])
+work = (lambda grid: grid.sample(out)) if out else (lambda grid: reduce_grid(grid, 2)[1])
 work(read_grid(small))
 before = peak()
 counts = work(read_grid(large))
@@ -158,5 +180,5 @@ def test_memory_does_not_grow_with_the_grid(out, tmp_path):
 
 @pytest.mark.slow
 def test_what_the_search_is_given_does_not_grow_with_the_grid():
-    sizes = [len(pickle.dumps(problem_of(*shape))) for shape in ((5, 3, 20, 10), (40, 20, 20, 50))]
+    sizes = [len(pickle.dumps(space_of(*shape))) for shape in ((5, 3, 20, 10), (40, 20, 20, 50))]
     assert sizes[0] == sizes[1]

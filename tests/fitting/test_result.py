@@ -13,7 +13,9 @@ from cylcontact.fitting import FitResult, read_campaign
 from tests.support.spec_files import assert_told, changed, labels, tree, write_bench
 
 COMMITTED = sorted((Path(__file__).resolve().parents[2] / "fitting/results").glob("*.json"))
-EXTERNAL = next(path for path in COMMITTED if path.stem == "external")
+EXTERNAL, RECOVERED = (
+    COMMITTED[0].with_name(f"{n}.json") for n in ("external", "recovered-internal")
+)
 
 
 # --- there and back ---------------------------------------------------------------------------
@@ -32,6 +34,18 @@ def test_every_committed_result_loads_and_saves_as_it_is(path, tmp_path):
     assert result.name == path.stem
     result.save(tmp_path / path.name)
     assert (tmp_path / path.name).read_bytes() == path.read_bytes()
+
+
+def test_a_result_of_the_first_format_is_read(tmp_path):
+    data = json.loads(RECOVERED.read_text("utf-8"))
+    campaign = data["settings"]["campaign"]
+    bounds, fixed = campaign.pop("bounds"), campaign.pop("fixed")
+    tables = {name: {"low": ends[0], "high": ends[1]} for name, ends in bounds.items()}
+    tables |= {name: {"value": value, "fixed": True} for name, value in fixed.items()}
+    former = {"parameters": tables, "optimizer": "genetic"}
+    data |= {"format": 1, "settings": {**data["settings"], "campaign": {**campaign, **former}}}
+    (tmp_path / "r.json").write_text(json.dumps(data))
+    assert FitResult.read(tmp_path / "r.json") == FitResult.read(RECOVERED)
 
 
 def test_a_result_says_what_it_was_made_with(small_result, small_campaign):
@@ -71,6 +85,7 @@ BAD_INPUT = [
         {"profiles.a.objective": [0.1, math.nan]},
         *("", "profiles.a.objective.1", math.nan, "a finite number", "a value that fits"),
     ),
+    ({"format": 3}, "", "format", 3, "is not a version that this cylcontact reads", "redo the fit"),
     ({"runs": []}, "", "runs", [], "must hold at least one run", REDO),
     ({"coefficients": {"a": 0.4, "b": 0.9}}, "", "coefficients", ["a", "b"], NAMES, REDO),
     ({"settings": {}}, "", "settings", None, "lacks the campaign or the dataset", REDO),

@@ -243,9 +243,9 @@ def test_coverage_of_every_law(tmp_path, law, contact):
 
 
 def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
-    bounds = {"clearance_factor": {"low": 0.5, "high": 2.0}}
+    bounds = {"clearance_factor": [0.5, 2.0]}
     campaign = measured_campaign(
-        tmp_path, "liu", noise=NOISE, parameters=bounds, starts=2, objective="rms-penetration"
+        tmp_path, "liu", noise=NOISE, bounds=bounds, starts=2, objective="rms-penetration"
     )
     actual = fit_table(campaign).uncertainty
     ends = actual.estimates["clearance_factor"].profile
@@ -268,8 +268,8 @@ def test_an_interval_ends_where_the_law_is_undefined_with_the_refit_before(tmp_p
 
 
 def test_parameters_that_act_only_together_are_named(tmp_path):
-    bounds = {"Lambda_factor": {"low": 0.1, "high": 10.0}}
-    campaign = measured_campaign(tmp_path, noise=NOISE, parameters=bounds, starts=2)
+    bounds = {"Lambda_factor": [0.1, 10.0]}
+    campaign = measured_campaign(tmp_path, noise=NOISE, bounds=bounds, starts=2)
     result = fit_table(campaign)
     actual = result.uncertainty
     assert set(actual.only_together) == {"c", "Lambda_factor"}

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cylcontact.fitting.objectives import collect_samples
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.objectives import collect_samples
 from cylcontact.fitting.table_campaign import read_campaign
 from cylcontact.laws import explicit_pair, glauert, parametric
 from cylcontact.support.progress import silent

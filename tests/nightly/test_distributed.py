@@ -20,7 +20,7 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes"),
 ]
-AGAIN = "start it again; a command that has --resume goes on"
+AGAIN = "start it again, with more memory if that ran out; a command that has --resume goes on"
 
 
 @pytest.fixture(scope="module")
@@ -108,8 +108,8 @@ def test_another_version_is_refused_before_any_work(tmp_path):
         with pytest.raises(InputError) as caught:
             list(run_calls([call(abs, -1)], Cluster(started.address)))
     remedy = "install the same on all machines"
-    assert caught.value.rule.startswith("its worker tcp://127.0.0.1:")
-    assert_told(caught, "--scheduler", "", started.address, "has numpy 0.0.0, here", remedy)
+    rule = "a worker has numpy 0.0.0, here"
+    assert_told(caught, "--scheduler", "", started.address, rule, remedy)
 
 
 @pytest.mark.long
@@ -120,8 +120,7 @@ def test_calls_that_end_every_worker_they_meet(tmp_path):
         calls = [call(_end_this_process), *(call(time.sleep, 0.1) for _ in range(5))]
         with pytest.raises(InputError) as caught:
             list(run_calls(calls, Cluster(started.address)))
-    rule = "a call ended 1 workers, as if memory ran out"
-    assert_told(caught, "--scheduler", "", started.address, rule, "more memory")
+    assert_told(caught, "--scheduler", "", started.address, "lost a call (", "more memory")
 
 
 def _end_this_process():
@@ -144,7 +143,7 @@ def test_a_scheduler_lost_on_the_way_keeps_the_complete_runs(short_lived, small_
     with pytest.raises(InputError) as caught:
         calibrate(campaign, Cluster(short_lived.address), kill_scheduler, kept)
     assert caught.value.value == short_lived.address
-    assert caught.value.rule.startswith("was lost during the run (")
+    assert caught.value.rule.startswith("lost a call (")
     assert caught.value.remedy.startswith(AGAIN)
     assert len(kept.read_text().splitlines()) >= 2
     resumed = calibrate(campaign, 2, checkpoint=kept, resume=True)

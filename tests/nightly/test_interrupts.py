@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.tether import tethered
-from tests.support.spec_files import ELEMENTS, tree, write_bench, write_toml
+from tests.support.spec_files import DROP, ELEMENTS, tree, write_bench, write_toml
 
 pytestmark = [
     pytest.mark.slow,
@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ENDS = ("SIGKILL", "SIGINT", "SIGTERM", "SIGHUP")
 
 # Quick but for the runs: a fit spends most of its time between the first and the last of them.
-FEW = {"parameters.n": {"value": 1.2, "fixed": True}}
+FEW = {"bounds.n": DROP, "fixed.n": 1.2}
 RUNS = FEW | {"genetic.runs": 12, "genetic.generations": 60, "genetic.populations": [16]}
 MINUTES = {"genetic.runs": 50, "genetic.generations": 3000, "genetic.populations": [16]}
 FIT = ("fit", "fitting/small.toml", "-j", "1")
@@ -45,7 +45,6 @@ MANY = {
     "fit": (*FIT[:2], "-o", "fit.json"),
     "cases": (*CASES, "--law", "johnson,enhanced", "--friction", "0,0.1"),
     "finite-element": STUDY,
-    "optimizers": ("optimizers", "fitting/small.toml", "-o", "optimizers.csv"),
 }
 
 

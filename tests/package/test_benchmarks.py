@@ -21,7 +21,7 @@ from benchmarks.calibration import CLOSE, require_same_objective
 from benchmarks.harness import Side, compare, require_agreement, rows
 from benchmarks.page import AIMS, PAGE, RESULTS, find, load, page, save
 from benchmarks.sampling import grid_of
-from benchmarks.search import problem_of
+from benchmarks.search import space_of
 from cylcontact.fitting.runs import searches
 from cylcontact.fitting.specs import GeneticSpec
 from tests.support.programs import require_program
@@ -53,25 +53,25 @@ def test_the_sides_of_every_benchmark_agree(name):
 
 @pytest.mark.parametrize("peer", peers.PEERS)
 def test_every_peer_counts_what_it_evaluates_and_ends_at_the_target(peer):
-    problem = problem_of(3, 1, 9, 3)
-    samples = peers.rows_of(grid_of(3, 1, 9, 3), problem, np.inf)
+    space = space_of(3, 1, 9, 3)
+    samples = peers.rows_of(grid_of(3, 1, 9, 3), space, np.inf)
     assert peers.reach(peer, samples, 0)[1] >= 1
-    samples.target = 2 * problem.objective.bound
+    samples.target = 2 * space.bound
     value, evaluations = peers.reach(peer, samples, 0)
     assert value <= samples.target or evaluations >= peers.BUDGET
 
 
 def test_the_peers_minimise_what_we_minimise():
-    problem = problem_of(3, 2, 9, 5)
-    require_same_objective(problem, peers.rows_of(grid_of(3, 2, 9, 5), problem, 0.0))
+    space = space_of(3, 2, 9, 5)
+    require_same_objective(space, peers.rows_of(grid_of(3, 2, 9, 5), space, 0.0))
 
 
 def test_least_squares_on_rows_find_our_minimum():
-    problem = problem_of(3, 1, 9, 3)
+    space = space_of(3, 1, 9, 3)
     genetic = GeneticSpec(runs=4, populations=(60,), crossovers=("uniform",), generations=100)
-    planned = searches(problem, "genetic", genetic, 1, "")
+    planned = searches(space, genetic, 1)
     best = min(run(*arguments).objective for run, arguments, _ in planned)
-    samples = peers.rows_of(grid_of(3, 1, 9, 3), problem, CLOSE * best)
+    samples = peers.rows_of(grid_of(3, 1, 9, 3), space, CLOSE * best)
     value, _ = peers.reach("scipy least_squares, random starts", samples, 0)
     assert best * (1 - 1e-6) <= value <= CLOSE * best
 

@@ -115,7 +115,7 @@ def test_numbers_behind_a_figure(name, monkeypatch):
         _, table = draw(ROOT, name)
     columns = frozen.summary(table)
     if name in ("fig18", "fig19"):  # chaotic: another processor has another path
-        columns = {column: None for column in columns}
+        columns = dict.fromkeys(columns)
     now = {f"{name} {column}": numbers for column, numbers in columns.items()}
     frozen.hold("figures", now, close(1e-4), lambda key: key.split(" ")[0] == name)
 

@@ -65,20 +65,22 @@ RIG = {"stiffness_factor": 1.0, "offset": 0.0}
 
 
 def all_free(
-    law: str, contact: str, parameters: Mapping[str, dict[str, Any]] | None = None
+    law: str,
+    contact: str,
+    bounds: Mapping[str, list[float]] | None = None,
+    fixed: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
     """Return the settings that search all constants of a law, and nothing of the rig.
 
-    `parameters` are tables of a campaign, which take precedence.
+    What has bounds or a value takes precedence.
     """
-    own = MODELS[law, contact].parameters
+    own, bounds, fixed = MODELS[law, contact].parameters, dict(bounds or {}), dict(fixed or {})
     if any(p.nominal is None for p in own):  # free by default, and without a rig
-        return {"parameters": dict(parameters or {})}
+        return {"bounds": bounds, "fixed": fixed}
     usual = RIG if not any(p.stiffness for p in own) else {"offset": 0.0}
-    held = {name: {"value": value, "fixed": True} for name, value in usual.items()}
-    tables = {**held, **(parameters or {})}
-    free = [p.name for p in own if p.value is None and p.name not in tables]
-    return {"free": free, "parameters": tables}
+    fixed |= {k: v for k, v in usual.items() if k not in bounds and k not in fixed}
+    free = [p.name for p in own if p.value is None and p.name not in {*bounds, *fixed}]
+    return {"free": free, "bounds": bounds, "fixed": fixed}
 
 
 def whole_truth(law: str, contact: str, names: Iterable[str]) -> dict[str, float]:
@@ -117,26 +119,26 @@ def measured_campaign(
     contact: str = "internal",
     noise: float = 0.0,
     seed: int = 1,
-    parameters: Mapping[str, dict[str, Any]] | None = None,
+    bounds: Mapping[str, list[float]] | None = None,
+    fixed: Mapping[str, float] | None = None,
     **settings: Any,
 ) -> TableCampaign:
     """Return a campaign on points of a law that searches all its constants."""
     table = write_measured(folder / "measured.csv", law, contact, noise, seed)
-    searched = all_free(law, contact, parameters)
+    searched = all_free(law, contact, bounds, fixed)
     return campaign_of_table(table, law, contact, CONSTANTS, **searched, **settings)
 
 
 def user_campaign(
-    folder: Path, objective: str | None = None, parameters: dict[str, Any] | None = None
+    folder: Path, objective: str | None = None, bounds: dict[str, Any] | None = None
 ) -> TableCampaign:
     """Return a campaign on points of a power law for a function of the user's own."""
     (folder / "mine.py").write_text(USER_LAW)
     table = write_measured(folder / "measured.csv", "power", "internal")
-    bounds = {"K_star": {"low": 0.5, "high": 10.0}, "n": {"low": 1.0, "high": 1.5}}
     return campaign_of_table(
         *(table, "mine:load", "internal", CONSTANTS),
         objective=objective,
-        parameters=bounds if parameters is None else parameters,
+        bounds=bounds or {"K_star": [0.5, 10.0], "n": [1.0, 1.5]},
         starts=3,
     )
 

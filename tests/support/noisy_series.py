@@ -64,9 +64,6 @@ def refitted(campaign, frame):
 
 def campaign_of(data, law, pair, *, fixed=None, bounds=None, **settings):
     """The campaign that `cylcontact.fit` runs."""
-    parameters = {name: {"value": value, "fixed": True} for name, value in (fixed or {}).items()}
-    for name, (low, high) in (bounds or {}).items():
-        parameters[name] = {"low": low, "high": high}
     return campaign_of_table(
-        *(data, law, pair.contact, constants_of(pair)), parameters=parameters or None, **settings
+        *(data, law, pair.contact, constants_of(pair)), fixed=fixed, bounds=bounds, **settings
     )

@@ -1,8 +1,6 @@
 """Campaigns of the enhanced law, all coefficients free, on grids that a user might make."""
 
 from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.specs import ParameterSpec
 
 # E in GPa, ν, ΔR in mm, and the load in N/mm: first, last, number of points and spacing.
 GRIDS = {
@@ -29,11 +27,7 @@ GRIDS = {
 
 def campaign_of(name, **genetic):
     contact, *axes = GRIDS[name]
-    tables = {
-        p.name: ParameterSpec.of(p).model_dump(exclude_none=True)
-        for p in MODELS["enhanced", contact].parameters
-    }
-    campaign = {"dataset": "inline", "law": "enhanced", "parameters": tables, "genetic": genetic}
+    campaign = {"dataset": "inline", "law": "enhanced", "genetic": genetic}
     named = dict(zip(("E", "nu", "dR", "load"), map(axis_of, axes), strict=True))
     dataset = {"contact": contact, "reference": "johnson", "axes": named}
     return Campaign.of_settings(name, {"campaign": campaign, "dataset": dataset}, name)

@@ -35,7 +35,7 @@ CAMPAIGN = {
     "law": "power",
     "objective": "rms-log-penetration",
     "seed": 7,
-    "parameters": {"K_star": {"low": 0.5, "high": 10}, "n": {"low": 1, "high": 1.5}},
+    "bounds": {"K_star": [0.5, 10], "n": [1, 1.5]},
     "genetic": {
         "runs": 3,
         "populations": [8],

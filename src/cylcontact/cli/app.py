@@ -42,7 +42,6 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         fit.uncertainty: "uncertainty build/data/result.json --bootstrap 500",
         fit.predict: 'predict build/data/result.json --load "4500 N"',
         fit.design: "design datasets/examples/specimens.csv --law explicit --candidates 5:400",
-        fit.optimizers: "optimizers fitting/external-E1000.toml genetic descents",
         fit.compare: "compare fitting/results/internal.json",
     },
     "Laws": {

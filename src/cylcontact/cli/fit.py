@@ -15,7 +15,6 @@ from cylcontact.cli.options import (
     JOBS,
     LOSSES,
     NOISES,
-    OPTIMIZERS,
     RESULTS,
     RESUME,
     SCHEDULER,
@@ -43,7 +42,7 @@ from cylcontact.cli.pair import (
 )
 from cylcontact.cli.terminal import progress_bars, resumable, say
 from cylcontact.files.reading import marked, plain_number, require_file
-from cylcontact.files.writing import replacing, require_suffix, require_writable, write_table
+from cylcontact.files.writing import replacing, require_suffix, require_writable
 from cylcontact.support.choices import (
     BRANCHES,
     CHOICE_FILES,
@@ -90,13 +89,9 @@ def _named(read: Read, example: str) -> Read:
     return reader(parse, f"is not valid; write e.g. {example}")
 
 
-def _bound(text: str) -> dict[str, Any]:
+def _bound(text: str) -> list[float]:
     low, high = map(plain_number, text.split(":"))
-    return {"low": low, "high": high}
-
-
-def _fixed(text: str) -> dict[str, Any]:
-    return {"value": plain_number(text), "fixed": True}
+    return [low, high]
 
 
 def _share(text: str) -> float:
@@ -126,8 +121,15 @@ SETTINGS: Options = {
     "load_error": _text("Standard deviation of loads, as 1%.", "SHARE",
                         reader(_share, "is not a share; write 1% or 0.01")),
     "free": _texts("Fit what is fixed by default.", "NAME"),
-    "bound": _texts("Fit between two values.", "NAME=LOW:HIGH", _named(_bound, "n=1:1.5")),
-    "fix": _texts("Fix a parameter.", "NAME=VALUE", _named(_fixed, "n=1.1")),
+}  # fmt: skip
+# By the names of the tables in a campaign file.
+PARAMETERS: Options = {
+    "bounds": (list[str] | None, several("Fit between two values.", "--bound",
+               of=_named(_bound, "n=1:1.5"), metavar="NAME=LOW:HIGH")),
+    "fixed": (list[str] | None, several("Fix a parameter.", "--fix",
+              of=_named(plain_number, "n=1.1"), metavar="NAME=VALUE")),
+    "ties": (list[str] | None, several("Set a parameter from others.", "--tie",
+             of=_named(str, "b=a/10"), metavar="NAME=EXPR")),
 }  # fmt: skip
 
 
@@ -136,12 +138,12 @@ def sample(
     out: Path = output("The .parquet or .csv file to write.", default=...),
 ) -> None:
     """Sample a reference law over a grid, in bounded memory."""
-    from cylcontact.datasets import read_grid, write_samples
+    from cylcontact.datasets import read_grid
 
     require_output(out)
     grid = read_grid(spec)
     with progress_bars() as progress:
-        counts = write_samples(grid, out, lambda n: progress("sampling", n, grid.dR.size))
+        counts = grid.sample(out, progress)
     say(
         f"{out}: {counts.samples:,} samples, {counts.masked:,} masked by the domain of "
         f"{grid.reference}"
@@ -179,6 +181,7 @@ def finite_element(
 
 
 @takes("settings", SETTINGS)
+@takes("parameters", PARAMETERS)
 @takes("pair", PAIR, listed=False)
 def fit(
     source: Path = argument("A campaign, .toml, or a table.", metavar="CAMPAIGN|TABLE"),
@@ -186,13 +189,13 @@ def fit(
     out: Path | None = output("A .json; for a table a folder, results/NAME."),
     runs: int | None = RUNS,
     seed: int | None = SEED,
-    optimizer: str | None = option(f"{listed(OPTIMIZERS)}.", metavar="NAME"),
     jobs: int = JOBS,
     scheduler: Any = SCHEDULER,
     resume: bool = RESUME,
     force: bool = FORCE,
     law: str | None = option("Law; module:function of your own.", metavar="NAME", **_PANEL),
     settings: dict[str, Any],
+    parameters: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
     """Calibrate a law to another law over a grid, or to a table of measurements.
@@ -208,14 +211,14 @@ def fit(
         raise InputError(str(source), "", None, "is a fit result", remedy)
     planned: Campaign | TableCampaign
     if is_table(source):
-        planned = _measured(source, given, seed, runs, optimizer).campaign(given["law"])
+        planned = _measured(source, given | parameters, seed, runs).campaign(given["law"])
         folder, target = _place(source, given["law"], out)
     else:
         for name in given:
             rule = "is an option for tables of measurements, and this is a campaign"
             remedy = "set it in the campaign file"
             raise InputError(str(source), option_of(name), None, rule, remedy)
-        planned = read_campaign(source, runs, seed, optimizer)
+        planned = read_campaign(source, runs, seed, **_tables(str(source), parameters))
         folder, target = None, out or source.parent / "results" / f"{source.stem}.json"
     require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
     require_suffix(target, ".json")
@@ -252,32 +255,6 @@ def _place(source: Path, law: str, out: Path | None) -> tuple[Path | None, Path]
             if FitResult.read(folder / FIT_FILES[0]).law != law:
                 folder = folder.with_name(f"{source.stem}-{law.replace(':', '-')}")
     return folder, folder / FIT_FILES[0]
-
-
-def optimizers(
-    campaign: Path = argument("A campaign, e.g. fitting/internal.toml.", metavar="CAMPAIGN"),
-    names: list[str] | None = argument(
-        f"{listed(OPTIMIZERS)}; all by default.", metavar="[NAME]...", default=None
-    ),
-    out: Path | None = output("A .csv of the runs."),
-    runs: int | None = RUNS,
-    seed: int | None = SEED,
-    jobs: int = JOBS,
-    scheduler: Any = SCHEDULER,
-) -> None:
-    """Compare optimisers on a campaign, with the same seeds, budget and polish."""
-    from cylcontact.fitting import read_campaign
-    from cylcontact.fitting.comparison import compare_optimizers, runs_as_text
-
-    chosen = names or [*OPTIMIZERS]
-    for name in chosen:
-        planned = read_campaign(campaign, runs, seed, name)
-    require_output(out, ".csv")
-    with progress_bars() as progress:
-        compared = compare_optimizers(planned, chosen, scheduler or jobs, progress)
-    if out is not None:
-        write_table(compared, out)
-    say(runs_as_text(compared))
 
 
 def uncertainty(
@@ -319,6 +296,7 @@ def uncertainty(
 
 
 @takes("settings", SETTINGS, listed=False)
+@takes("parameters", PARAMETERS, listed=False)
 @takes("pair", PAIR, listed=False)
 def choose(
     data: Path = DATA,
@@ -326,6 +304,7 @@ def choose(
     law: list[str] | None = several("The laws to compare; all by default.", of=str, metavar="NAME"),
     out: Path | None = output("The folder; results/NAME beside the table."),
     settings: dict[str, Any],
+    parameters: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
     """Fit all laws to a table and rank them; say whether the data can tell.
@@ -337,7 +316,9 @@ def choose(
 
     folder = out or data.parent / "results" / data.stem
     require_writable(*(folder / name for name in CHOICE_FILES))
-    measured = _measured(data, {**pair, **settings, "law": law[0] if law else "johnson"})
+    measured = _measured(
+        data, {**pair, **settings, **parameters, "law": law[0] if law else "johnson"}
+    )
     with progress_bars() as progress:
         choice = choose_law(measured, law or (), progress)
     write_choice(choice, folder)
@@ -345,6 +326,7 @@ def choose(
 
 
 @takes("settings", SETTINGS, listed=False)
+@takes("parameters", PARAMETERS, listed=False)
 @takes("pair", PAIR, listed=False)
 def design(
     data: Path = DATA,
@@ -358,6 +340,7 @@ def design(
     ),
     out: Path | None = output("A folder for the picture and its table."),
     settings: dict[str, Any],
+    parameters: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
     """Say which further readings of a table would narrow its intervals most.
@@ -371,7 +354,7 @@ def design(
 
     if out is not None:
         require_writable(*(out / name for name in DESIGN_FILES))
-    measured = _measured(data, {**pair, **settings, "law": law})
+    measured = _measured(data, {**pair, **settings, **parameters, "law": law})
     with progress_bars() as progress:
         fitted = fit_table(measured.campaign(law), 1, progress)
     taken = np.geomspace(candidates[0], candidates[1], _DESIGN_LOADS)
@@ -455,7 +438,6 @@ def _measured(
     given: dict[str, Any],
     seed: int | None = None,
     runs: int | None = None,
-    optimizer: str | None = None,
 ) -> MeasuredTable:
     """Return a table with the options for it."""
     from cylcontact.fitting.table_campaign import read_table
@@ -471,20 +453,25 @@ def _measured(
     law, contact = given["law"], given["contact"]
     housing = housing_of(given, source, contact)
     constants, blamed = constants_of(given, source, contact)
-    others = {*IN_CONSTANTS, "law", "contact", "bound", "fix"}
+    others = {*IN_CONSTANTS, "law", "contact"}
     settings = {name: value for name, value in given.items() if name not in others}
-    parameters = [*given.get("bound", []), *given.get("fix", [])]
-    settings |= {
+    settings |= _tables(source, given) | {
         "columns": _each_once(source, "--columns", settings.get("columns", [])),
-        "parameters": _each_once(source, "--bound, --fix", parameters),
         "housing": None if housing is None else housing.model_dump(exclude_none=True),
         "seed": seed,
-        "optimizer": optimizer,
+        "starts": runs,
     }
-    if runs is not None:
-        settings |= {"starts": runs} if optimizer is None else {"genetic": {"runs": runs}}
     with blaming_options(blamed):
         return read_table(path, law, contact, constants, **settings)
+
+
+def _tables(source: str, given: dict[str, Any]) -> dict[str, Any]:
+    """Return what --bound, --fix and --tie give, as the tables of a campaign file."""
+    tables = {name: given[name] for name in PARAMETERS if name in given}
+    _each_once(
+        source, "--bound, --fix, --tie", [each for table in tables.values() for each in table]
+    )
+    return {name: dict(table) for name, table in tables.items()}
 
 
 def _each_once(source: str, option: str, named: list[tuple[str, Any]]) -> dict[str, Any] | None:

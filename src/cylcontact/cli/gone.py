@@ -13,6 +13,7 @@ COMMANDS: dict[str, str] = {
     "--revolutions 40 -o build/sweep.csv`, whose table has the period of each run",
     "tolerances": "use `cylcontact simulate datasets/slider_crank.toml --tolerance 1e-9`, which "
     "prints the error of the energy",
+    "optimizers": "cylcontact fit searches with PyGAD, then descends from many points",
 }
 # By command and option.
 OPTIONS: dict[tuple[str, str], str] = {
@@ -25,6 +26,7 @@ OPTIONS: dict[tuple[str, str], str] = {
     ("sweep", "--method"): "leave it out; there is one method",
     ("sweep", "--resume"): "leave it out; a sweep starts anew",
     ("sweep", "--against"): "compare two runs with cylcontact.mechanism.horizon",
+    ("fit", "--optimizer"): "leave it out: the search is PyGAD's, with descents from many points",
 }
 
 

@@ -23,7 +23,6 @@ RESULTS = Path("fitting/results")
 # Keys of tables of functions, which are slow to import; tests/cli/test_commands.py compares them.
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 NOISES = ("constant", "proportional", "both")
-OPTIMIZERS = ("genetic", "differential-evolution", "least-squares", "descents", "cma")
 WIDTHS = ("column", "page")
 
 Read = Callable[[str], Any]
@@ -221,7 +220,5 @@ SCHEDULER = option(
     "A Dask cluster instead, e.g. tcp://host:8786.", metavar="ADDRESS", callback=_cluster
 )
 MATERIALS = option("Your own materials; datasets/materials.csv by default.", metavar="TABLE")
-FORCE = option(
-    "Replace a default output of other inputs; -o always does.", "--force", default=False
-)
+FORCE = option("Replace a default output of other inputs.", "--force", default=False)
 RESUME = option("Go on after an interruption.", "--resume", default=False)

@@ -6,25 +6,20 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self, cast
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from cylcontact.bodies.material import LARGEST_MODULUS, material_in_MPa
 from cylcontact.bodies.pair import Contact, CylinderPair, are_possible
-from cylcontact.datasets.tabulated import FINITE_ELEMENT, TabulatedReference, with_table
 from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
 from cylcontact.laws import REFERENCES, ContactLaw, reference_law
 from cylcontact.support.arrays import FloatArray, IndexArray
 from cylcontact.support.errors import InputError
+from cylcontact.support.progress import Progress, silent
 
 _POSITIVE_AXES = ("E", "dR", "load")
-# How the axes of either kind of grid are asked for.
-_AXES = (
-    "the tables [axes.E], [axes.nu], [axes.dR], [axes.load], or [axes.alpha], [axes.beta], "
-    "[axes.phi]"
-)
 _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
 # No real contact is outside these limits, and no law overflows inside.
 _SMALLEST, _LARGEST = 1e-12, 1e12
@@ -80,7 +75,7 @@ class AxisSpec(Spec):
 
 
 class AxesSpec(Spec):
-    """The four axes."""
+    """The four axes of a grid."""
 
     E: AxisSpec = Field(description="a table [axes.E] for Young's modulus in GPa")
     nu: AxisSpec = Field(description="a table [axes.nu] for Poisson's ratio")
@@ -100,58 +95,6 @@ class AxesSpec(Spec):
             rule = "Poisson's ratio must lie in [0, 0.5]"
             raise broken("nu", [float(ratio[0]), float(ratio[-1])], rule, "narrow the axis")
         return self
-
-
-def _check_positive(name: str, axis: AxisSpec, remedy: str) -> None:
-    """Raise an error for an axis with values that are not positive, or beyond every contact's."""
-    numbers = axis.numbers()
-    for end in (float(numbers[0]), float(numbers[-1])):
-        if not _SMALLEST <= end <= _LARGEST:
-            rule = f"must lie between {_SMALLEST:g} and {_LARGEST:g}"
-            if end <= 0:
-                rule = "every value must be positive"
-            raise broken(name, end, rule, remedy)
-
-
-class GridSpec(Spec):
-    """A grid spec file."""
-
-    contact: Contact = Field(description='"internal" or "external"')
-    reference: str = Field(
-        description=f"the law to sample, one of {', '.join(REFERENCES)}, or {FINITE_ELEMENT}"
-    )
-    axes: AxesSpec = Field(description=_AXES)
-
-    table: str | None = Field(
-        None, description=f"the table of finite elements, with reference {FINITE_ELEMENT}"
-    )
-    penetrations: list[list[float]] | None = Field(
-        None, description="the table's penetrations in mm, a list for each ΔR"
-    )
-
-    @model_validator(mode="after")
-    def _check(self) -> GridSpec:
-        if self.reference == FINITE_ELEMENT:
-            _check_penetrations(self.contact, self.axes, self.penetrations)
-            return self
-        if self.table is not None or self.penetrations is not None:
-            key = "table" if self.table is not None else "penetrations"
-            rule = f"is used only with reference {FINITE_ELEMENT}"
-            raise broken(key, None, rule, "drop it")
-        pair = CylinderPair.from_dR(self.contact, 1.0, material_in_MPa("any", 1.0, 0.0))
-        _check_reference(self.reference, pair, f", {FINITE_ELEMENT}")
-        return self
-
-
-def _check_reference(name: str, pair: CylinderPair, others: str = "") -> None:
-    """Raise an error unless there is such a law, and it is for pairs like this one."""
-    if name not in REFERENCES:
-        rule = "is not a law that a grid can sample"
-        raise broken("reference", name, rule, f"choose among {', '.join(REFERENCES)}{others}")
-    try:
-        reference_law(name).max_load(pair)
-    except InputError as error:
-        raise broken("reference", name, error.rule, error.remedy) from None
 
 
 class DundursAxesSpec(Spec):
@@ -175,40 +118,108 @@ class DundursAxesSpec(Spec):
         return self
 
 
-class DimensionlessGridSpec(Spec):
-    """A grid spec file with the axes alpha, beta and phi."""
+def _check_positive(name: str, axis: AxisSpec, remedy: str) -> None:
+    """Raise an error for an axis with values that are not positive, or beyond every contact's."""
+    numbers = axis.numbers()
+    for end in (float(numbers[0]), float(numbers[-1])):
+        if not _SMALLEST <= end <= _LARGEST:
+            rule = f"must lie between {_SMALLEST:g} and {_LARGEST:g}"
+            if end <= 0:
+                rule = "every value must be positive"
+            raise broken(name, end, rule, remedy)
 
-    contact: Contact = Field(description='"internal"')
+
+class GridSpec(Spec):
+    """A grid spec file."""
+
+    contact: Contact = Field(description='"internal" or "external"')
     reference: str = Field(description=f"the law to sample, one of {', '.join(REFERENCES)}")
-    axes: DundursAxesSpec = Field(description=_AXES)
+    axes: AxesSpec = Field(
+        description="the tables [axes.E], [axes.nu], [axes.dR], [axes.load], or [axes.alpha], "
+        "[axes.beta], [axes.phi]"
+    )
 
     @model_validator(mode="after")
-    def _check(self) -> DimensionlessGridSpec:
+    def _check(self) -> Self:
+        self._check_contact()
+        if self.reference not in REFERENCES:
+            rule = "is not a law that a grid can sample"
+            raise broken("reference", self.reference, rule, f"choose among {', '.join(REFERENCES)}")
+        try:
+            reference_law(self.reference).max_load(self._some_pair())
+        except InputError as error:
+            raise broken("reference", self.reference, error.rule, error.remedy) from None
+        return self
+
+    def _check_contact(self) -> None:
+        """Raise an error for a contact that such a grid cannot have."""
+
+    def _some_pair(self) -> CylinderPair:
+        return CylinderPair.from_dR(self.contact, 1.0, material_in_MPa("any", 1.0, 0.0))
+
+
+class DimensionlessGridSpec(GridSpec):
+    """A grid spec file with the axes alpha, beta and phi."""
+
+    axes: DundursAxesSpec = Field(  # type: ignore[assignment]
+        description=GridSpec.model_fields["axes"].description
+    )
+
+    def _check_contact(self) -> None:
         if self.contact != "internal":
             rule = "must be internal on a grid of alpha, beta and phi"
             raise broken("contact", self.contact, rule, "for rollers give E, nu, dR and load")
-        _check_reference(self.reference, CylinderPair.from_dundurs(0.5, 0.1))
-        return self
+
+    def _some_pair(self) -> CylinderPair:
+        return CylinderPair.from_dundurs(0.5, 0.1)
 
 
-def _check_penetrations(
-    contact: Contact, axes: AxesSpec, penetrations: list[list[float]] | None
-) -> None:
-    """Raise an error unless there is a positive penetration at each node of an internal grid."""
-    if contact != "internal":
-        rule = f"must be internal with reference {FINITE_ELEMENT}"
-        raise broken("contact", contact, rule, "finite elements here are of a pin in a hole")
-    sizes = [getattr(axes, name).numbers().size for name in ("E", "nu", "dR", "load")]
-    lengths = [len(row) for row in penetrations or ()]
-    if sizes[:2] != [1, 1] or lengths != [sizes[3]] * sizes[2]:
-        rule = "must hold one E, one nu, and a list for each dR with a number for each load"
-        raise broken("penetrations", None, rule, "name the table instead: table = ...")
-    if min(min(row) for row in penetrations or ()) <= 0:
-        raise broken("penetrations", None, "must be positive", "give them in mm")
+class Sampled:
+    """What a grid of either kind can do."""
+
+    columns: ClassVar[tuple[str, ...]]
+
+    def sample(self, path: Path | str | None = None, progress: Progress = silent) -> Any:
+        """Sample the reference law, into a DataFrame or, in bounded memory, into a file.
+
+        Parameters
+        ----------
+        path : path, optional
+            A .parquet or .csv file, which is created when it is complete.
+        progress : callable, optional
+            Called with "sampling", the number of clearances done, and that of all.
+
+        Returns
+        -------
+        DataFrame or Counts
+            The samples in the domain of the reference, with the columns E_GPa, nu, dR_mm,
+            load_N_per_mm and penetration_mm, or alpha, beta, phi and d. With a path, the numbers of
+            samples that were written and masked.
+
+        Raises
+        ------
+        InputError
+            If every sample is masked, the file cannot be written, or Parquet's library is missing.
+
+        Examples
+        --------
+        >>> grid = Grid("internal", "johnson", np.array([207.0]), np.array([0.3]),
+        ...             np.array([0.05]), np.array([10.0, 100.0]))
+        >>> grid.sample().round(7)
+           E_GPa   nu  dR_mm  load_N_per_mm  penetration_mm
+        0  207.0  0.3   0.05           10.0        0.000220
+        1  207.0  0.3   0.05          100.0        0.001559
+        """
+        from cylcontact.datasets import sampling
+
+        grid = cast(AnyGrid, self)
+        if path is None:
+            return sampling.frame_of(grid, progress)
+        return sampling.write_samples(grid, path, progress)
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class Grid(Sampled):
     """The Cartesian product of values of E, ν, ΔR and load, and the law to sample there.
 
     Attributes
@@ -221,8 +232,6 @@ class Grid:
         The axes, in GPa, -, mm and N/mm.
     source : str
         Its name in errors.
-    penetrations : array of float, shape (ΔR, load), optional
-        In mm, if the reference is a table of finite elements.
 
     Examples
     --------
@@ -239,15 +248,11 @@ class Grid:
     dR: FloatArray
     load: FloatArray
     source: str = "grid"
-    penetrations: FloatArray | None = None
-    axes: ClassVar[tuple[str, ...]] = ("dR", "E", "nu", "load")
     columns: ClassVar[tuple[str, ...]] = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
 
     @property
-    def law(self) -> ContactLaw | TabulatedReference:
-        """The reference law, or the table in its place."""
-        if self.penetrations is not None:
-            return TabulatedReference(self.dR, self.load, self.penetrations)
+    def law(self) -> ContactLaw:
+        """The reference law."""
         return reference_law(self.reference)
 
     @property
@@ -256,15 +261,14 @@ class Grid:
         return (self.E.size, self.nu.size, self.dR.size, self.load.size)
 
     @property
-    def size(self) -> int:
-        """Number of combinations."""
-        nE, nnu, ndR, nload = self.shape
-        return nE * nnu * ndR * nload
-
-    @property
     def rows(self) -> int:
         """Number of combinations of E and ν."""
         return self.E.size * self.nu.size
+
+    @property
+    def size(self) -> int:
+        """Number of combinations."""
+        return self.rows * self.dR.size * self.load.size
 
     def row_values(self, rows: IndexArray) -> tuple[FloatArray, FloatArray]:
         """Return E in GPa and ν of rows, with E varying slowest."""
@@ -277,7 +281,7 @@ class Grid:
 
 
 @dataclass(frozen=True, eq=False)
-class DimensionlessGrid:
+class DimensionlessGrid(Sampled):
     """Values of α, β and φ = f/(E*·ΔR) of possible pairs, with E* = 1 MPa and ΔR = 1 mm."""
 
     reference: str
@@ -286,7 +290,6 @@ class DimensionlessGrid:
     phi: FloatArray
     source: str = "grid"
     contact: ClassVar[Contact] = "internal"
-    axes: ClassVar[tuple[str, ...]] = ("alpha", "beta", "phi")
     columns: ClassVar[tuple[str, ...]] = ("alpha", "beta", "phi", "d")
 
     @property
@@ -352,23 +355,20 @@ def read_grid(path: Path | str) -> AnyGrid:
     InputError
         If the file is not a grid spec; the message has key, value, rule and remedy.
     """
-    return grid_from(read_grid_data(path), str(path))
-
-
-def read_grid_data(path: Path | str) -> dict[str, Any]:
-    """Return the contents of a grid spec, with a named table replaced by its contents."""
-    data = read_toml(path)
-    return with_table(data, Path(path)) if data.get("reference") == FINITE_ELEMENT else data
+    return grid_from(read_toml(path), str(path))
 
 
 def grid_from(data: dict[str, Any], source: str) -> AnyGrid:
     """Return the grid described by the contents of a spec."""
+    if data.get("reference") == "finite-element":
+        rule = "is gone as a reference"
+        remedy = "fit the table: cylcontact fit TABLE.csv --law enhanced --contact internal"
+        raise InputError(source, "reference", "finite-element", rule, remedy)
     axes = data.get("axes")
-    if isinstance(axes, dict) and not axes.keys().isdisjoint(DimensionlessGrid.axes):
+    if isinstance(axes, dict) and not axes.keys().isdisjoint(DundursAxesSpec.model_fields):
         own = parse_spec(DimensionlessGridSpec, data, source)
-        alpha, beta, phi = (getattr(own.axes, name).numbers() for name in DimensionlessGrid.axes)
+        alpha, beta, phi = (getattr(own.axes, name).numbers() for name in ("alpha", "beta", "phi"))
         return DimensionlessGrid(own.reference, alpha, beta, phi, source)
     spec = parse_spec(GridSpec, data, source)
-    E, nu, dR, load = (getattr(spec.axes, name).numbers() for name in AxesSpec.model_fields)
-    penetrations = None if spec.penetrations is None else np.array(spec.penetrations)
-    return Grid(spec.contact, spec.reference, E, nu, dR, load, source, penetrations)
+    E, nu, dR, load = (getattr(spec.axes, name).numbers() for name in ("E", "nu", "dR", "load"))
+    return Grid(spec.contact, spec.reference, E, nu, dR, load, source)

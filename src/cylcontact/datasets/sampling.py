@@ -1,8 +1,8 @@
 """Sample a reference law over a grid, block by block.
 
 A grid is sampled one ΔR after the other, each in blocks of bounded size, so that memory does not
-grow with the grid. The blocks and the order of their summation depend on the grid alone, so the
-result is the same for any number of workers.
+grow with the grid. The blocks and the order of their sums depend on the grid alone, so the result
+is the same for any number of workers.
 """
 
 from __future__ import annotations
@@ -11,24 +11,25 @@ import csv
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from itertools import chain, islice
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cylcontact.datasets.grid import AnyGrid, Grid
-from cylcontact.datasets.moments import Moments, concatenate, merge, row_moments
+from cylcontact.datasets.moments import Moments, concatenate, logarithmic_moments, merge
 from cylcontact.files.writing import replacing, require_parquet, require_suffix
 from cylcontact.laws import LogarithmicLaw
 from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray
 from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Workers, call, run_calls
+from cylcontact.support.progress import Progress, silent
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # Samples per block: its dozen temporaries, 0.5 MiB each, stay in the cache of a core.
 BLOCK = 1 << 16
-# Least number of samples per call of a worker, if a clearance has that many.
-PIECE = 1 << 21
 # Clearances whose moments are formed together.
 _AT_ONCE = 256
 # Writes columns to a table.
@@ -47,15 +48,12 @@ class Counts:
 class Block:
     """Samples at one ΔR as flat arrays, without those outside the domain of the reference."""
 
-    # In mm.
-    dR: float
+    dR: float  # in mm
     # E in GPa and ν, or α and β; then loads in N/mm, penetrations in mm and E* in MPa.
     row_values: tuple[FloatArray, FloatArray]
     load: FloatArray
     penetration: FloatArray
     E_star: FloatArray
-    # Samples left out.
-    masked: int
 
     @property
     def s(self) -> FloatArray:
@@ -68,8 +66,8 @@ class Block:
         return np.asarray(np.log(self.penetration))
 
 
-def blocks(grid: AnyGrid, dR: float) -> Iterator[Block]:
-    """Sample the grid's reference law at one ΔR, block by block.
+def blocks(grid: AnyGrid, dR: float, rows: IndexArray | None = None) -> Iterator[Block]:
+    """Sample the grid's reference law at one ΔR.
 
     Parameters
     ----------
@@ -77,36 +75,43 @@ def blocks(grid: AnyGrid, dR: float) -> Iterator[Block]:
         The grid.
     dR : float
         One of its clearances, in mm.
+    rows : array of int, optional
+        Some of its combinations of E and ν; all by default.
 
     Yields
     ------
     Block
         At most `BLOCK` samples, with E varying slowest and load fastest.
     """
-    return _blocks_of_rows(grid, dR, np.arange(grid.rows))
-
-
-def _blocks_of_rows(grid: AnyGrid, dR: float, rows: IndexArray) -> Iterator[Block]:
-    """Yield samples at one ΔR for some rows of the grid, its combinations of E and ν."""
-    law = grid.law
-    loads_per_block = min(grid.load.size, BLOCK)
-    rows_per_block = max(1, BLOCK // loads_per_block)
-    for row in range(0, rows.size, rows_per_block):
-        here = rows[row : row + rows_per_block, None]
+    law, every = grid.law, np.arange(grid.rows) if rows is None else rows
+    wide = min(grid.load.size, BLOCK)
+    high = max(1, BLOCK // wide)
+    for row in range(0, every.size, high):
+        here = every[row : row + high, None]
         pair = grid.pairs(dR, here)
-        for first in range(0, grid.load.size, loads_per_block):
-            load = grid.load[first : first + loads_per_block]
+        for first in range(0, grid.load.size, wide):
+            load = grid.load[first : first + wide]
             penetration = law.penetration(load, pair)
             inside = np.isfinite(penetration)
             columns = *grid.row_values(here), load, penetration, pair.E_star
             one, other, f, depth, E_star = (
                 np.broadcast_to(column, inside.shape)[inside] for column in columns
             )
-            yield Block(dR, (one, other), f, depth, E_star, inside.size - f.size)
+            yield Block(dR, (one, other), f, depth, E_star)
+
+
+def require_samples(grid: AnyGrid, number: float) -> None:
+    """Raise `InputError` if no sample of a grid lies in the domain of its reference law."""
+    if not number:
+        rule = f"all {grid.size} samples lie outside the domain of {grid.reference}"
+        raise InputError(grid.source, "axes", None, rule, "lower the loads, or raise E or dR")
+
+
+# --- to moments ---------------------------------------------------------------------------------
 
 
 def reduce_grid(
-    grid: AnyGrid, jobs: Workers = 1, progress: Callable[[int], None] | None = None
+    grid: AnyGrid, jobs: Workers = 1, progress: Progress = silent
 ) -> tuple[Moments, Counts]:
     """Reduce a grid of any size to moments, with one block per worker in memory.
 
@@ -117,7 +122,7 @@ def reduce_grid(
     jobs : int or Cluster
         Number of threads, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
-        Called with the number of clearances done after each.
+        Called with "sampling", the number of clearances done, and that of all.
 
     Returns
     -------
@@ -140,35 +145,24 @@ def reduce_grid(
     >>> counts
     Counts(samples=3, masked=1)
     """
-    inside = _clearances_inside(grid)
-    masked = np.flatnonzero(~inside)
-    height = max(1, PIECE // grid.load.size)
-    starts = range(0, grid.rows, height)
-    work = [
-        call(_reduce_rows, grid, float(dR), first, min(first + height, grid.rows))
-        for dR in grid.dR[masked]
-        for first in starts
-    ]
-    parts: list[Moments] = []
-    done = 0
+    whole = _whole_clearances(grid)
+    inside, rows = grid.dR[whole], np.arange(grid.rows)
+    starts = range(0, inside.size, _AT_ONCE)
+    parts = [_without_samples(grid, rows, inside[first : first + _AT_ONCE]) for first in starts]
+    work = [call(_at_clearance, grid, float(dR)) for dR in grid.dR[~whole]]
+    progress("sampling", inside.size, grid.dR.size)
     with closing(run_calls(work, jobs, threads=True)) as reduced:
-        merged = (merge(islice(reduced, len(starts))) for _ in masked)
-        for part in chain(_reduce_whole(grid, grid.dR[inside]), merged):
+        for done, part in enumerate(reduced, start=inside.size + 1):
             parts.append(part)
-            for _ in part.dR:
-                done += 1
-                if progress is not None:
-                    progress(done)
+            progress("sampling", done, grid.dR.size)
     moments = concatenate(parts)
     order = np.argsort(moments.dR)
     moments = moments.at(order[moments.count[order] > 0])
-    if not moments.total:
-        rule = f"all {grid.size} samples lie outside the domain of {grid.reference}"
-        raise InputError(grid.source, "axes", None, rule, "lower the loads, or raise E or dR")
+    require_samples(grid, moments.total)
     return moments, Counts(int(moments.total), grid.size - int(moments.total))
 
 
-def _clearances_inside(grid: AnyGrid) -> BoolArray:
+def _whole_clearances(grid: AnyGrid) -> BoolArray:
     """Return the clearances at which every sample lies in the domain of a logarithmic law."""
     law = grid.law
     if not isinstance(law, LogarithmicLaw) or not isinstance(grid, Grid):
@@ -179,70 +173,59 @@ def _clearances_inside(grid: AnyGrid) -> BoolArray:
     return np.asarray(np.isfinite(law.penetration(grid.load.max(), pairs)))
 
 
-def _reduce_whole(grid: AnyGrid, dR: FloatArray) -> Iterator[Moments]:
-    """Yield the moments at clearances that are whole, some at a time."""
-    if not dR.size:
-        return
-    law, rows = cast(LogarithmicLaw, grid.law), np.arange(grid.rows)
-    pair, some = grid.pairs(dR[0], rows), grid.pairs(dR, rows[0])
-    shift = np.log(law.reach(some) / law.reach(pair))
-    for first in range(0, dR.size, _AT_ONCE):
-        here = slice(first, first + _AT_ONCE)
-        yield row_moments(law, pair, grid.load, dR[here], shift[here])
+def _without_samples(grid: AnyGrid, rows: IndexArray, dR: FloatArray) -> Moments:
+    """Return the moments of rows that lie in the domain of a logarithmic law, at m clearances."""
+    law = grid.law
+    assert isinstance(law, LogarithmicLaw)
+    clearances = grid.pairs(dR, rows[0])
+    return logarithmic_moments(law, grid.pairs(dR[0], rows), grid.load, clearances)
 
 
-def _reduce_rows(grid: AnyGrid, dR: float, first: int, last: int) -> Moments:
-    """Return the moments of some rows, combinations of E and ν, at one ΔR."""
-    law, rows, parts = grid.law, np.arange(first, last), []
+def _at_clearance(grid: AnyGrid, dR: float) -> Moments:
+    """Return the moments at one ΔR."""
+    law, rows, parts = grid.law, np.arange(grid.rows), []
     if isinstance(law, LogarithmicLaw):
-        pair = grid.pairs(dR, rows)
-        whole = np.isfinite(law.penetration(grid.load.max(), pair))
+        whole = np.isfinite(law.penetration(grid.load.max(), grid.pairs(dR, rows)))
         if whole.any():
-            parts.append(row_moments(law, grid.pairs(dR, rows[whole]), grid.load))
+            parts.append(_without_samples(grid, rows[whole], np.array([dR])))
         rows = rows[~whole]
-    parts += [Moments.of_samples(dR, b.s, b.j) for b in _blocks_of_rows(grid, dR, rows)]
+    parts += [Moments.of_samples(dR, block.s, block.j) for block in blocks(grid, dR, rows)]
     return merge(parts)
 
 
-def write_samples(
-    grid: AnyGrid, path: Path | str, progress: Callable[[int], None] | None = None
-) -> Counts:
-    """Sample a grid into a table, in bounded memory.
+# --- to tables ----------------------------------------------------------------------------------
 
-    Parameters
-    ----------
-    grid : Grid or DimensionlessGrid
-        The grid.
-    path : path
-        A .parquet or .csv file, created when it is complete. Its columns are those of the grid.
-    progress : callable, optional
-        Called with the number of clearances done after each.
 
-    Returns
-    -------
-    Counts
-        Samples written and masked.
+def frame_of(grid: AnyGrid, progress: Progress = silent) -> pd.DataFrame:
+    """Return the samples of a grid as a table, with the columns of the grid."""
+    import pandas as pd  # slow to import, and a file needs none
 
-    Raises
-    ------
-    InputError
-        If the suffix is neither, the file cannot be written, every sample is masked, or Parquet's
-        library is not installed.
-    """
-    samples = masked = 0
-    opened = _parquet if require_suffix(path, ".parquet", ".csv") == ".parquet" else _csv
+    parts = [np.stack(columns) for columns in _columns(grid, progress)]
+    return pd.DataFrame(np.concatenate(parts, axis=1).T, columns=list(grid.columns))
+
+
+def write_samples(grid: AnyGrid, path: Path | str, progress: Progress = silent) -> Counts:
+    """Sample a grid into a .parquet or .csv file, in bounded memory."""
+    samples, opened = 0, _parquet
+    if require_suffix(path, ".parquet", ".csv") == ".csv":
+        opened = _csv
     with replacing(path) as temporary, opened(temporary, grid.columns) as write:
-        for done, dR in enumerate(grid.dR, start=1):
-            for block in blocks(grid, float(dR)):
-                clearance = [np.full(block.load.size, block.dR)] if "dR_mm" in grid.columns else []
-                write([*block.row_values, *clearance, block.load, block.penetration])
-                samples += block.load.size
-                masked += block.masked
-            if progress is not None:
-                progress(done)
-        if not samples:
-            reduce_grid(grid)  # raises the error that names the reason
-    return Counts(samples, masked)
+        for columns in _columns(grid, progress):
+            write(columns)
+            samples += columns[0].size
+    return Counts(samples, grid.size - samples)
+
+
+def _columns(grid: AnyGrid, progress: Progress) -> Iterator[list[FloatArray]]:
+    """Yield the columns of the table of a grid, block by block."""
+    samples = 0
+    for done, dR in enumerate(grid.dR, start=1):
+        for block in blocks(grid, float(dR)):
+            samples += block.load.size
+            clearance = [np.full(block.load.size, dR)] if isinstance(grid, Grid) else []
+            yield [*block.row_values, *clearance, block.load, block.penetration]
+        progress("sampling", done, grid.dR.size)
+    require_samples(grid, samples)
 
 
 @contextmanager

@@ -45,7 +45,10 @@ _MECHANISM = (
     "write [crank], [rod], [slider] and [joint] as datasets/slider_crank.toml does; for another "
     "mechanism use a multibody code with an exported joint"
 )
-GONE = dict.fromkeys(("ground", "bodies", "integration"), _MECHANISM)
+GONE = dict.fromkeys(("ground", "bodies", "integration"), _MECHANISM) | {
+    "parameters": "write [bounds] n = [1.0, 1.5], and [fixed] n = 1.1 for a fixed one",
+    "optimizer": "leave it out: a campaign searches with PyGAD, then descends from many points",
+}
 
 # Pydantic's type rules in the terms of TOML and JSON.
 _PLAIN_RULES = {

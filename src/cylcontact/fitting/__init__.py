@@ -32,7 +32,7 @@ __all__ = [
     "read_campaign",
 ]
 
-# Loaded on first use, so that the command line can read the names of the optimisers at once.
+# Loaded on first use: the command line starts without them.
 _NAMES = {
     "calibration": ("calibrate",),
     "campaign": ("Campaign",),

@@ -2,36 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
-from cylcontact.datasets.grid import AnyGrid
-from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.files.journal import Journal
 from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.objectives import (
-    ON_ROWS,
-    Problem,
-    RmsLogPenetration,
-    Samples,
-    collect_samples,
-    make_objective,
-    max_abs_difference_percent,
+from cylcontact.fitting.profile import Profiles
+from cylcontact.fitting.records import (
+    TOLERANCE,
+    MaxDifference,
+    ObjectiveValue,
+    Profile,
+    SampleCounts,
 )
-from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.fitting.profiles import profiles
-from cylcontact.fitting.records import MaxDifference, ObjectiveValue, Profile, SampleCounts
+from cylcontact.fitting.reference import OnMoments, OnSamples, Samples, max_abs_difference_percent
 from cylcontact.fitting.results import LawFit
 from cylcontact.fitting.runs import best_of, published_on, run_all, searches
+from cylcontact.support.arrays import FloatArray
 from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Workers, call, collect
 from cylcontact.support.progress import Progress, silent
 
-# Sets of coefficients evaluated at a time until the law is defined for one.
-_TRIED = 64
+# Points evaluated at a time until the law is defined for one, and their number.
+_AT_ONCE, _TRIED = 64, 1 << 12
+# Values of a coefficient in a profile, and the largest distance from the optimum that counts.
+_CURVE, _FAR = 41, 1e6
 
 
 def calibrate(
@@ -63,45 +63,32 @@ def calibrate(
     Raises
     ------
     InputError
-        If every sample is masked, the bounds exclude the law's domain, the optimiser's library
-        is missing, or `checkpoint` belongs to another campaign.
+        If every sample is masked, the bounds exclude the law's domain, or `checkpoint` belongs to
+        another campaign.
 
     Examples
     --------
     Samples of the published external law recover its coefficients:
 
-    >>> span = {"points": 4, "spacing": "log"}
-    >>> axes = {
-    ...     "E": {"values": [207.0]},
-    ...     "nu": {"values": [0.3]},
-    ...     "dR": {"min": 5.0, "max": 500.0, **span},
-    ...     "load": {"min": 10.0, "max": 1000.0, **span},
-    ... }
+    >>> from cylcontact.datasets import Grid
+    >>> dR, load = np.geomspace(5.0, 500.0, 4), np.geomspace(10.0, 1000.0, 4)
+    >>> grid = Grid("external", "enhanced", np.array([207.0]), np.array([0.3]), dR, load)
     >>> bounds = {"a": (0.1, 1.5), "b": (0.1, 3.0), "n": (1.0, 1.5)}
-    >>> campaign = {
-    ...     "dataset": "inline",
-    ...     "law": "enhanced",
-    ...     "parameters": {k: {"low": low, "high": high} for k, (low, high) in bounds.items()},
-    ...     "genetic": {"runs": 2, "populations": [20], "generations": 20},
-    ... }
-    >>> grid = {"contact": "external", "reference": "enhanced", "axes": axes}
-    >>> settings = {"campaign": campaign, "dataset": grid}
-    >>> result = calibrate(Campaign.of_settings("recovery", settings, "example"))
+    >>> campaign = Campaign.on(grid, "enhanced", bounds=bounds, genetic={"runs": 2})
+    >>> result = calibrate(campaign)
     >>> print({name: round(value, 6) for name, value in result.coefficients.items()})
     {'a': 0.39, 'b': 0.85, 'n': 1.094}
     """
     spec = campaign.spec
-    OPTIMIZERS[spec.optimizer].require_installed(campaign.source, spec.optimizer)
     provenance = campaign.provenance  # of what is run, not of what is there when it ends
-    problem, counts = problem_of(campaign, jobs, progress)
+    space, counts = space_of(campaign, jobs, progress)
     journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
-    calls = searches(problem, spec.optimizer, spec.genetic, spec.seed, campaign.source)
+    calls = searches(space, spec.genetic, spec.seed, campaign.source)
     records = run_all(calls, jobs, progress, journal, resume)
-    best, published = best_of(records), published_on(problem)
+    best, published = best_of(records), published_on(space)
     compared = [best.coefficients] + ([published.coefficients] if published else [])
-    progress("comparing", 0, campaign.grid.dR.size)
-    done = _by_clearance(progress, "comparing", campaign.grid)
-    largest = max_abs_difference_percent(campaign.grid, campaign.model, compared, jobs, done)
+    largest = max_abs_difference_percent(campaign.grid, campaign.model, compared, jobs, progress)
+    profiles = {} if spec.profiles is False else profiles_of(space, compared, jobs, progress)
     return LawFit(
         name=campaign.name,
         law=campaign.model.law,
@@ -117,51 +104,104 @@ def calibrate(
         counts=SampleCounts(samples=counts.samples, masked=counts.masked),
         settings=campaign.settings,
         provenance=provenance,
-        bound=problem.objective.bound if problem.model.power_form else None,
-        profiles={} if spec.profiles is False else _profiles(problem, compared, jobs, progress),
+        bound=space.bound if isinstance(space, OnMoments) else None,
+        profiles=profiles,
     )
 
 
-def problem_of(
+def space_of(
     campaign: Campaign, jobs: Workers = 1, progress: Progress = silent
-) -> tuple[Problem, Counts]:
-    """Return the problem of a campaign, and the number of its samples used and masked."""
-    grid, name = campaign.grid, campaign.objective
-    samples: Moments | Samples
-    if campaign.model.power_form is not None and name not in ON_ROWS:
-        samples, counts = reduce_grid(grid, jobs, _by_clearance(progress, "sampling", grid))
+) -> tuple[OnMoments | OnSamples, Counts]:
+    """Return what a campaign minimises, and the number of its samples used and masked."""
+    grid, model, parameters = campaign.grid, campaign.model, campaign.parameters
+    space: OnMoments | OnSamples
+    if model.power_form is not None and campaign.objective == "rms-log-penetration":
+        moments, counts = reduce_grid(grid, jobs, progress)
+        space = OnMoments(model, parameters, moments)
     else:
-        samples, counts = collect_samples(grid)
-    problem = Problem(campaign.model, campaign.parameters, make_objective(name, samples))
-    _require_defined_somewhere(problem, campaign.source)
-    return problem, counts
+        samples = Samples.of(grid)
+        counts = Counts(samples.s.size, grid.size - samples.s.size)
+        space = OnSamples(model, parameters, campaign.objective, samples)
+    _require_defined_somewhere(space, campaign.source)
+    return space, counts
 
 
-def _by_clearance(progress: Progress, stage: str, grid: AnyGrid) -> Callable[[int], None]:
-    return lambda done: progress(stage, done, grid.dR.size)
-
-
-def _require_defined_somewhere(problem: Problem, source: str) -> None:
-    """Refuse bounds if the law is undefined at some sample for each of 4098 sets within them."""
-    unit = np.random.default_rng(0).uniform(size=(1 << 12, len(problem.free)))
-    corners = np.vstack([np.zeros(len(problem.free)), np.ones(len(problem.free)), unit])
-    points = problem.low + corners * (problem.high - problem.low)
-    some = (points[k : k + _TRIED] for k in range(0, len(points), _TRIED))
-    if not any(np.isfinite(problem.values(part)).any() for part in some):
-        bounds = {p.name: [p.low, p.high] for p in problem.free}
+def _require_defined_somewhere(space: OnMoments | OnSamples, source: str) -> None:
+    """Refuse bounds within which the law is undefined at some sample, wherever it is tried."""
+    unit = np.random.default_rng(0).uniform(size=(_TRIED, len(space.free)))
+    corners = np.vstack([np.zeros(len(space.free)), np.ones(len(space.free)), unit])
+    points = space.low + corners * space.span
+    some = (points[k : k + _AT_ONCE] for k in range(0, len(points), _AT_ONCE))
+    if not any(np.isfinite(space.values(part)).any() for part in some):
+        bounds = {p.name: [p.low, p.high] for p in space.free}
         rule = "within these bounds the law is undefined for some of the samples"
         remedy = "move the bounds; a power law needs a positive factor and n at every ΔR"
-        raise InputError(source, "parameters", bounds, rule, remedy)
+        raise InputError(source, "bounds", bounds, rule, remedy)
+
+
+# --- profiles -----------------------------------------------------------------------------------
+
+
+def profiles_of(
+    space: OnMoments | OnSamples,
+    compared: list[dict[str, float]],
+    jobs: Workers = 1,
+    progress: Progress = silent,
+) -> dict[str, Profile]:
+    """Return the profiles of the free coefficients, at the best and, perhaps, published ones."""
+    # A batch is faster where descents are; otherwise each coefficient has a worker.
+    is_batch = space.random_starts > 0
+    groups = [space.names] if is_batch else [[name] for name in space.names]
+    calls = [call(_profiles, space, group, *compared) for group in groups]
+    progress("profiling", 0, len(calls))
+    return {
+        name: profile
+        for some in collect(calls, 1 if is_batch else jobs, progress, "profiling")
+        for name, profile in some.items()
+    }
 
 
 def _profiles(
-    problem: Problem, compared: list[dict[str, float]], jobs: Workers, progress: Progress
+    space: OnMoments | OnSamples,
+    names: list[str],
+    best: Mapping[str, float],
+    published: Mapping[str, float] | None = None,
 ) -> dict[str, Profile]:
-    best, *published = compared
-    # One batch from moments; from rows a worker for each.
-    is_batch = isinstance(problem.objective, RmsLogPenetration)
-    groups = [problem.names] if is_batch else [[name] for name in problem.names]
-    calls = [call(profiles, problem, group, best, next(iter(published), None)) for group in groups]
-    progress("profiling", 0, len(calls))
-    curves = collect(calls, 1 if is_batch else jobs, progress, "profiling")
-    return {name: each for some in curves for name, each in some.items()}
+    """Return the profiles of some coefficients, on one thread."""
+    values = []
+    for p in space.free:
+        others = [each[p.name] for each in (best, published) if each]
+        even = np.linspace(p.low, p.high, _CURVE)
+        values.append(np.union1d(even, others) if p.name in names else np.empty(0))
+    optimum = space.value_of(best)
+    with threadpool_limits(limits=1):
+        profiles = Profiles(space, space.point(best), values)
+        ends = profiles.ends(partial(_distance, optimum))
+    return {
+        p.name: _record(profiles, axis, ends[axis], (published or {}).get(p.name))
+        for axis, p in enumerate(space.free)
+        if p.name in names
+    }
+
+
+def _distance(optimum: float, objective: FloatArray) -> FloatArray:
+    """Return the root of the rise of the objective over that at the ends of an interval."""
+    rise = np.maximum(objective - optimum, 0.0) / (TOLERANCE * optimum)
+    return np.minimum(np.sqrt(rise), _FAR)
+
+
+def _record(profiles: Profiles, axis: int, ends: FloatArray, published: float | None) -> Profile:
+    parameter, places = profiles.space.free[axis], profiles.places(axis)
+    places = places[np.isfinite(profiles.objective[places])]
+    values, objective = profiles.at[places], profiles.objective[places]
+    is_bound = np.isnan(ends)
+    low, high = np.where(is_bound, [parameter.low, parameter.high], ends).tolist()
+    return Profile(
+        values=values.tolist(),
+        objective=objective.tolist(),
+        low=low,
+        high=high,
+        low_is_bound=bool(is_bound[0]),
+        high_is_bound=bool(is_bound[1]),
+        objective_at_published=next(iter(objective[values == published].tolist()), None),
+    )

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid, grid_from, read_grid_data
+from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid, Grid, grid_from
 from cylcontact.files.provenance import made_with, spec_hash
 from cylcontact.files.reading import beside_or_above
 from cylcontact.files.spec import parse_spec, read_toml
@@ -19,6 +20,7 @@ from cylcontact.fitting.specs import (
     MeasuredSpec,
     completed,
     parameters_of,
+    with_parameters,
 )
 from cylcontact.laws.law import LawModel, Parameter
 from cylcontact.support.arrays import FloatArray
@@ -122,15 +124,27 @@ class Campaign(CampaignBase):
         return {"dataset": self.grid_data}
 
     @classmethod
-    def read(cls, path: Path | str, **changes: Any) -> Campaign:
+    def read(
+        cls,
+        path: Path | str,
+        *,
+        runs: int | None = None,
+        seed: int | None = None,
+        bounds: Mapping[str, tuple[float, float]] | None = None,
+        fixed: Mapping[str, float] | None = None,
+        ties: Mapping[str, str] | None = None,
+    ) -> Campaign:
         """Read a campaign file, and the grid that it names.
 
         Parameters
         ----------
         path : path
             A TOML file. Its `dataset` is searched for beside it and in the folder above.
-        **changes
-            seed, optimizer and runs in place of the file's.
+        runs, seed : int, optional
+            In place of the file's.
+        bounds, fixed, ties : mapping, optional
+            Parameters to search between two values, to hold at a value, or to set by an expression
+            such as "a/10", in place of what the file says of them.
 
         Raises
         ------
@@ -139,18 +153,13 @@ class Campaign(CampaignBase):
 
         Examples
         --------
-        >>> campaign = Campaign.read("fitting/external.toml", runs=4)
-        >>> campaign.spec.genetic.runs, campaign.reference
-        (4, 'johnson')
+        >>> campaign = Campaign.read("fitting/external.toml", runs=4, fixed={"n": 1.094})
+        >>> campaign.spec.genetic.runs, campaign.reference, campaign.spec.fixed
+        (4, 'johnson', {'n': 1.094})
         """
-        return cls.of_file(Path(path), read_toml(path), **changes)
-
-    @classmethod
-    def of_file(
-        cls, path: Path, contents: dict[str, Any], runs: int | None = None, **changes: Any
-    ) -> Campaign:
-        """Return the campaign of the contents of a file, with `read`'s changes."""
-        contents |= {key: value for key, value in changes.items() if value is not None}
+        contents, path = with_parameters(read_toml(path), bounds, fixed, ties), Path(path)
+        if seed is not None:
+            contents["seed"] = seed
         if runs is not None and isinstance(contents.get("genetic", {}), dict):
             contents["genetic"] = {**contents.get("genetic", {}), "runs": runs}
         spec = parse_spec(CampaignSpec, contents, str(path))
@@ -159,7 +168,32 @@ class Campaign(CampaignBase):
             rule = "no such file beside the campaign or above it"
             remedy = "name a grid spec, e.g. datasets/internal.toml"
             raise InputError(str(path), "dataset", spec.dataset, rule, remedy)
-        return cls._of(path.stem, spec, read_grid_data(dataset), str(path), str(dataset))
+        return cls._of(path.stem, spec, read_toml(dataset), str(path), str(dataset))
+
+    @classmethod
+    def on(cls, grid: Grid, law: str, name: str = "campaign", **settings: Any) -> Campaign:
+        """Return the campaign that fits a law on a grid, without a file.
+
+        Parameters
+        ----------
+        grid : Grid
+            Where its reference law is sampled.
+        law : str
+            The law to fit.
+        name : str, optional
+            Of the campaign.
+        **settings
+            Keys of a campaign file: bounds, fixed, ties, objective, seed, genetic and profiles.
+
+        Raises
+        ------
+        InputError
+            If a setting is invalid.
+        """
+        axes = {key: {"values": getattr(grid, key).tolist()} for key in ("E", "nu", "dR", "load")}
+        data = {"contact": grid.contact, "reference": grid.reference, "axes": axes}
+        spec = parse_spec(CampaignSpec, {"dataset": grid.source, "law": law, **settings}, name)
+        return cls._of(name, spec, data, name, grid.source)
 
     @classmethod
     def of_settings(cls, name: str, settings: dict[str, Any], source: str) -> Campaign:
@@ -175,7 +209,7 @@ class Campaign(CampaignBase):
         grid = grid_from(grid_data, grid_source)
         model = grid_model_of(spec.law, grid.contact, source)
         _require_range(grid, model, source)
-        parameters = parameters_of(model, spec.parameters, spec.ties, source)
+        parameters = parameters_of(model, spec, source)
         spec = completed(spec, parameters)
         return cls(name, spec, model, parameters, spec.objective, source, grid, grid_data)
 

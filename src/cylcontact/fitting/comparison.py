@@ -1,27 +1,21 @@
-"""Results side by side, a result and its fit redone, and optimisers on one campaign."""
+"""Results side by side, and a result compared with its fit redone."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
-from cylcontact.fitting.calibration import calibrate, problem_of
-from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.fitting.problem import ParameterSpace
-from cylcontact.fitting.records import SAME_BASIN
+from cylcontact.fitting.calibration import calibrate, space_of
 from cylcontact.fitting.results import DataFit, FitResult, LawFit
-from cylcontact.fitting.runs import run_all, searches
+from cylcontact.fitting.space import Space
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.fitting.words import Rows, item, label_of
 from cylcontact.support.parallel import Workers
 from cylcontact.support.plain_text import brief
-from cylcontact.support.progress import Progress, silent
+from cylcontact.support.progress import Progress
 from cylcontact.support.text_tables import Table
 
 # The rows below the coefficients where results are compared, with their labels in text, their
@@ -217,28 +211,20 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
     """Redo a fit with the settings in a result file and compare."""
     committed = FitResult.read(path)
     campaign = campaign_of(committed.name, committed.settings, str(path))
-    problem = _problem_of(campaign, jobs, progress)
     fresh: FitResult
+    space: Space
     if isinstance(campaign, TableCampaign):
-        fresh = fit_table(campaign, jobs, progress)
+        space, fresh = campaign.fit(), fit_table(campaign, jobs, progress)
     else:
-        fresh = calibrate(campaign, jobs, progress)
+        space, fresh = space_of(campaign, jobs)[0], calibrate(campaign, jobs, progress)
     of_coefficients = Check(
         "objective of the coefficients",
         committed.objective.value,
-        problem.value_of(committed.coefficients),
+        space.value_of(committed.coefficients),
         _EXACT_TOLERANCE,
         committed.round_off,
     )
     return [of_coefficients, *compare_results(committed, fresh)]
-
-
-def _problem_of(
-    campaign: Campaign | TableCampaign, jobs: Workers, progress: Progress
-) -> ParameterSpace:
-    if isinstance(campaign, TableCampaign):
-        return campaign.fit()
-    return problem_of(campaign, jobs, progress)[0]
 
 
 def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
@@ -256,49 +242,3 @@ def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
         published = committed.published.objective, fresh.published.objective
         checks.append(Check("published objective", *published, _EXACT_TOLERANCE, exact))
     return checks
-
-
-# --- optimisers on one campaign, with the same seeds, budget and polish -----------------------
-
-CSV_COLUMNS = ("optimizer", "run", "seed", "searched", "polished", "evaluations", "seconds")
-
-
-def compare_optimizers(
-    campaign: Campaign | TableCampaign,
-    optimizers: Collection[str] = OPTIMIZERS,
-    jobs: Workers = 1,
-    progress: Progress = silent,
-) -> pd.DataFrame:
-    """Return a row for each run of each optimiser: objectives before and after the polish."""
-    for optimizer in optimizers:
-        OPTIMIZERS[optimizer].require_installed(campaign.source, optimizer)
-    problem = _problem_of(campaign, jobs, progress)
-    spec, rows = campaign.spec, []
-    for optimizer in optimizers:
-
-        def report(_: str, done: int, total: int, name: str = optimizer) -> None:
-            progress(name, done, total)
-
-        calls = searches(problem, optimizer, spec.genetic, spec.seed, campaign.source)
-        for run in run_all(calls, jobs, report, None, False):
-            objectives = run.objective_before_polish, run.objective
-            rows.append((optimizer, run.index, run.seed, *objectives, run.evaluations, run.seconds))
-    return pd.DataFrame(rows, columns=list(CSV_COLUMNS))
-
-
-def runs_as_text(runs: pd.DataFrame) -> str:
-    """Return a table of the optimisers, with how many runs are within 0.1 % of the best of all."""
-    limit = runs["polished"].min() * (1 + SAME_BASIN) + 1e-12
-    head = ("optimizer", "best", "median", "evaluations a run", "seconds a run")
-    rows = [
-        (
-            str(optimizer),
-            f"{own['polished'].min():.6g}",
-            f"{own['polished'].median():.6g}",
-            f"{own['evaluations'].median():,.0f}",
-            f"{own['seconds'].median():.2f}",
-            *(f"{(own[step] <= limit).sum()}/{len(own)}" for step in ("searched", "polished")),
-        )
-        for optimizer, own in runs.groupby("optimizer", sort=False)
-    ]
-    return str(Table((*head, "in best basin, searched", "polished"), rows))

@@ -21,7 +21,8 @@ from scipy.optimize import least_squares
 
 from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.fitting.noise import Covariance, Likelihood, NoiseModel, estimate
-from cylcontact.fitting.problem import Minimum, ParameterSpace, built
+from cylcontact.fitting.search import Minimum
+from cylcontact.fitting.space import Space, law_of
 from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.support.errors import InputError
@@ -94,7 +95,7 @@ _LEAST_SQUARES = Loss()
 
 
 @dataclass(frozen=True, eq=False)
-class Fit(ParameterSpace):
+class Fit(Space):
     """N readings, and a law with k free parameters that is fitted to them."""
 
     objective: str
@@ -137,17 +138,17 @@ class Fit(ParameterSpace):
 
     def law(self, point: FloatArray) -> ContactLaw | None:
         """Return the law of free parameters, with its rig; None for those that define none."""
-        return built(self.model, self.complete(point[None, :])[0])
+        return law_of(self.model, self.complete(point[None, :])[0])
 
     def differences(self, points: FloatArray) -> FloatArray:
         """Return the predicted less the measured values in mm or N/mm, shape (P, N)."""
-        laws = (built(self.model, values) for values in self.complete(points))
+        laws = (law_of(self.model, values) for values in self.complete(points))
         return as_floats(np.array([self._predicted(law) for law in laws]) - self.observed)
 
     def raw(self, points: FloatArray) -> FloatArray:
         """Return the residuals with weights and σ, before the loss, shape (P, N)."""
         every = self.complete(points)
-        return np.array([self._raw(built(self.model, values)) for values in every])
+        return np.array([self._raw(law_of(self.model, values)) for values in every])
 
     def residuals(self, points: FloatArray) -> FloatArray:
         """Return residuals whose squares add up to the objective's, shape (P, N)."""
@@ -159,7 +160,7 @@ class Fit(ParameterSpace):
 
     def value_of(self, coefficients: Mapping[str, float]) -> float:
         """Return the objective of coefficients by name, which may be outside the bounds."""
-        law = built(self.model, [coefficients[name] for name in self.model.names])
+        law = law_of(self.model, [coefficients[name] for name in self.model.names])
         return float(_norm(self._scaled(self._raw(law)[None, :]))[0])
 
     def _scaled(self, raw: FloatArray) -> FloatArray:

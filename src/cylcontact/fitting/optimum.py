@@ -428,7 +428,7 @@ class Optimum:
         """Return m numbers, their variances by the delta method, and half-widths in errors."""
         if self.covariance is None:
             rule = "are not identifiable one by one, so that there is no band"
-            remedy = "fix one of them with fixed = true, or choose a wider loss, and fit again"
+            remedy = "fix one of them (--fix NAME=VALUE), or choose a wider loss, and fit again"
             blamed = self.blind or list(self.best)
             raise InputError("prediction", "parameters", blamed, rule, remedy)
         centre, slopes = self.slopes_of(evaluate)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import MeasuredData, Measurements, measurements_of
-from cylcontact.files.reading import marked, read_text, unmarked
+from cylcontact.files.reading import read_text
 from cylcontact.files.spec import Spec, parse_spec, require_other_kind
 from cylcontact.files.units import column_named, load_in_N_per_mm
 from cylcontact.files.writing import replacing
@@ -68,7 +68,8 @@ if TYPE_CHECKING:
 
 # A coefficient this close to a bound, relative to the search interval, is at the bound.
 _AT_BOUND = 1e-6
-# What only files of before have, where fits to laws and to readings were one record.
+# The version of result files, and what only the files of the version before have.
+_FORMAT = 2
 _FORMER = ("kind", "bound", "profiles")
 
 
@@ -119,7 +120,7 @@ class FitResult(Spec):
         settings = data.get("settings")
         if isinstance(settings, dict) and "measurements" in settings:
             kind, data = DataFit, {k: v for k, v in data.items() if k not in _FORMER}
-        result = parse_spec(kind, unmarked(data, source), source)
+        result = parse_spec(kind, _of_this_format(data, source), source)
         if not isinstance(result, cls):
             what = "readings" if cls is DataFit else "a law"
             rule, remedy = f"is not a fit to {what}", f"name a fit to {what}"
@@ -134,7 +135,7 @@ class FitResult(Spec):
 
     def write(self, path: Path) -> None:
         """Write the result as JSON to a file that is not yet in its place."""
-        contents = marked(self.model_dump())
+        contents = {"format": _FORMAT, **self.model_dump()}
         text = json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
         try:
             path.write_text(text + "\n", encoding="utf-8")
@@ -188,8 +189,7 @@ class FitResult(Spec):
     @property
     def fixed(self) -> list[str]:
         """The coefficients that the campaign fixes at a value."""
-        tables = self.settings["campaign"]["parameters"]
-        return [name for name, table in tables.items() if table.get("fixed")]
+        return list(self.settings["campaign"]["fixed"])
 
     @property
     def objective_unit(self) -> str:
@@ -403,7 +403,7 @@ class LawFit(FitResult):
     @property
     def warnings(self) -> list[str]:
         """What makes the result doubtful: fewer than half of the runs at the best."""
-        return self._on_disagreement(self._poor, "fixed = true in the campaign")
+        return self._on_disagreement(self._poor, "[fixed] in the campaign, or --fix")
 
     @property
     def verdicts(self) -> list[str]:
@@ -490,13 +490,11 @@ class LawFit(FitResult):
 
     def _on_search_bounds(self) -> list[str]:
         sentences = []
-        for name, table in self.settings["campaign"]["parameters"].items():
-            if table.get("fixed"):
-                continue
-            margin = _AT_BOUND * (table["high"] - table["low"])
-            for end in ("low", "high"):
-                if abs(self.coefficients[name] - table[end]) <= margin:
-                    sentences.append(f"{name} is at its {end} bound {table[end]:g}: widen it")
+        for name, ends in self.settings["campaign"]["bounds"].items():
+            margin = _AT_BOUND * (ends[1] - ends[0])
+            for bound, end in zip(("lower", "upper"), ends, strict=True):
+                if abs(self.coefficients[name] - end) <= margin:
+                    sentences.append(f"{name} is at its {bound} bound {end:g}: widen it")
         return sentences
 
 
@@ -554,7 +552,7 @@ class DataFit(FitResult):
         campaign = TableCampaign.of_settings(self.name, self.settings, source)
         if law is not None:
             model = user_model(law, self.contact, source, Path.cwd())
-            campaign = replace(campaign, model=with_rig(model, campaign.spec.parameters))
+            campaign = replace(campaign, model=with_rig(model, campaign.spec.named))
         fit: Fit = campaign.plain
         if campaign.noise is not None and self.uncertainty.noise is not None:
             deviations = self.uncertainty.noise.deviations
@@ -994,6 +992,28 @@ class DataFit(FitResult):
 
 
 # --- pieces -----------------------------------------------------------------------------------
+
+
+def _of_this_format(data: dict[str, Any], source: str) -> dict[str, Any]:
+    """Return the contents of a result file without their version; rewrite those of the first."""
+    version = data.get("format", 1)
+    if version not in (1, _FORMAT):
+        rule = f"is not a version that this cylcontact reads, 1 or {_FORMAT}"
+        remedy = "read it with the cylcontact that wrote it, or redo the fit"
+        raise InputError(source, "format", version, rule, remedy)
+    contents = {key: value for key, value in data.items() if key != "format"}
+    settings: Any = contents.get("settings")
+    campaign: Any = settings.get("campaign") if isinstance(settings, dict) else None
+    if not isinstance(campaign, dict) or not isinstance(campaign.get("parameters"), dict):
+        return contents
+    tables = campaign["parameters"]
+    former = ("parameters", "optimizer", *(["genetic"] if "measurements" in settings else []))
+    new = {key: value for key, value in campaign.items() if key not in former} | {
+        "bounds": {k: [t["low"], t["high"]] for k, t in tables.items() if not t.get("fixed")},
+        "fixed": {k: t["value"] for k, t in tables.items() if t.get("fixed")},
+        "ties": campaign.get("ties") or {},
+    }
+    return {**contents, "settings": {**settings, "campaign": new}}
 
 
 def _pair_of(data: Measurements) -> CylinderPair:

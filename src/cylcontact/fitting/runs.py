@@ -13,10 +13,9 @@ from threadpoolctl import threadpool_limits
 from cylcontact.files.journal import Journal, call_for, run_recorded
 from cylcontact.files.spec import parse_spec
 from cylcontact.fitting.measured import Fit
-from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.fitting.polish import minimise
-from cylcontact.fitting.problem import Minimum, ParameterSpace
 from cylcontact.fitting.records import Published, RunRecord
+from cylcontact.fitting.search import Minimum, genetic_search, minimise
+from cylcontact.fitting.space import Space
 from cylcontact.fitting.specs import GeneticSpec
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.errors import InputError
@@ -24,46 +23,33 @@ from cylcontact.support.parallel import Call, Workers, call
 from cylcontact.support.progress import Progress
 
 
-def searches(
-    problem: ParameterSpace, optimizer: str, genetic: GeneticSpec, seed: int, source: str
-) -> list[Call]:
-    """Return the runs of an optimiser as calls of `search`, each of which returns its RunRecord."""
+def searches(space: Space, genetic: GeneticSpec, seed: int, source: str = "campaign") -> list[Call]:
+    """Return the runs of a campaign as calls, each of which returns its RunRecord."""
     children = np.random.SeedSequence(seed).spawn(genetic.runs)
     seeds = [int(child.generate_state(1)[0]) for child in children]
-    return [
-        call(search, problem, optimizer, genetic, index, own, source)
-        for index, own in enumerate(seeds)
-    ]
+    return [call(run_search, space, genetic, index, own, source) for index, own in enumerate(seeds)]
 
 
-def search(
-    problem: ParameterSpace,
-    optimizer: str,
-    genetic: GeneticSpec,
-    index: int,
-    seed: int,
-    source: str = "campaign",
+def run_search(
+    space: Space, genetic: GeneticSpec, index: int, seed: int, source: str = "campaign"
 ) -> RunRecord:
-    """Search and polish on one thread, so that the result depends on the arguments alone.
+    """Search and descend on one thread, so that the result depends on the arguments alone.
 
     All combinations of populations and crossovers take turns.
     """
     started = time.perf_counter()
     turn, place = divmod(index, len(genetic.populations))
-    population, crossover = genetic.populations[place], None
-    if OPTIMIZERS[optimizer].has_crossover:
-        crossover = genetic.crossovers[turn % len(genetic.crossovers)]
+    population = genetic.populations[place]
+    crossover = genetic.crossovers[turn % len(genetic.crossovers)]
     with threadpool_limits(limits=1):
-        best = OPTIMIZERS[optimizer].search(
-            problem, population, genetic.generations, crossover, seed
-        )
-        point, value = minimise(problem, best.point, seed)
+        best = genetic_search(space, population, genetic.generations, crossover, seed)
+        point, value = minimise(space, best.point, seed)
     if not np.isfinite(value):
         rule = f"run {index} found no coefficients for which the law is defined"
-        remedy = "narrow the parameters' bounds, or raise populations and generations"
+        remedy = "narrow the bounds, or raise populations and generations"
         raise InputError(source, "genetic.populations", population, rule, remedy)
     end = Minimum(point, value, best.evaluations)
-    return _record(problem, best, end, started, index, seed, population, crossover)
+    return _record(space, best, end, started, index, seed, population, crossover)
 
 
 def descend_from(fit: Fit, start: FloatArray, index: int, seed: int) -> RunRecord:
@@ -75,7 +61,7 @@ def descend_from(fit: Fit, start: FloatArray, index: int, seed: int) -> RunRecor
 
 
 def _record(
-    problem: ParameterSpace,
+    space: Space,
     before: Minimum,
     end: Minimum,
     started: float,
@@ -90,9 +76,9 @@ def _record(
         population=population,
         crossover=crossover,
         objective_before_polish=before.value,
-        coefficients_before_polish=problem.coefficients(before.point),
+        coefficients_before_polish=space.coefficients(before.point),
         objective=end.value,
-        coefficients=problem.coefficients(end.point),
+        coefficients=space.coefficients(end.point),
         evaluations=end.evaluations,
         seconds=round(time.perf_counter() - started, 3),
     )
@@ -129,10 +115,10 @@ def best_of(records: Sequence[RunRecord]) -> RunRecord:
     return min(records, key=lambda record: (record.objective, record.index))
 
 
-def published_on(problem: ParameterSpace) -> Published | None:
+def published_on(space: Space) -> Published | None:
     """Return the published coefficients and their objective on the same data, if it has one."""
-    published = problem.model.published
+    published = space.model.published
     if published is None:
         return None
-    value = problem.value_of(published)
+    value = space.value_of(published)
     return Published(coefficients=dict(published), objective=value) if np.isfinite(value) else None

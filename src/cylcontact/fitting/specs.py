@@ -6,29 +6,24 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, Field, model_validator
 
 from cylcontact.bodies.pair import Contact
 from cylcontact.datasets.readings import TableSpec
 from cylcontact.files.spec import Spec, broken
-from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.measured import LOSSES
 from cylcontact.fitting.noise import NOISES
-from cylcontact.fitting.objectives import OBJECTIVES
-from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.fitting.problem import require_valid
+from cylcontact.fitting.reference import OBJECTIVES
+from cylcontact.fitting.search import CROSSOVERS
+from cylcontact.fitting.ties import require_valid
 from cylcontact.laws.housing_spec import HousingSpec
 from cylcontact.laws.law import LawModel, Parameter
 from cylcontact.support.errors import InputError
 
-_SpecType = TypeVar("_SpecType", bound=Spec)
-
 # Limit on the runs of a campaign and on a population, for memory.
 _MOST = 100_000
-_TIES = 'a table [ties] of expressions that set parameters, e.g. b = "a/10"'
-_PARAMETER_REMEDY = "give low and high, or value with fixed = true"
 
 
 def _known(kind: str, names: Collection[str], name: str) -> str:
@@ -38,46 +33,42 @@ def _known(kind: str, names: Collection[str], name: str) -> str:
 
 
 _Objective = Annotated[str, AfterValidator(partial(_known, "objective", OBJECTIVES))]
-_Optimizer = Annotated[str, AfterValidator(partial(_known, "optimiser", OPTIMIZERS))]
 _Noise = Annotated[str, AfterValidator(partial(_known, "noise", NOISES))]
 _LossName = Annotated[str, AfterValidator(partial(_known, "loss", LOSSES))]
 
 
-class ParameterSpec(Spec):
-    """A table [parameters.NAME]."""
+class ParametersSpec(Spec):
+    """The tables [bounds], [fixed] and [ties] of any campaign."""
 
-    low: float | None = Field(None, description="the lower bound, a number")
-    high: float | None = Field(None, description="the upper bound, a number")
-    value: float | None = Field(None, description="the value of a fixed parameter, a number")
-    fixed: bool = Field(False, description="true or false")
+    bounds: dict[str, Annotated[tuple[float, float], Field(strict=False)]] = Field(
+        {}, description="a table [bounds] of the parameters to search, e.g. n = [1.0, 1.5]"
+    )
+    fixed: dict[str, float] = Field(
+        {}, description="a table [fixed] of parameters with their values, e.g. n = 1.1"
+    )
+    ties: dict[str, str] = Field(
+        {}, description='a table [ties] of expressions that set parameters, e.g. b = "a/10"'
+    )
 
     @model_validator(mode="after")
-    def _check(self) -> ParameterSpec:
-        if self.low is not None and self.high is not None and self.low >= self.high:
-            rule = f"must be below high = {self.high}"
-            raise broken("low", self.low, rule, "exchange them, or give value with fixed = true")
-        if self.fixed:
-            if self.value is None:
-                raise broken("value", None, "is required when fixed = true", _PARAMETER_REMEDY)
-            low = self.value if self.low is None else self.low
-            high = self.value if self.high is None else self.high
-            if not low <= self.value <= high:
-                rule = f"lies outside its own bounds, {self.low} to {self.high}"
-                raise broken("value", self.value, rule, "move it, or leave low and high out")
-            return self
-        if self.value is not None:
-            raise broken("value", self.value, "is used only with fixed = true", _PARAMETER_REMEDY)
-        if self.low is None or self.high is None:
-            missing = "low" if self.low is None else "high"
-            raise broken(missing, None, "is required", _PARAMETER_REMEDY)
+    def _check_parameters(self) -> ParametersSpec:
+        for name, (low, high) in self.bounds.items():
+            if low >= high:
+                rule, remedy = "must be below the upper bound", "exchange them, or use [fixed]"
+                raise broken(f"bounds.{name}", [low, high], rule, remedy)
+        tables: dict[str, dict[str, Any]] = {}
+        tables |= {"bounds": self.bounds, "fixed": self.fixed, "ties": self.ties}
+        for name in self.named:
+            given = [key for key, table in tables.items() if name in table]
+            if len(given) > 1:
+                rule = f"is also in [{given[0]}]"
+                raise broken(f"{given[1]}.{name}", None, rule, "keep one of them")
         return self
 
-    @classmethod
-    def of(cls, parameter: Parameter) -> ParameterSpec:
-        """Return the table of a parameter that is searched or fixed."""
-        if parameter.fixed:
-            return cls(value=parameter.value, fixed=True)
-        return cls(low=parameter.low, high=parameter.high)
+    @property
+    def named(self) -> list[str]:
+        """The parameters that the file bounds, fixes or ties."""
+        return [*self.bounds, *self.fixed, *self.ties]
 
 
 class GeneticSpec(Spec):
@@ -89,7 +80,7 @@ class GeneticSpec(Spec):
     populations: tuple[int, ...] = Field(
         (60, 120), strict=False, description="a list of population sizes, integers of at least 4"
     )
-    generations: int = Field(300, ge=1, description="the generations, an integer of at least 1")
+    generations: int = Field(100, ge=1, description="the generations, an integer of at least 1")
     crossovers: tuple[str, ...] = Field(
         ("single_point", "uniform", "blend"),
         strict=False,
@@ -109,25 +100,22 @@ class GeneticSpec(Spec):
         return self
 
 
-class CampaignSpec(Spec):
+class CampaignSpec(ParametersSpec):
     """A campaign file."""
 
     dataset: str = Field(description="the path of a grid spec, beside or above the campaign")
     law: str = Field(description="the law to fit, a string")
-    objective: _Objective = Field(OBJECTIVES[0], description=f"one of {', '.join(OBJECTIVES)}")
-    seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
-    parameters: dict[str, ParameterSpec] = Field(
-        {}, description="tables [parameters.NAME] for parameters with other bounds, or fixed ones"
+    objective: _Objective = Field(
+        "rms-log-penetration", description=f"one of {', '.join(OBJECTIVES)}"
     )
-    ties: dict[str, str] | None = Field(None, description=_TIES)
-    optimizer: _Optimizer = Field("genetic", description=f"one of {', '.join(OPTIMIZERS)}")
+    seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
     genetic: GeneticSpec = Field(GeneticSpec(), description="a table [genetic]")
     profiles: bool | None = Field(
         None, description="false for no profiles, which take hours with many parameters"
     )
 
 
-class MeasuredSpec(TableSpec):
+class MeasuredSpec(ParametersSpec, TableSpec):
     """A campaign file that names a table of measurements."""
 
     data: str = Field(
@@ -156,18 +144,8 @@ class MeasuredSpec(TableSpec):
     housing: HousingSpec | None = Field(
         None, description="a table [housing] of the rim's radius R_o, its clamp and layers"
     )
-    parameters: dict[str, ParameterSpec] = Field(
-        {}, description="tables [parameters.NAME] for parameters with other bounds, or fixed ones"
-    )
     free: tuple[str, ...] | None = Field(
         None, strict=False, description="a list of parameters to free with their default bounds"
-    )
-    ties: dict[str, str] | None = Field(None, description=_TIES)
-    optimizer: _Optimizer | None = Field(
-        None, description=f"a search instead of several starts, one of {', '.join(OPTIMIZERS)}"
-    )
-    genetic: GeneticSpec = Field(
-        GeneticSpec(), description="a table [genetic], the budget of an optimizer"
     )
 
     @model_validator(mode="after")
@@ -178,48 +156,65 @@ class MeasuredSpec(TableSpec):
             raise broken("loss_scale", self.loss_scale, rule, remedy)
         return self
 
-    @property
-    def named(self) -> list[str]:
-        """The parameters that the file bounds, fixes or ties."""
-        return [*self.parameters, *(self.ties or {})]
+
+_SpecType = TypeVar("_SpecType", bound=ParametersSpec)
 
 
 def completed(spec: _SpecType, parameters: tuple[Parameter, ...]) -> _SpecType:
-    """Return a campaign's settings with a table for every parameter that is not tied."""
-    tables = {p.name: ParameterSpec.of(p) for p in parameters if p.tie is None}
-    return spec.model_copy(update={"parameters": tables})
+    """Return a campaign's settings with the bounds or the value of every parameter."""
+    bounds = {p.name: (p.low, p.high) for p in parameters if p.is_free}
+    fixed = {p.name: p.value for p in parameters if p.value is not None}
+    return spec.model_copy(update={"bounds": bounds, "fixed": fixed})
 
 
 def parameters_of(
-    model: LawModel,
-    tables: Mapping[str, ParameterSpec],
-    ties: Mapping[str, str] | None,
-    source: str,
-    others: str = "",
+    model: LawModel, spec: ParametersSpec, source: str, others: str = ""
 ) -> tuple[Parameter, ...]:
     """Return the parameters of a campaign, in the order of the law."""
-    for name in tables:
-        if name not in model.names:
-            rule = f"is not a parameter of {model.law} for {model.contact} contact"
-            remedy = f"its parameters: {', '.join(model.names)}{others}"
-            raise InputError(source, f"parameters.{name}", None, rule, remedy)
-    ties = ties or {}
-    require_valid(ties, tables, model.names, source)
-    parameters = []
-    for p in model.parameters:
-        if p.name in ties:
-            parameters.append(Parameter(p.name, tie=ties[p.name], shift=p.shift))
-        elif p.name in tables:
-            given = tables[p.name]
-            low, high = (math.nan if end is None else end for end in (given.low, given.high))
-            parameters.append(replace(p, low=low, high=high, value=given.value))
-        elif p.fixed or math.isfinite(p.high - p.low):
-            parameters.append(p)
-        else:
+    for key, names in (("bounds", spec.bounds), ("fixed", spec.fixed)):
+        for name in names:
+            if name not in model.names:
+                rule = f"is not a parameter of {model.law} for {model.contact} contact"
+                remedy = f"its parameters: {', '.join(model.names)}{others}"
+                raise InputError(source, f"{key}.{name}", None, rule, remedy)
+    require_valid(spec.ties, model.names, source)
+    parameters = tuple(_parameter(p, spec) for p in model.parameters)
+    for p in parameters:
+        if p.is_free and not math.isfinite(p.high - p.low):
             rule = "is required: a law of your own has no default bounds"
-            remedy = "give low and high, or value with fixed = true"
-            raise InputError(source, f"parameters.{p.name}", None, rule, remedy)
+            remedy = f"add {p.name} = [low, high] to [bounds], or its value to [fixed]"
+            raise InputError(source, f"bounds.{p.name}", None, rule, remedy)
     if not any(p.is_free for p in parameters):
-        rule, remedy = "all are fixed or tied", "free at least one: give it low and high"
+        rule, remedy = "are all fixed or tied", "free at least one: give it bounds"
         raise InputError(source, "parameters", None, rule, remedy)
-    return tuple(parameters)
+    return parameters
+
+
+def _parameter(parameter: Parameter, spec: ParametersSpec) -> Parameter:
+    name = parameter.name
+    if name in spec.ties:
+        return Parameter(name, tie=spec.ties[name], shift=parameter.shift)
+    if name in spec.fixed:
+        return replace(parameter, low=math.nan, high=math.nan, value=spec.fixed[name])
+    if name in spec.bounds:
+        low, high = spec.bounds[name]
+        return replace(parameter, low=low, high=high, value=None)
+    return parameter
+
+
+def with_parameters(
+    contents: Mapping[str, Any],
+    bounds: Mapping[str, Any] | None,
+    fixed: Mapping[str, Any] | None,
+    ties: Mapping[str, Any] | None,
+) -> dict[str, Any]:
+    """Return the contents of a campaign file with other bounds, values and ties of parameters."""
+    given = {"bounds": bounds or {}, "fixed": fixed or {}, "ties": ties or {}}
+    new = {name for table in given.values() for name in table}
+    if not new or not all(isinstance(contents.get(key, {}), dict) for key in given):
+        return dict(contents)
+    tables = {
+        key: {name: v for name, v in contents.get(key, {}).items() if name not in new} | {**table}
+        for key, table in given.items()
+    }
+    return {**contents, **tables}

@@ -38,7 +38,7 @@ from cylcontact.fitting.law_models import (
 )
 from cylcontact.fitting.measured import OBJECTIVES, STANDARDISED, Fit
 from cylcontact.fitting.noise import NoiseModel
-from cylcontact.fitting.specs import MeasuredSpec, completed, parameters_of
+from cylcontact.fitting.specs import MeasuredSpec, completed, parameters_of, with_parameters
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.law import Coefficients, LawModel, Parameter
 from cylcontact.laws.user import UserFunction, UserLaw
@@ -47,7 +47,7 @@ from cylcontact.support.errors import InputError
 
 _ZERO_REMEDY = (
     "correct the row, or remove it; readings that are not zeroed need a free offset "
-    "(--free offset, or a table [parameters.offset]) and --noise constant"
+    "(--free offset, or offset in [bounds]) and --noise constant"
 )
 # Points evaluated before data are refused as outside a law's domain.
 _TRIALS = 256
@@ -253,7 +253,12 @@ def read_table(
 
 
 def read_campaign(
-    path: Path | str, runs: int | None = None, seed: int | None = None, optimizer: str | None = None
+    path: Path | str,
+    runs: int | None = None,
+    seed: int | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    ties: Mapping[str, str] | None = None,
 ) -> Campaign | TableCampaign:
     """Read a campaign file, and the grid or the table that it names.
 
@@ -262,8 +267,8 @@ def read_campaign(
     path : path
         A TOML file: one with `dataset` is on a grid, one with `data` on measurements. Either is
         searched for beside it and in the folder above, a table also in the current folder.
-    runs, seed, optimizer : optional
-        Replace the file's. On measurements runs are starts if no optimiser is named.
+    runs, seed, bounds, fixed, ties : optional
+        As for `Campaign.read`. On measurements runs are starts.
 
     Raises
     ------
@@ -272,17 +277,14 @@ def read_campaign(
     """
     contents, path = read_toml(path), Path(path)
     if "data" not in contents:
-        return Campaign.of_file(path, contents, runs, seed=seed, optimizer=optimizer)
+        return Campaign.read(path, runs=runs, seed=seed, bounds=bounds, fixed=fixed, ties=ties)
     source = str(path)
     if "dataset" in contents:
         rule, remedy = "conflicts with dataset", "keep data for measurements, or dataset for a grid"
         raise InputError(source, "data", contents["data"], rule, remedy)
+    contents = with_parameters(contents, bounds, fixed, ties)
     contents |= {"seed": seed} if seed is not None else {}
-    contents |= {"optimizer": optimizer} if optimizer is not None else {}
-    if runs is not None and "optimizer" not in contents:
-        contents["starts"] = runs
-    elif runs is not None and isinstance(contents.get("genetic", {}), dict):
-        contents["genetic"] = {**contents.get("genetic", {}), "runs": runs}
+    contents |= {"starts": runs} if runs is not None else {}
     spec = parse_spec(MeasuredSpec, contents, source)
     table = beside_or_above(path.parent, spec.data)
     if table is None:
@@ -366,11 +368,11 @@ def _on_table(
 ) -> TableCampaign:
     model = with_rig(model, spec.named)
     rig = f"; the rig's: {', '.join(RIG_NAMES)}"
-    parameters = parameters_of(model, spec.parameters, spec.ties, source, rig)
+    parameters = parameters_of(model, spec, source, rig)
     free = sum(p.is_free for p in parameters)
     if len(measured) <= free:
         rule = f"are not more than the {free} free parameters"
-        remedy = "measure more points, or fix parameters with fixed = true"
+        remedy = "measure more points, or fix parameters: [fixed] in a file, --fix NAME=VALUE"
         raise InputError(source, "data", f"{len(measured)} rows", rule, remedy)
     noise = _noise_of(spec, measured, parameters, source)
     compared = compared or ("load" if is_user_law(spec.law) else "penetration")
@@ -462,10 +464,8 @@ def table_of(
     kind = pair.contact if pair is not None else contact
     if kind is None:
         raise InputError("fit", "contact", None, "is required without a pair", "give a pair")
-    tables = {name: {"value": value, "fixed": True} for name, value in (fixed or {}).items()}
-    tables |= {name: {"low": low, "high": high} for name, (low, high) in (bounds or {}).items()}
-    if tables:
-        settings["parameters"] = tables
+    given = {"fixed": fixed, "bounds": bounds}
+    settings |= {key: dict(table) for key, table in given.items() if table}
     return read_table(
         data if isinstance(data, pd.DataFrame) else Path(data),
         law,

@@ -13,11 +13,10 @@ from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants
 from cylcontact.files.journal import Journal
 from cylcontact.fitting.diagnose import uncertainty_of
-from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.records import MaxDifference, ObjectiveValue, SampleCounts
 from cylcontact.fitting.results import DataFit
-from cylcontact.fitting.runs import best_of, descend_from, published_on, run_all, searches
+from cylcontact.fitting.runs import best_of, descend_from, published_on, run_all
 from cylcontact.fitting.table_campaign import TableCampaign, require_increasing, table_of
 from cylcontact.laws.law import ContactLaw
 from cylcontact.support.parallel import Workers, call
@@ -50,22 +49,16 @@ def fit_table(
     Raises
     ------
     InputError
-        If the law is undefined for some of the data, the optimiser's library is missing, or
-        `checkpoint` belongs to another campaign.
+        If the law is undefined for some of the data, or `checkpoint` belongs to another campaign.
     """
     spec = campaign.spec
-    if spec.optimizer is not None:
-        OPTIMIZERS[spec.optimizer].require_installed(campaign.source, spec.optimizer)
-    elif isinstance(jobs, int) and len(campaign.measurements) <= _FEW_ROWS:
+    if isinstance(jobs, int) and len(campaign.measurements) <= _FEW_ROWS:
         jobs = 1
     provenance = campaign.provenance  # of what is run, not of what is there when it ends
     fit = campaign.fit()
     journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
-    if spec.optimizer is None:
-        starts = fit.starts(campaign.nominal, spec.starts, spec.seed)
-        calls = [call(descend_from, fit, start, k, spec.seed) for k, start in enumerate(starts)]
-    else:
-        calls = searches(fit, spec.optimizer, spec.genetic, spec.seed, campaign.source)
+    starts = fit.starts(campaign.nominal, spec.starts, spec.seed)
+    calls = [call(descend_from, fit, start, k, spec.seed) for k, start in enumerate(starts)]
     records = run_all(calls, jobs, progress, journal, resume)
     best, published = best_of(records), published_on(fit)
     fit = fit.at_best(best.coefficients)
@@ -116,6 +109,7 @@ def fit(
     free: Sequence[str] | str = (),
     fixed: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
+    ties: Mapping[str, str] | None = None,
     jobs: Workers = 1,
     **settings: Any,
 ) -> DataFit:
@@ -141,11 +135,13 @@ def fit(
         Parameters to hold at a value.
     bounds : mapping of str to (low, high), optional
         Parameters to search between two values.
+    ties : mapping of str to str, optional
+        Parameters to set by an expression of others, such as "a/10".
     jobs : int or Cluster, optional
         Worker processes; the result does not depend on them.
     **settings
         Other keys of a campaign file: noise, group, drift, load_error, loss, columns, branch,
-        ignore, sheet, header, decimal, loads, sign, objective, materials, ties, starts, seed, name.
+        ignore, sheet, header, decimal, loads, sign, objective, materials, starts, seed, name.
 
     Returns
     -------
@@ -169,5 +165,6 @@ def fit(
     {'value': 1.0008..., 'standard_error': 0.0043...}
     """
     settings["free"] = ((free,) if isinstance(free, str) else tuple(free)) or None
+    settings["ties"] = dict(ties) if ties else None
     table = table_of(data, law, pair, contact, constants, fixed, bounds, **settings)
     return fit_table(table.campaign(law), jobs)

@@ -235,12 +235,12 @@ def _on_lack_of_determination(uncertainty: Uncertainty) -> list[str]:
     if len(together) == 1:
         return [
             f"{together[0]} has no effect on the fit: fix it with --fix {together[0]}=VALUE, or "
-            "fixed = true in the campaign"
+            "[fixed] in the campaign"
         ]
     if together:
         return [
             f"{' and '.join(together)} are not identifiable, only a combination of them: fix one "
-            f"with --fix {together[0]}=VALUE, or fixed = true in the campaign"
+            f"with --fix {together[0]}=VALUE, or [fixed] in the campaign"
         ]
     meanings = {
         "poorly": f"poorly determined (not to ±{100 * FAIRLY:g} % of the value, or for a "

@@ -122,7 +122,7 @@ class Parameter:
     """A parameter of a law: searched between two bounds, fixed at a value, or tied to others.
 
     `nominal` is a value to start from, that of the law's source if the model says so; `tie` the
-    expression that sets it, e.g. "a/10" (`fitting.problem`). The zero of a `shift` is arbitrary, so
+    expression that sets it, e.g. "a/10" (`fitting.ties`). The zero of a `shift` is arbitrary, so
     that a relative error has no meaning. A `stiffness` sets how stiff the contact is, and is free
     by default in a fit to measurements.
     """

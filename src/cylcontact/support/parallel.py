@@ -138,9 +138,11 @@ def _end_with(parent: int) -> None:
 
 
 def _on_cluster(calls: Sequence[Call], cluster: Cluster, ordered: bool) -> Generator[Any]:
-    """Run calls on a cluster, which gives those of a lost worker to another one."""
+    """Run calls on a cluster, which gives those of a lost worker to another one.
+
+    joblib's backend for Dask waits for ever once the scheduler is lost, so this submits them.
+    """
     import distributed
-    from distributed import KilledWorker
 
     dask: Any = distributed  # declares few types
     logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)  # its errors are raised
@@ -150,51 +152,42 @@ def _on_cluster(calls: Sequence[Call], cluster: Cluster, ordered: bool) -> Gener
         rule = f"cannot be reached ({_first_line(error)})"
         raise cluster.error(rule, "give the address that dask scheduler prints") from error
     with client:
-        try:
-            client.wait_for_workers(1, timeout=_CONNECTING)
-        except TimeoutError as error:
-            rule = f"has no workers after {_CONNECTING} s"
-            remedy = f"start some, each with: dask worker {cluster.address}"
-            raise cluster.error(rule, remedy) from error
-        _require_versions(client, cluster)
+        _require_workers(client, cluster)
         futures = [client.submit(_answer, *deferred, pure=False) for deferred in calls]
         for future in futures if ordered else dask.as_completed(futures, loop=client.loop):
             try:
                 result, failure = future.result()
-            except KilledWorker as error:
-                rule = f"a call ended {error.allowed_failures + 1} workers, as if memory ran out"
-                remedy = f"give its workers more memory, or use a smaller grid; {_RESUME}"
-                raise cluster.error(rule, remedy) from error
             except (Exception, asyncio.CancelledError) as error:
-                rule = f"was lost during the run ({_first_line(error)})"
-                raise cluster.error(rule, f"start it again; {_RESUME}") from error
+                rule = f"lost a call ({_first_line(error)})"
+                remedy = f"start it again, with more memory if that ran out; {_RESUME}"
+                raise cluster.error(rule, remedy) from error
             if failure is not None:
                 raise failure
             yield result
 
 
-def _require_versions(client: Any, cluster: Cluster) -> None:
-    """Raise `InputError` if the scheduler or a worker has other versions than this process."""
+def _require_workers(client: Any, cluster: Cluster) -> None:
+    """Raise `InputError` without workers, or if one has other versions than this process."""
+    try:
+        client.wait_for_workers(1, timeout=_CONNECTING)
+    except TimeoutError as error:
+        rule = f"has no workers after {_CONNECTING} s"
+        remedy = f"start some, each with: dask worker {cluster.address}"
+        raise cluster.error(rule, remedy) from error
     versions = client.get_versions(packages=list(_SAME_VERSIONS))
-    own = versions["client"]["packages"]
-    others = {f"worker {address}": theirs for address, theirs in versions["workers"].items()}
-    for who, theirs in {"scheduler": versions["scheduler"], **others}.items():
-        for name in ("python", *_SAME_VERSIONS):
-            if (actual := theirs["packages"].get(name)) != own[name]:
-                rule = f"its {who} has {name} {actual}, here it is {own[name]}"
+    for theirs in versions["workers"].values():
+        for name, own in versions["client"]["packages"].items():
+            if name in ("python", *_SAME_VERSIONS) and theirs["packages"].get(name) != own:
+                rule = f"a worker has {name} {theirs['packages'].get(name)}, here it is {own}"
                 remedy = "install the same on all machines, e.g. from requirements.lock"
                 raise cluster.error(rule, remedy)
 
 
 def _answer(function: Callable[..., Any], arguments: Any, named: Any) -> tuple[Any, Any]:
-    """Return the result of a call in a worker, or its error, which is none of the cluster's.
-
-    The limit of one thread for linear algebra is permanent: the threads of a worker share the
-    setting, and the first to finish would otherwise lift it for the others.
-    """
+    """Return the result of a call in a worker, or its error, which is none of the cluster's."""
     from threadpoolctl import threadpool_limits
 
-    threadpool_limits(limits=1)
+    threadpool_limits(limits=1)  # for good: the threads of a worker share the setting
     try:
         return function(*arguments, **named), None
     except Exception as error:

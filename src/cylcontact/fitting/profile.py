@@ -1,0 +1,155 @@
+"""Profiles: how much worse a fit gets when a parameter moves and all others follow.
+
+A profile is the lowest objective with one parameter held, as a function of its value. In a law with
+kinks each refit may end in one of several minima, so that the lowest must be looked for: from those
+of neighbouring values, from points beside them, and from random points. All refits are remembered;
+where one is lower, its neighbours are refitted from it. So the ends of an interval lie between two
+values that are known to be inside and outside of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from cylcontact.fitting.search import beside, descend, sharpen
+from cylcontact.fitting.space import Space
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray
+
+# Of each first refit the random starts and then the points beside its end; and the points beside
+# each of the neighbours' minima from which a value between them is refitted.
+_RANDOM, _BESIDE, _BETWEEN = 1, 4, 8
+# Neighbours that are refitted from a lower minimum, and the relative gain for which they are.
+_NEIGHBOURS, _GAIN = (1, 4), 1e-6
+# Relative gains at the end of a descent and of the last one.
+_FINE, _EXACT = 1e-6, 1e-10
+_Distance = Callable[[FloatArray], FloatArray]
+# An end is where the distance is 1 to this precision, after so many steps at most.
+_PRECISION, _STEPS = 1e-4, 40
+
+
+class Profiles:
+    """The profiles of some parameters of a space, at places that are remembered.
+
+    Parameters
+    ----------
+    space : Space
+        What is fitted.
+    best : array of float, shape (k,)
+        The free parameters at the optimum.
+    values : sequence of arrays of float
+        For each free parameter the values at which it is held first; none for no profile.
+    """
+
+    def __init__(self, space: Space, best: FloatArray, values: Sequence[FloatArray]) -> None:
+        self.space, self.best, self._rng = space, best, np.random.default_rng(0)
+        # Of each of N places the parameter that is held, the lowest point and its objective.
+        self.axis = np.repeat(np.arange(len(values)), [each.size for each in values])
+        self.points = np.tile(best, (self.axis.size, 1))
+        self.objective = np.full(self.axis.size, np.inf)
+        self.points[np.arange(self.axis.size), self.axis] = np.concatenate(values)
+        places = np.arange(self.axis.size)
+        if space.random_starts:
+            many = np.tile(places, _RANDOM)
+            random = self._holding(space.scatter(self._rng, many.size), many)
+            random = sharpen(space, random, self._held(many))
+            changed = self._refit(np.vstack([self.points, random]), np.tile(places, 1 + _RANDOM))
+        else:  # spread from the places that are nearest to the optimum
+            away = np.abs(self.at - best[self.axis]) / space.span[self.axis]
+            nearest = [own[away[own].argmin()] for own in map(self.places, set(self.axis.tolist()))]
+            changed = self._refit(self.points[nearest], np.array(nearest))
+        self._spread(changed)
+        if space.random_starts:
+            many = np.tile(places, _BESIDE)
+            self._spread(self._refit(beside(space, self.points[many], self._rng), many))
+        self._refit(self.points, places, _EXACT)
+
+    @property
+    def at(self) -> FloatArray:
+        """The value of the parameter that is held at each place, shape (N,)."""
+        return self.points[np.arange(self.axis.size), self.axis]
+
+    def places(self, axis: int) -> IndexArray:
+        """Return the places of a parameter, in the order of its values."""
+        own = np.flatnonzero(self.axis == axis)
+        return own[np.argsort(self.at[own], kind="stable")]
+
+    def ends(self, distance: _Distance) -> FloatArray:
+        """Return the ends of the interval of each parameter, shape (k, 2).
+
+        `distance` of an objective is 0 at the optimum, 1 at the ends of an interval, and nearly
+        linear in a parameter. NaN stands for an end beyond the first and last place.
+        """
+        ends = np.full((self.best.size, 2), np.nan)
+        for step in range(_STEPS):
+            pairs = {key: self._bracket(distance, *key) for key in np.ndindex(ends.shape)}
+            brackets = {key: pair for key, pair in pairs.items() if pair}
+            inner, outer = np.array([*brackets.values()], dtype=np.intp).reshape(-1, 2).T
+            low, high = self.at[inner], self.at[outer]
+            inside, outside = (distance(self.objective[each]) - 1 for each in (inner, outer))
+            share = inside / (inside - outside)
+            for key, end in zip(brackets, low + share * (high - low), strict=True):
+                ends[key] = end
+            width = np.abs(high - low) / np.abs(high - self.best[self.axis[outer]])
+            on = (np.minimum(-inside, outside) > _PRECISION) & (width > _PRECISION)
+            if not on.any():
+                break
+            # Every third step halves the bracket, where the distance is far from linear.
+            share = np.clip(np.full(share.size, 0.5) if step % 3 == 2 else share, 0.05, 0.95)
+            self._insert(inner[on], outer[on], (low + share * (high - low))[on])
+        return ends
+
+    def _bracket(self, distance: _Distance, axis: int, side: int) -> tuple[int, int] | None:
+        """Return the last place inside an interval towards a side and the first outside."""
+        own = self.places(axis)
+        middle = int(np.searchsorted(self.at[own], self.best[axis]))
+        way = own[middle:] if side else own[middle::-1]
+        outside = np.flatnonzero(distance(self.objective[way]) > 1)
+        return (int(way[outside[0] - 1]), int(way[outside[0]])) if outside.size else None
+
+    def _insert(self, inner: IndexArray, outer: IndexArray, at: FloatArray) -> None:
+        """Refit at new places between others, from the minima there and from points beside them."""
+        new = self.axis.size + np.arange(inner.size)
+        self.axis = np.append(self.axis, self.axis[inner])
+        self.points = np.vstack([self.points, self.points[inner]])
+        self.points[new, self.axis[new]] = at
+        self.objective = np.append(self.objective, np.full(new.size, np.inf))
+        starts, number = np.vstack([self.points[inner], self.points[outer]]), 2
+        if self.space.random_starts:
+            many = np.tile(starts, (_BETWEEN, 1))
+            starts = np.vstack([starts, beside(self.space, many, self._rng)])
+            number = 2 + 2 * _BETWEEN
+        changed = self._refit(starts, np.tile(new, number))
+        self._spread(changed)
+        self._refit(self.points[new], new, _EXACT)
+
+    def _spread(self, changed: IndexArray) -> None:
+        """Refit the neighbours of places that are lower than before, until that gains nothing."""
+        while changed.size:
+            pairs = []
+            for axis in set(self.axis[changed].tolist()):
+                own = self.places(axis)
+                for step in _NEIGHBOURS:
+                    pairs += [[own[:-step], own[step:]], [own[step:], own[:-step]]]
+            here, there = np.concatenate(pairs, axis=1).astype(np.intp)
+            from_changed = np.isin(here, changed)
+            changed = self._refit(self.points[here[from_changed]], there[from_changed])
+
+    def _refit(
+        self, starts: FloatArray, places: IndexArray, precision: float = _FINE
+    ) -> IndexArray:
+        """Refit at some places from starts, and return those where that is noticeably lower."""
+        starts = self._holding(starts, places)
+        ends, values = descend(self.space, starts, precision, self._held(places))
+        before = self.objective.copy()
+        for end, value, place in zip(ends, values, places, strict=True):
+            if value < self.objective[place]:
+                self.points[place], self.objective[place] = end, value
+        return np.flatnonzero(self.objective < before * (1 - _GAIN))
+
+    def _holding(self, starts: FloatArray, places: IndexArray) -> FloatArray:
+        return np.where(self._held(places), self.points[places], starts)
+
+    def _held(self, places: IndexArray) -> BoolArray:
+        return np.asarray(np.arange(self.best.size) == self.axis[places][:, None])

@@ -1,0 +1,212 @@
+"""The genetic search and the descents, on problems whose answer is known."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from cylcontact.datasets import Grid, Moments, concatenate
+from cylcontact.fitting import Campaign
+from cylcontact.fitting.calibration import space_of
+from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.reference import OnMoments, OnSamples, Samples, power_laws
+from cylcontact.fitting.search import CROSSOVERS, descend, genetic_search, minimise, polish, sharpen
+from cylcontact.fitting.space import Space, central_differences
+from cylcontact.laws.law import LawModel, Parameter
+from tests.support.own_grids import campaign_of
+from tests.support.spec_files import write_bench
+
+ROOT = Path(__file__).resolve().parents[2]
+BOUNDS = {
+    "internal": {
+        "a": (0.1, 1.5),
+        "b": (0.01, 0.5),
+        "Y_log_scale": (1.0, 3.0),
+        "Y_log_exponent": (-0.6, 0.0),
+        "Y_slope": (-0.1, 0.1),
+        "Y_offset": (0.8, 1.6),
+        "n_exponent": (-0.1, 0.1),
+    },
+    "external": {"a": (0.1, 1.5), "b": (0.1, 3.0), "n": (1.0, 1.5)},
+}
+DR = {"internal": np.geomspace(0.05, 9.9, 31), "external": np.geomspace(5, 500, 15)}
+
+
+def exact_space(contact):
+    """A space whose data are the published law itself: its coefficients are the answer."""
+    model = MODELS["enhanced", contact]
+    laws = power_laws(model, model.candidates(model.published), DR[contact])
+    s = np.tile(np.linspace(-10, -4, 9), (DR[contact].size, 1))
+    j = (s + laws.c[0][:, None]) / laws.n[0][:, None]
+    data = concatenate(
+        Moments.of_samples(dR, *row)
+        for dR, row in zip(DR[contact], np.stack([s, j], axis=1), strict=True)
+    )
+    parameters = tuple(Parameter(name, *BOUNDS[contact][name]) for name in model.names)
+    return OnMoments(model, parameters, data)
+
+
+@pytest.fixture(scope="module")
+def external():
+    """The paper's external calibration, E up to 1000 GPa: three parameters, one basin."""
+    return space_of(Campaign.read(ROOT / "fitting/external-E1000.toml"))[0]
+
+
+@pytest.fixture(scope="module")
+def few_points():
+    return space_of(campaign_of("the same, few points"))[0]
+
+
+def starts(space, number):
+    return space.scatter(np.random.default_rng(2), number)
+
+
+# --- the genetic search -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("crossover", CROSSOVERS)
+def test_search_approaches_the_optimum_with_every_crossover(crossover):
+    space = exact_space("external")
+    actual = genetic_search(space, 40, 60, crossover, seed=3)
+    assert actual.value < 0.05 * space.value((space.low + space.high) / 2)
+    assert 40 < actual.evaluations <= 40 + 60 * 38
+
+
+def test_the_same_seed_gives_the_same_bits_whatever_the_global_generator(external):
+    actual = []
+    for state in (1, 2):
+        np.random.seed(state)  # noqa: NPY002 - the one that must play no part
+        actual.append(genetic_search(external, 12, 20, "blend", seed=5))
+    assert actual[0].value == actual[1].value
+    assert actual[0].point.tobytes() == actual[1].point.tobytes()
+    assert genetic_search(external, 12, 20, "blend", seed=6).value != actual[0].value
+
+
+def test_one_parameter_can_be_searched_alone(tmp_path):
+    alone = {"bounds": {"K_star": [0.5, 10]}, "fixed": {"n": 1.2}}
+    space, _ = space_of(Campaign.read(write_bench(tmp_path, alone)))
+    values = [genetic_search(space, 20, 20, "blend", seed=seed).value for seed in range(4)]
+    assert values == pytest.approx([min(values)] * 4, rel=1e-2)
+
+
+def test_candidates_for_which_the_law_is_undefined_are_survived(external):
+    """With a and b also negative, K* is undefined over most of the box."""
+    wide = tuple(
+        replace(p, low=-3.0, high=1.5) if p.name in "ab" else p for p in external.parameters
+    )
+    assert np.isfinite(genetic_search(replace(external, parameters=wide), 30, 40, "blend", 1).value)
+
+
+# --- descents -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_a_descent_recovers_the_coefficients_that_made_the_data(contact):
+    space = exact_space(contact)
+    truth = space.point(space.model.published)
+    point, value = polish(space, truth + 0.02 * space.span * np.cos(np.arange(truth.size)))
+    assert value < 1e-7
+    assert point == pytest.approx(truth, rel=1e-5, abs=1e-6)
+
+
+def test_descents_alone_find_the_optimum_that_is_known(external):
+    point, value = minimise(external, external.low)
+    assert value == pytest.approx(0.0547, abs=5e-5)
+    assert external.coefficients(point) == pytest.approx(
+        {"a": 0.391, "b": 1.049, "n": 1.0933}, abs=5e-4
+    )
+
+
+def samples_space(objective, contact="internal"):
+    model = MODELS["enhanced", contact]
+    E, dR, load = np.geomspace(60, 600, 3), np.geomspace(0.05, 9.0, 5), np.geomspace(10, 1000, 6)
+    grid = Grid(contact, "johnson", E, np.array([0.3]), dR, load)
+    return OnSamples(model, model.parameters, objective, Samples.of(grid))
+
+
+@pytest.mark.parametrize(
+    "objective", ["rms-log-penetration", "rms-difference-percent", "rms-relative-force"]
+)
+def test_slopes_by_formula_are_differences_of_the_residuals(few_points, objective):
+    for space in (few_points, samples_space(objective)):
+        points = starts(space, 5)
+        residuals, slopes = space.linearised(points)
+        assert residuals == pytest.approx(space.residuals(points), rel=1e-12, abs=1e-12)
+        differences = central_differences(space.residuals, space.low, space.high, points)
+        assert slopes == pytest.approx(differences, rel=1e-5, abs=1e-5 * np.abs(slopes).max())
+
+
+def test_slopes_of_a_law_with_ties_follow_them():
+    campaign = Campaign.read(ROOT / "fitting/recovered-internal.toml")
+    space, _ = space_of(campaign)
+    points = starts(space, 5)
+    differences = central_differences(space.residuals, space.low, space.high, points)
+    assert space.linearised(points)[1] == pytest.approx(differences, rel=1e-5, abs=1e-6)
+
+
+def test_an_end_does_not_depend_on_the_others_of_its_batch(few_points):
+    begun = starts(few_points, 7)
+    together, _ = descend(few_points, sharpen(few_points, begun))
+    for start, end in zip(begun, together, strict=True):
+        alone, _ = descend(few_points, sharpen(few_points, start[None, :]))
+        assert np.array_equal(alone[0], end)
+
+
+def test_what_is_held_is_as_good_as_fixed(few_points):
+    """Columns that differ from start to start, against spaces without those parameters."""
+    begun = starts(few_points, 6)
+    held = np.zeros(begun.shape, dtype=bool)
+    held[np.arange(6), np.arange(6)] = True
+    ends, values = descend(few_points, begun, 1e-14, held)
+    assert np.array_equal(ends[held], begun[held])
+    for k, parameter in enumerate(few_points.free[:6]):
+        fixed = few_points.fixing(**{parameter.name: float(begun[k, k])})
+        rest = np.delete(begun[k], k)[None, :]
+        assert descend(fixed, rest, 1e-14)[1][0] == pytest.approx(values[k], rel=1e-6)
+
+
+# --- the largest residual -----------------------------------------------------------------------
+
+
+class Line(Space):
+    """A straight line through a parabola, whose largest error is minimised."""
+
+    is_largest = True
+    x = np.linspace(0, 1, 101)
+
+    def residuals(self, points):
+        level, slope = self.complete(points).T[:, :, None]
+        return level + slope * self.x - self.x**2
+
+
+def test_the_best_line_through_a_parabola_has_an_error_of_an_eighth():
+    """From 0 to 1: x − 1/8 (Chebyshev)."""
+    parameters = (Parameter("level", -5.0, 5.0), Parameter("slope", -5.0, 5.0))
+    line = Line(LawModel("line", "internal", parameters, lambda _: None), parameters)
+    (end,), _ = descend(line, np.zeros((1, 2)), 1e-14)
+    assert end == pytest.approx([-0.125, 1.0], abs=1e-6)
+    (end,), _ = descend(line, np.zeros((1, 2)), 1e-14, np.array([[False, True]]))
+    assert end == pytest.approx([0.5, 0.0], abs=1e-6)
+
+
+def test_a_largest_deviation_is_that_of_a_linear_programme():
+    """Of loads of a power law, whose logarithms are linear in ln K* and n."""
+    model = MODELS["power", "external"]
+    E, dR = np.array([207.0]), np.array([20.0])
+    grid = Grid("external", "johnson", E, np.array([0.3]), dR, np.geomspace(10, 1000, 40))
+    bounds = tuple(Parameter(name, *ends) for name, ends in (("K_star", (0.1, 50)), ("n", (1, 2))))
+    space = OnSamples(model, bounds, "max-relative-force-percent", Samples.of(grid))
+    start = space.point({"K_star": 10.0, "n": 1.1})
+    _, (reached,) = descend(space, start[None, :], 1e-14)
+    s, j = space.samples.s, space.samples.j
+    A, one = np.column_stack([np.ones_like(j), j]), np.ones((j.size, 1))
+    strip = linprog(
+        [0, 0, 1],
+        A_ub=np.block([[A, -one], [-A, -one]]),
+        b_ub=np.concatenate([s, -s]),
+        bounds=[(None, None)] * 2 + [(0, None)],
+    )
+    # A strip of half-width w in the logarithm is placed so that both ends are off by tanh w.
+    assert reached == pytest.approx(100 * np.tanh(strip.fun), rel=1e-6)
