@@ -3,7 +3,6 @@
 import shlex
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import cylcontact as cc
@@ -34,14 +33,7 @@ def test_laws_advises_on_a_pin_and_a_hole_of_different_materials(run):
     )
     assert f"α = {pair.alpha:.3f}, β = {pair.beta:.3f}" in out
     assert f"is off by: explicit {explicit:+.2f} %, johnson {johnson:+.2f} %" in out
-    loads = np.array([1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0]) * pair.E_star * pair.dR
-    exact = cc.laws.Conformal().penetration(loads, pair)
-    for law, words in (
-        (cc.laws.Parametric(), "use parametric, at most {} % off at the φ below"),
-        (cc.laws.ExplicitPair(), "or explicit-pair where one line is wanted, {} %"),
-    ):
-        worst = 100 * np.abs(law.penetration(loads, pair) / exact - 1).max()
-        assert words.format(f"{worst:.2g}") in out
+    assert "for two materials use conformal" in out
     assert "all penetrations are by Johnson's datum" in out
     at = cc.limits.first_yield(pair)
     assert f"first yield at {at.load:,.0f} N/mm (von Mises, in the {at.body}, " in out
@@ -66,7 +58,7 @@ def test_laws_finds_a_clearance(run):
     assert (code, err) == (0, "")
     assert out == f"dR = {dR:.6g} mm gives 200000 N/mm² under 500 N/mm, by Johnson's datum\n"
     code, out, err = run(*shlex.split("laws --find dR --stiffness 2e5 --load 500 --R-o 20"))
-    law = cc.laws.Parametric(cc.laws.Housing(20.0))
+    law = cc.laws.Conformal(cc.laws.Housing(20.0))
     dR = cc.sizing.find("dR", pair, 500.0, stiffness=2e5, law=law)
     assert out.startswith(f"dR = {dR:.6g} mm gives 200000 N/mm² under 500 N/mm, in a ring clamped")
     code, out, err = run("laws", "--find", "length", "--penetration", "3", "--load", "1e4")

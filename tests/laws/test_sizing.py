@@ -12,7 +12,7 @@ from cylcontact.limits.sizing import bands, find, half_width
 STEEL = Material("steel", 207e3, 0.3, 500.0, 12e-6)
 BRONZE = Material("bronze", 110e3, 0.34, 220.0, 18e-6)
 PAIR = CylinderPair.from_dR("internal", 0.01, pin=STEEL, hole=BRONZE, length=10.0, R_i=10.0)
-LAW = laws.Parametric()
+LAW = laws.Conformal()
 
 
 # --- bands --------------------------------------------------------------------------------------
@@ -146,7 +146,7 @@ def test_next_to_the_end_of_a_law_a_stiffness_is_met_again_and_not_found():
 
 def test_a_band_has_no_housing():
     with pytest.raises(InputError, match="has a housing; each radius"):
-        bands("20H7/g6", PAIR, 100.0, law=laws.Parametric(laws.Housing(20.0)))
+        bands("20H7/g6", PAIR, 100.0, law=laws.Conformal(laws.Housing(20.0)))
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ MISTAKES = [
     ({f"{PIN}.pin.material": "soap", f"{PIN}.pin.E": DROP, f"{PIN}.pin.nu": DROP},
      f"{PIN}.pin.material = 'soap': is not in the tables of materials"),
     ({f"{PIN}.pin.point": [1.0, 0.0]}, f"{PIN}.pin.point: is where `between` says; remove it"),
-    ({f"{PIN}.housing": {"R_o": 30.0}}, f"{PIN}.law = 'enhanced': knows no housing; choose"),
+    ({f"{PIN}.housing": {"R_o": 30.0}}, f"{PIN}.law = 'enhanced': takes no housing; choose"),
     ({f"{PIN}.wear": 1.0}, "joint.2.wear = 1.0: is not a known key; known keys here: name, type"),
     ({"joint.slide.clearance": 0.2}, "joint.slide.type = 'prismatic': has no clearance; give it"),
     ({"joint.main.clearance": 0.2, "joint.main.length": 10.0}, "joint.main.law: is required"),

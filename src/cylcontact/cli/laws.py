@@ -119,7 +119,7 @@ def _of_fit(
     over = bands(
         fit, pair, load, pin_temperature=warm.get("pin"), hole_temperature=warm.get("hole")
     )
-    say(f"{over}\nby Johnson's datum, which knows no housing\n")
+    say(f"{over}\nby Johnson's datum, which takes no housing\n")
     R_i, R_j = fit.middle
     return replace(pair, dR=R_i - R_j, R_i=R_i, R_j=R_j)
 
@@ -133,13 +133,13 @@ def _find(
     housing: Housing | None,
 ) -> None:
     """Print the clearance, modulus or length that meets a stiffness or a penetration."""
-    from cylcontact.laws import Parametric
+    from cylcontact.laws import Conformal
     from cylcontact.limits.sizing import UNKNOWNS
     from cylcontact.limits.sizing import find as found
 
     with blaming_options({"stiffness": "--stiffness", "load": "--load", "": "--find"}, "laws"):
         depth = None if penetration is None else 1e-3 * penetration
-        law = None if housing is None else Parametric(housing)
+        law = None if housing is None else Conformal(housing)
         value = found(what, pair, load, stiffness=stiffness, penetration=depth, law=law)  # type: ignore[arg-type]
     per, rate = ("N", "N/mm") if what == "length" else ("N/mm", "N/mm²")
     wanted = f"{penetration:g} µm" if stiffness is None else f"{stiffness:g} {rate}"
@@ -210,8 +210,8 @@ def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) 
     housing = read_housing(pair, "export")
     source: str | bytes
     if housing is not None:
-        law = in_housing(what, housing, "export", "RESULT|LAW")
-        law, words = law_in_housing(law, pair_of(pair, "export"))
+        conformal = in_housing(what, housing, "export", "RESULT|LAW")
+        law, words = law_in_housing(conformal, pair_of(pair, "export"))
         say(f"{what} in this housing: {words}", err=True)
         source = exported(law, None, target, words)
     else:

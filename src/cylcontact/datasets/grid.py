@@ -1,9 +1,8 @@
-"""Grids on which a reference law is sampled: of E, ν, ΔR and load, or of α, β and φ."""
+"""Grids of E, ν, ΔR and load on which a reference law is sampled."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -12,19 +11,14 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cylcontact.bodies.material import LARGEST_MODULUS, material_in_MPa
-from cylcontact.bodies.pair import Contact, CylinderPair, are_possible
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.tabulated import FINITE_ELEMENT, TabulatedReference, with_table
 from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
-from cylcontact.laws import REFERENCES, ContactLaw, reference_law
+from cylcontact.laws import GONE, REFERENCES, ContactLaw, reference_law
 from cylcontact.support.arrays import FloatArray, IndexArray
 from cylcontact.support.errors import InputError
 
 _POSITIVE_AXES = ("E", "dR", "load")
-# How the axes of either kind of grid are asked for.
-_AXES = (
-    "the tables [axes.E], [axes.nu], [axes.dR], [axes.load], or [axes.alpha], [axes.beta], "
-    "[axes.phi]"
-)
 _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
 # No real contact is outside these limits, and no law overflows inside.
 _SMALLEST, _LARGEST = 1e-12, 1e12
@@ -120,7 +114,7 @@ class GridSpec(Spec):
     reference: str = Field(
         description=f"the law to sample, one of {', '.join(REFERENCES)}, or {FINITE_ELEMENT}"
     )
-    axes: AxesSpec = Field(description=_AXES)
+    axes: AxesSpec = Field(description="the tables [axes.E], [axes.nu], [axes.dR], [axes.load]")
 
     table: str | None = Field(
         None, description=f"the table of finite elements, with reference {FINITE_ELEMENT}"
@@ -145,6 +139,8 @@ class GridSpec(Spec):
 
 def _check_reference(name: str, pair: CylinderPair, others: str = "") -> None:
     """Raise an error unless there is such a law, and it is for pairs like this one."""
+    if name in GONE:
+        raise broken("reference", name, "is gone", GONE[name])
     if name not in REFERENCES:
         rule = "is not a law that a grid can sample"
         raise broken("reference", name, rule, f"choose among {', '.join(REFERENCES)}{others}")
@@ -152,43 +148,6 @@ def _check_reference(name: str, pair: CylinderPair, others: str = "") -> None:
         reference_law(name).max_load(pair)
     except InputError as error:
         raise broken("reference", name, error.rule, error.remedy) from None
-
-
-class DundursAxesSpec(Spec):
-    """The three axes of a dimensionless grid."""
-
-    alpha: AxisSpec = Field(description="a table [axes.alpha] for Dundurs' alpha")
-    beta: AxisSpec = Field(description="a table [axes.beta] for Dundurs' beta")
-    phi: AxisSpec = Field(description="a table [axes.phi] for the load over E* times dR")
-
-    @model_validator(mode="after")
-    def _check(self) -> DundursAxesSpec:
-        alpha, beta = self.alpha.numbers(), self.beta.numbers()
-        if np.abs(alpha).max() >= 1:
-            ends = [float(alpha[0]), float(alpha[-1])]
-            raise broken("alpha", ends, "must lie inside ]-1, 1[", "narrow the axis")
-        if not are_possible(alpha[:, None], beta).any():
-            ends = [float(beta[0]), float(beta[-1])]
-            rule = "no two materials have such values"
-            raise broken("beta", ends, rule, "choose from (alpha - 1)/4 to (alpha + 1)/4")
-        _check_positive("phi", self.phi, "give the load over E* times dR, a number")
-        return self
-
-
-class DimensionlessGridSpec(Spec):
-    """A grid spec file with the axes alpha, beta and phi."""
-
-    contact: Contact = Field(description='"internal"')
-    reference: str = Field(description=f"the law to sample, one of {', '.join(REFERENCES)}")
-    axes: DundursAxesSpec = Field(description=_AXES)
-
-    @model_validator(mode="after")
-    def _check(self) -> DimensionlessGridSpec:
-        if self.contact != "internal":
-            rule = "must be internal on a grid of alpha, beta and phi"
-            raise broken("contact", self.contact, rule, "for rollers give E, nu, dR and load")
-        _check_reference(self.reference, CylinderPair.from_dundurs(0.5, 0.1))
-        return self
 
 
 def _check_penetrations(
@@ -276,76 +235,18 @@ class Grid:
         return CylinderPair.from_dR(self.contact, dR, material_in_MPa("grid", E * 1e3, nu))
 
 
-@dataclass(frozen=True, eq=False)
-class DimensionlessGrid:
-    """Values of α, β and φ = f/(E*·ΔR) of possible pairs, with E* = 1 MPa and ΔR = 1 mm."""
-
-    reference: str
-    alpha: FloatArray
-    beta: FloatArray
-    phi: FloatArray
-    source: str = "grid"
-    contact: ClassVar[Contact] = "internal"
-    axes: ClassVar[tuple[str, ...]] = ("alpha", "beta", "phi")
-    columns: ClassVar[tuple[str, ...]] = ("alpha", "beta", "phi", "d")
-
-    @property
-    def law(self) -> ContactLaw:
-        """The reference law."""
-        return reference_law(self.reference)
-
-    @property
-    def dR(self) -> FloatArray:
-        """The only clearance, 1 mm."""
-        return np.ones(1)
-
-    @property
-    def load(self) -> FloatArray:
-        """The loads in N/mm, which are φ."""
-        return self.phi
-
-    @property
-    def rows(self) -> int:
-        """Number of pairs of α and β that two materials can have."""
-        return self._possible[0].size
-
-    @property
-    def size(self) -> int:
-        """Number of samples."""
-        return self.rows * self.phi.size
-
-    def row_values(self, rows: IndexArray) -> tuple[FloatArray, FloatArray]:
-        """Return α and β of rows, with α varying slowest."""
-        alpha, beta = self._possible
-        return alpha[rows], beta[rows]
-
-    def pairs(self, _: float | FloatArray, rows: IndexArray) -> CylinderPair:
-        """Return the pairs of rows in the shape of `rows`."""
-        return CylinderPair.from_dundurs(*self.row_values(rows))
-
-    @cached_property
-    def _possible(self) -> tuple[FloatArray, FloatArray]:
-        """α and β of all rows."""
-        alpha, beta = np.meshgrid(self.alpha, self.beta, indexing="ij")
-        possible = are_possible(alpha, beta)
-        return alpha[possible], beta[possible]
-
-
-AnyGrid = Grid | DimensionlessGrid
-
-
-def read_grid(path: Path | str) -> AnyGrid:
+def read_grid(path: Path | str) -> Grid:
     """Read a grid spec.
 
     Parameters
     ----------
     path : path
         A TOML file with contact, reference and the tables axes.E (GPa), axes.nu, axes.dR
-        (mm) and axes.load (N/mm), or axes.alpha, axes.beta and axes.phi.
+        (mm) and axes.load (N/mm).
 
     Returns
     -------
-    Grid or DimensionlessGrid
+    Grid
 
     Raises
     ------
@@ -361,13 +262,8 @@ def read_grid_data(path: Path | str) -> dict[str, Any]:
     return with_table(data, Path(path)) if data.get("reference") == FINITE_ELEMENT else data
 
 
-def grid_from(data: dict[str, Any], source: str) -> AnyGrid:
+def grid_from(data: dict[str, Any], source: str) -> Grid:
     """Return the grid described by the contents of a spec."""
-    axes = data.get("axes")
-    if isinstance(axes, dict) and not axes.keys().isdisjoint(DimensionlessGrid.axes):
-        own = parse_spec(DimensionlessGridSpec, data, source)
-        alpha, beta, phi = (getattr(own.axes, name).numbers() for name in DimensionlessGrid.axes)
-        return DimensionlessGrid(own.reference, alpha, beta, phi, source)
     spec = parse_spec(GridSpec, data, source)
     E, nu, dR, load = (getattr(spec.axes, name).numbers() for name in AxesSpec.model_fields)
     penetrations = None if spec.penetrations is None else np.array(spec.penetrations)

@@ -17,7 +17,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from cylcontact.datasets.grid import AnyGrid, Grid
+from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.moments import Moments, concatenate, merge, row_moments
 from cylcontact.files.writing import replacing, require_parquet, require_suffix
 from cylcontact.laws import LogarithmicLaw
@@ -49,7 +49,7 @@ class Block:
 
     # In mm.
     dR: float
-    # E in GPa and ν, or α and β; then loads in N/mm, penetrations in mm and E* in MPa.
+    # E in GPa and ν; then loads in N/mm, penetrations in mm and E* in MPa.
     row_values: tuple[FloatArray, FloatArray]
     load: FloatArray
     penetration: FloatArray
@@ -68,12 +68,12 @@ class Block:
         return np.asarray(np.log(self.penetration))
 
 
-def blocks(grid: AnyGrid, dR: float) -> Iterator[Block]:
+def blocks(grid: Grid, dR: float) -> Iterator[Block]:
     """Sample the grid's reference law at one ΔR, block by block.
 
     Parameters
     ----------
-    grid : Grid or DimensionlessGrid
+    grid : Grid
         The grid.
     dR : float
         One of its clearances, in mm.
@@ -86,7 +86,7 @@ def blocks(grid: AnyGrid, dR: float) -> Iterator[Block]:
     return _blocks_of_rows(grid, dR, np.arange(grid.rows))
 
 
-def _blocks_of_rows(grid: AnyGrid, dR: float, rows: IndexArray) -> Iterator[Block]:
+def _blocks_of_rows(grid: Grid, dR: float, rows: IndexArray) -> Iterator[Block]:
     """Yield samples at one ΔR for some rows of the grid, its combinations of E and ν."""
     law = grid.law
     loads_per_block = min(grid.load.size, BLOCK)
@@ -106,13 +106,13 @@ def _blocks_of_rows(grid: AnyGrid, dR: float, rows: IndexArray) -> Iterator[Bloc
 
 
 def reduce_grid(
-    grid: AnyGrid, jobs: Workers = 1, progress: Callable[[int], None] | None = None
+    grid: Grid, jobs: Workers = 1, progress: Callable[[int], None] | None = None
 ) -> tuple[Moments, Counts]:
     """Reduce a grid of any size to moments, with one block per worker in memory.
 
     Parameters
     ----------
-    grid : Grid or DimensionlessGrid
+    grid : Grid
         The grid.
     jobs : int or Cluster
         Number of threads, or a Dask cluster; the result does not depend on it.
@@ -168,10 +168,10 @@ def reduce_grid(
     return moments, Counts(int(moments.total), grid.size - int(moments.total))
 
 
-def _clearances_inside(grid: AnyGrid) -> BoolArray:
+def _clearances_inside(grid: Grid) -> BoolArray:
     """Return the clearances at which every sample lies in the domain of a logarithmic law."""
     law = grid.law
-    if not isinstance(law, LogarithmicLaw) or not isinstance(grid, Grid):
+    if not isinstance(law, LogarithmicLaw):
         return np.zeros(grid.dR.shape, dtype=bool)
     # The domain ends at a largest load, which is the least for the softest pair.
     softest = int(grid.pairs(grid.dR[0], np.arange(grid.rows)).E_star.argmin())
@@ -179,7 +179,7 @@ def _clearances_inside(grid: AnyGrid) -> BoolArray:
     return np.asarray(np.isfinite(law.penetration(grid.load.max(), pairs)))
 
 
-def _reduce_whole(grid: AnyGrid, dR: FloatArray) -> Iterator[Moments]:
+def _reduce_whole(grid: Grid, dR: FloatArray) -> Iterator[Moments]:
     """Yield the moments at clearances that are whole, some at a time."""
     if not dR.size:
         return
@@ -191,7 +191,7 @@ def _reduce_whole(grid: AnyGrid, dR: FloatArray) -> Iterator[Moments]:
         yield row_moments(law, pair, grid.load, dR[here], shift[here])
 
 
-def _reduce_rows(grid: AnyGrid, dR: float, first: int, last: int) -> Moments:
+def _reduce_rows(grid: Grid, dR: float, first: int, last: int) -> Moments:
     """Return the moments of some rows, combinations of E and ν, at one ΔR."""
     law, rows, parts = grid.law, np.arange(first, last), []
     if isinstance(law, LogarithmicLaw):
@@ -205,13 +205,13 @@ def _reduce_rows(grid: AnyGrid, dR: float, first: int, last: int) -> Moments:
 
 
 def write_samples(
-    grid: AnyGrid, path: Path | str, progress: Callable[[int], None] | None = None
+    grid: Grid, path: Path | str, progress: Callable[[int], None] | None = None
 ) -> Counts:
     """Sample a grid into a table, in bounded memory.
 
     Parameters
     ----------
-    grid : Grid or DimensionlessGrid
+    grid : Grid
         The grid.
     path : path
         A .parquet or .csv file, created when it is complete. Its columns are those of the grid.
@@ -234,8 +234,8 @@ def write_samples(
     with replacing(path) as temporary, opened(temporary, grid.columns) as write:
         for done, dR in enumerate(grid.dR, start=1):
             for block in blocks(grid, float(dR)):
-                clearance = [np.full(block.load.size, block.dR)] if "dR_mm" in grid.columns else []
-                write([*block.row_values, *clearance, block.load, block.penetration])
+                clearance = np.full(block.load.size, block.dR)
+                write([*block.row_values, clearance, block.load, block.penetration])
                 samples += block.load.size
                 masked += block.masked
             if progress is not None:

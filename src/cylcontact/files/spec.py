@@ -40,6 +40,13 @@ _KINDS = (
     ("a grid spec", {"contact", "reference"}),
 )
 
+# Keys that 1.0.0rc1 had and this release has not, with what to use instead; kept for one release.
+GONE = {
+    "axes.alpha": "give axes.E, axes.nu, axes.dR and axes.load",
+    "axes.beta": "give axes.E, axes.nu, axes.dR and axes.load",
+    "axes.phi": "give axes.load with E = 0.002 GPa, nu = 0 and dR = 1 mm, where the load is phi",
+}
+
 # Pydantic's type rules in the terms of TOML and JSON.
 _PLAIN_RULES = {
     "model_type": "must be a table",
@@ -154,6 +161,8 @@ def _explain(kind: str, message: str, model: type[Spec], location: list[str]) ->
             table = _inner_spec(field.annotation) or Spec  # a plain mapping has keys of its own
     if kind == "missing":
         return "is required", f"add {description}"
+    if kind == "extra_forbidden" and ".".join(location) in GONE:
+        return "is gone", GONE[".".join(location)]
     if kind == "extra_forbidden":
         return "is not a known key", f"known keys here: {', '.join(table.model_fields)}"
     rule = message[0].lower() + message[1:].replace("greater than or equal to", "at least")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cylcontact.datasets.grid import AnyGrid
+from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.files.journal import Journal
@@ -137,7 +137,7 @@ def problem_of(
     return problem, counts
 
 
-def _by_clearance(progress: Progress, stage: str, grid: AnyGrid) -> Callable[[int], None]:
+def _by_clearance(progress: Progress, stage: str, grid: Grid) -> Callable[[int], None]:
     return lambda done: progress(stage, done, grid.dR.size)
 
 

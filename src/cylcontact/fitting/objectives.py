@@ -23,7 +23,7 @@ from scipy.optimize import least_squares, linprog
 
 from cylcontact.bodies.material import material_in_MPa
 from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid
+from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, blocks, reduce_grid
 from cylcontact.fitting.problem import ParameterSpace, built
@@ -42,17 +42,14 @@ class Samples:
     contact: Contact
     # The m clearances in mm.
     dR: FloatArray
-    # Of each of N samples its clearance, ln(f/E*) and ln δ, and on a dimensionless grid α and β.
+    # Of each of N samples its clearance, ln(f/E*) and ln δ.
     index: IndexArray
     s: FloatArray
     j: FloatArray
-    dundurs: tuple[FloatArray, FloatArray] | None = None
 
     @cached_property
     def pair(self) -> CylinderPair:
         """The pair of each sample with E* = 1, so that its load is f/E*, in mm."""
-        if self.dundurs is not None:
-            return CylinderPair.from_dundurs(*self.dundurs)
         return CylinderPair.from_dR(self.contact, self.dR[self.index], _UNIT)
 
     @cached_property
@@ -76,15 +73,15 @@ class Samples:
         return list(zip(np.split(self.s, edges), np.split(self.j, edges), strict=True))
 
 
-def collect_samples(grid: AnyGrid) -> tuple[Samples, Counts]:
+def collect_samples(grid: Grid) -> tuple[Samples, Counts]:
     """Sample a grid into memory, without clearances that are masked completely."""
     sampled = [
-        (np.full(block.load.size, k), block.s, block.j, *block.row_values, block.masked)
+        (np.full(block.load.size, k), block.s, block.j, block.masked)
         for k, dR in enumerate(grid.dR)
         for block in blocks(grid, float(dR))
     ]
     *columns, masked = zip(*sampled, strict=True)
-    of_clearance, s, j, alpha, beta = map(np.concatenate, columns)
+    of_clearance, s, j = map(np.concatenate, columns)
     if not s.size:
         reduce_grid(grid)  # raises the error that names the reason
     order = np.lexsort((s, of_clearance))
@@ -95,7 +92,6 @@ def collect_samples(grid: AnyGrid) -> tuple[Samples, Counts]:
         index=index,
         s=s[order],
         j=j[order],
-        dundurs=(alpha[order], beta[order]) if isinstance(grid, DimensionlessGrid) else None,
     )
     return rows, Counts(s.size, sum(masked))
 
@@ -383,7 +379,7 @@ def make_objective(objective: str, data: Moments | Samples) -> Objective:
 
 
 def max_abs_difference_percent(
-    grid: AnyGrid,
+    grid: Grid,
     model: LawModel,
     candidates: Sequence[Mapping[str, float]],
     jobs: Workers = 1,
@@ -405,7 +401,7 @@ def max_abs_difference_percent(
     return 100 * worst
 
 
-def _at_clearance(grid: AnyGrid, model: LawModel, points: FloatArray, dR: float) -> FloatArray:
+def _at_clearance(grid: Grid, model: LawModel, points: FloatArray, dR: float) -> FloatArray:
     """Return the largest |Eq 9| at one ΔR, as a fraction, shape (P,)."""
     low, high = np.zeros(len(points)), np.zeros(len(points))
     for ratios in log_ratios_at(grid, model, points, dR):
@@ -416,14 +412,13 @@ def _at_clearance(grid: AnyGrid, model: LawModel, points: FloatArray, dR: float)
 
 
 def log_ratios_at(
-    grid: AnyGrid, model: LawModel, points: FloatArray, dR: float
+    grid: Grid, model: LawModel, points: FloatArray, dR: float
 ) -> Iterator[FloatArray]:
     """Yield ln(δ_law/δ_reference) of P candidates at one ΔR, by blocks of samples."""
     form = form_of(model, points, np.array([dR]))
     for block in blocks(grid, dR):
         index = np.zeros(block.load.size, dtype=np.intp)
-        dundurs = block.row_values if isinstance(grid, DimensionlessGrid) else None
-        rows = Samples(grid.contact, np.array([dR]), index, block.s, block.j, dundurs)
+        rows = Samples(grid.contact, np.array([dR]), index, block.s, block.j)
         yield np.array([form.log_ratio(k, rows) for k in range(len(points))])
 
 

@@ -14,7 +14,7 @@ from scipy.stats import truncnorm
 from cylcontact.bodies.fits import Fit, apart
 from cylcontact.bodies.material import material_in_MPa
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.laws import Conformal, ContactLaw, Housing, Johnson, Parametric
+from cylcontact.laws import Conformal, ContactLaw, Housing, Johnson
 from cylcontact.limits import johnson_limit_load, yield_load
 from cylcontact.support.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.support.errors import InputError
@@ -123,7 +123,7 @@ def bands(
     load : float
         Load per unit length in N/mm.
     law : ContactLaw, optional
-        For penetration and stiffness, without a housing; `laws.Parametric()` by default.
+        For penetration and stiffness, without a housing; `laws.Conformal()` by default.
     distribution : {"normal", "uniform"}
         How hole and pin are drawn, apart from each other: normal about the middle of the tolerance
         with a sixth of it as standard deviation, cut off at its limits, or evenly within them.
@@ -151,7 +151,7 @@ def bands(
     require_positive(load, "bands", "load", "give it in N/mm")
     rule, remedy = "must be 'normal' or 'uniform'", "see the documentation of bands"
     require(distribution in DISTRIBUTIONS, "bands", "distribution", distribution, rule, remedy)
-    law = Parametric() if law is None else law
+    law = Conformal() if law is None else law
     rule, remedy = (
         "has a housing",
         "each radius would need its own: take the pairs of the fit's ends",
@@ -232,7 +232,7 @@ def find(
     penetration : float, optional
         In mm. Give this or the stiffness.
     law : ContactLaw, optional
-        `laws.Parametric()` by default for a pin in a hole, `laws.Johnson()` for rollers.
+        `laws.Conformal()` by default for a pin in a hole, `laws.Johnson()` for rollers.
 
     Returns
     -------
@@ -249,7 +249,7 @@ def find(
     >>> from cylcontact import CylinderPair, Material
     >>> pair = CylinderPair.from_dR("internal", 0.01, Material("steel", 207e3, 0.3), R_i=10.0)
     >>> dR = find("dR", pair, 500.0, stiffness=2e5)
-    >>> law = Parametric()
+    >>> law = Conformal()
     >>> at = CylinderPair.from_dR("internal", dR, pair.material_i)
     >>> print(f"{dR:.5f} mm, {law.stiffness(law.penetration(500.0, at), at).item():.4f} N/mm²")
     0.00694 mm, 200000.0000 N/mm²
@@ -262,7 +262,7 @@ def find(
     target = float(require_positive(wanted, _SOURCE, key, "give it in N/mm² or mm"))
     require_positive(load, _SOURCE, "load", "give it in N/mm, for a length in N")
     if law is None:
-        law = Parametric() if pair.contact == "internal" else Johnson()
+        law = Conformal() if pair.contact == "internal" else Johnson()
     unit, low, high = UNKNOWNS[unknown]
     if unknown == "dR" and pair.R_i is not None:
         # No pin smaller than half its hole; rollers of which the second has some radius.

@@ -16,7 +16,7 @@ import pandas as pd
 
 from cylcontact.bodies.material import Material, shipped_materials
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.laws import LAWS, Conformal, ContactLaw, Housing, Parametric, Sector
+from cylcontact.laws import LAWS, Conformal, ContactLaw, Housing, Sector
 from cylcontact.laws.housing_spec import in_housing, takes_housing
 from cylcontact.limits import (
     first_yield,
@@ -183,9 +183,7 @@ def _sentences(choice: Choice, results: Mapping[str, float], rows: pd.DataFrame)
     pair, housing = choice.pair, choice.housing
     sentences = [f"{law}: {note}." for law, note in rows["note"].items() if note]
     if housing is not None:
-        datums = [
-            Parametric(datum).penetration(choice.load, pair) for datum in (housing, "johnson")
-        ]
+        datums = [Conformal(datum).penetration(choice.load, pair) for datum in (housing, "johnson")]
         times = f"{float(datums[0] / datums[1]):.2f} times that by Johnson's datum"
         sentences.append(f"In this housing the penetration is {times}.")
     elif pair.contact == "internal":

@@ -15,7 +15,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.laws import Conformal, ContactLaw, Explicit, Johnson, Persson, explicit_penetration
+from cylcontact.laws import Conformal, ContactLaw, Explicit, Johnson, Persson
 from cylcontact.support.arrays import FloatArray
 
 __all__ = [
@@ -145,14 +145,7 @@ def _ratios(pair: CylinderPair) -> dict[str, Ratio]:
     def penetration(f: FloatArray) -> FloatArray:
         return law.penetration(f, pair) / truth.penetration(f, pair)
 
-    def one_line(f: FloatArray) -> FloatArray:
-        return explicit_penetration(f, pair) / truth.penetration(f, pair)
-
-    ratios: dict[str, Ratio] = {
-        f"{pair.contact} load": load,
-        f"{pair.contact} penetration": penetration,
-    }
-    return ratios | ({"one-line penetration": one_line} if pair.contact == "internal" else {})
+    return {f"{pair.contact} load": load, f"{pair.contact} penetration": penetration}
 
 
 def _largest(ratio: Ratio, unit: float, low: float, high: float) -> tuple[float, float]:

@@ -16,11 +16,8 @@ from cylcontact.laws import (
     LAWS,
     Conformal,
     ContactLaw,
-    Explicit,
     Housing,
-    Parametric,
 )
-from cylcontact.laws.housed import needs_series
 from cylcontact.laws.housing_spec import in_housing, takes_housing
 from cylcontact.laws.law import Parameter
 from cylcontact.limits import first_yield, hertz_half_width, hertz_stress
@@ -41,8 +38,8 @@ LOAD_NUMBERS: dict[Contact, tuple[float, ...]] = {
     "internal": (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0),
     "external": (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3),
 }
-# For two materials: the laws to recommend, and those that are used for want of them.
-_FOR_ANY_PAIR, _OF_E_STAR = ("parametric", "explicit-pair"), ("explicit", "johnson")
+# Laws that are used for two materials and know E* alone.
+_OF_E_STAR = "explicit", "johnson"
 MISSING = "-"
 HUGE = 1e12
 
@@ -137,20 +134,13 @@ def _answers(law: ContactLaw, pair: CylinderPair, load: float) -> dict[str, obje
 
 
 def _of_housing(pair: CylinderPair, load: float, housing: Housing) -> str:
-    """Return what the housing does to the penetration, and which of its laws is which."""
-    five = Explicit(datum=housing).five_constants(pair)
-    there = float(Parametric(housing).penetration(load, pair))
-    by_johnson = float(Parametric().penetration(load, pair))
-    basis = "the series" if needs_series(housing, pair) else "the compact law"
-    follows = (
-        f"explicit follows it within {100 * five.error:.2f} % by five constants"
-        if five.is_close
-        else f"explicit is that curve: five constants would miss it by {100 * five.error:.0f} %"
+    """Return what the housing does to the penetration."""
+    there, by_johnson = (
+        float(law.penetration(load, pair)) for law in (Conformal(housing), Conformal())
     )
     return (
         f"in {housing}: {1e3 * there:.4g} µm, {there / by_johnson:.2f} times the penetration by "
-        f"Johnson's datum, to which all laws but conformal, parametric and explicit keep;\n"
-        f"parametric is {basis}, {follows}"
+        "Johnson's datum, to which all laws but conformal keep"
     )
 
 
@@ -239,7 +229,7 @@ def to_text(
     if housing is not None:
         parts.insert(1, _of_housing(pair, load, housing))
     elif not pair.of_one_material:
-        parts.insert(1, _advice(pair, side_by_side, errors))
+        parts.insert(1, _advice(pair, side_by_side))
     elif contact == "internal":
         parts += [
             "where johnson's penetration is too low against persson's: φ, and the load in N/mm "
@@ -269,7 +259,7 @@ def _contact(load: float, pair: CylinderPair, housing: Housing | None) -> str:
     return f"half-width {float(width):.4g} mm, peak pressure {float(peak):.4g} MPa{source}"
 
 
-def _advice(pair: CylinderPair, side_by_side: pd.DataFrame, errors: pd.DataFrame) -> str:
+def _advice(pair: CylinderPair, side_by_side: pd.DataFrame) -> str:
     """Return which law to use for a pin and a hole of different materials, and why."""
     penetration = side_by_side.set_index("law")["penetration_um"]
 
@@ -280,16 +270,13 @@ def _advice(pair: CylinderPair, side_by_side: pd.DataFrame, errors: pd.DataFrame
             parts.append(f"{name} {'ends before' if np.isnan(error) else _deviation(error) + ' %'}")
         return ", ".join(parts)
 
-    worst = {name: float(np.abs(errors.loc[name]).max()) for name in _FOR_ANY_PAIR}
     return (
         f"a {pair.material_j.name} pin in a {pair.material_i.name} hole, Dundurs' "
         f"α = {float(pair.alpha):.3f}, β = {float(pair.beta):.3f}\n"
-        "conformal is exact for both materials; at this load the penetration of laws that know "
-        f"E* alone is off by: {off(_OF_E_STAR)}\n"
-        f"use parametric, at most {worst['parametric']:.2g} % off at the φ below, or explicit-pair "
-        f"where one line is wanted, {worst['explicit-pair']:.2g} %; here {off(_FOR_ANY_PAIR)}\n"
+        "for two materials use conformal, which is exact; at this load the penetration of laws "
+        f"that take E* alone is off by: {off(_OF_E_STAR)}\n"
         "all penetrations are by Johnson's datum; another, such as a clamped plate, is a parameter "
-        "of conformal and parametric"
+        "of conformal"
     )
 
 
@@ -350,11 +337,6 @@ def _explicit() -> str:
                 f"  {name}: {error[name]:.4f} % of {TRUTH[contact].name}'s for "
                 f"{low:g} ≤ φ ≤ {high:g} (at φ = {error[f'{name}, at φ']:.4g})"
             )
-    name = "one-line penetration"
-    lines.append(
-        f"  {name} (explicit_penetration, internal): {error[name]:.4f} % "
-        f"(at φ = {error[f'{name}, at φ']:.4g})"
-    )
     return "\n".join(lines)
 
 

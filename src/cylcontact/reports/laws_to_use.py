@@ -182,8 +182,10 @@ def to_text(contact: Contact, bench: Bench) -> str:
     ]
     if contact == "internal":
         lines.append(
+            "a formula for one material: explicit; two materials, a housing, or the most exact: "
+            "conformal\n"
             "all by Johnson's datum: a real housing changes the penetration by more than most of "
-            "these laws differ; name yours, e.g. --R-o 20 --clamp far:60"
+            "these laws differ; give it to conformal, e.g. --R-o 20 --clamp far:60"
         )
     return "\n".join(lines)
 
