@@ -13,12 +13,13 @@ from scipy.special import lambertw
 
 from benchmarks.harness import Row, Side, compare, require_agreement
 from cylcontact import CylinderPair, Material, laws
+from cylcontact.laws.conformal.curve import make
 from cylcontact.laws.kernels import kernel, kernel_load
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.5, material=Material("steel", E=207e3, nu=0.3))
 JOHNSON, ENHANCED, EXPLICIT = laws.Johnson(), laws.Enhanced(), laws.Explicit()
-PARAMETRIC, EXPLICIT_PAIR = laws.Parametric(), laws.ExplicitPair()
-HOUSED = laws.Parametric(laws.Housing(R_o=20.0))
+CONFORMAL, HOUSED = laws.Conformal(), laws.Conformal(laws.Housing(R_o=20.0))
+THIN_EYE = laws.Conformal(laws.Housing(13.0, laws.Sector(60, "far")))
 E_STAR, DR = float(PAIR.E_star), float(PAIR.dR)
 K, N = float(ENHANCED.factor(PAIR)), float(ENHANCED.exponent(PAIR))
 # scipy's Lambert function loses digits near the limit, so the comparison stops before it.
@@ -34,9 +35,11 @@ def measure(short: bool) -> Iterator[list[Row]]:
     deltas = LARGEST * 10 ** rng.uniform(-6, 0, 200 if short else 20_000)
     yield _in_compiled_code(deltas, 1 if short else 15)
     yield _one_at_a_time(deltas[:200], 1 if short else 5)
+    yield _curves(1 if short else 9)
 
 
 def _in_arrays(deltas: np.ndarray, rounds: int) -> list[Row]:
+    loads = CONFORMAL.load(deltas, PAIR)
     sides = [
         Side("cylcontact: Johnson().load", lambda: JOHNSON.load(deltas, PAIR)),
         Side("scipy.special.lambertw", lambda: _by_lambertw(deltas)),
@@ -48,9 +51,13 @@ def _in_arrays(deltas: np.ndarray, rounds: int) -> list[Row]:
         Side("numpy.log alone", lambda: np.log(deltas)),
         *(
             Side(f"cylcontact: {type(law).__name__}().load", partial(law.load, deltas, PAIR))
-            for law in (EXPLICIT, EXPLICIT_PAIR, PARAMETRIC)
+            for law in (EXPLICIT, CONFORMAL)
         ),
         Side("cylcontact: the same in a housing", partial(HOUSED.load, deltas, PAIR)),
+        Side("cylcontact: Conformal().penetration", partial(CONFORMAL.penetration, loads, PAIR)),
+        Side(
+            "cylcontact: Conformal().peak_pressure", partial(CONFORMAL.peak_pressure, loads, PAIR)
+        ),
     ]
     return _rows("array", deltas, sides, limits, rounds)
 
@@ -70,7 +77,7 @@ def _in_compiled_code(deltas: np.ndarray, rounds: int) -> list[Row]:
                 f"cylcontact: kernel_load, {law.name} law",
                 partial(_sum_of_kernel, own.kind, own.parameters, deltas),
             )
-            for law in (ENHANCED, EXPLICIT, EXPLICIT_PAIR, PARAMETRIC)
+            for law in (ENHANCED, EXPLICIT, CONFORMAL)
             for own in [kernel(law, PAIR)]
         ),
         Side("a power alone", lambda: _sum_of_powers(deltas, K, N)),
@@ -91,6 +98,15 @@ def _one_at_a_time(deltas: np.ndarray, rounds: int) -> list[Row]:
         Side("scipy.optimize.newton", lambda: [float(_by_newton(x)) for x in numbers]),
     ]
     return _rows("called from Python", deltas, sides, [], rounds)
+
+
+def _curves(rounds: int) -> list[Row]:
+    """Return the time that the curve of a pair takes, which is made once."""
+    sides = []
+    for name, law in {"one material": CONFORMAL, "a ring": HOUSED, "a thin eye": THIN_EYE}.items():
+        bodies = law.curve(PAIR).bodies
+        sides.append(Side(f"cylcontact: the curve of {name}", partial(make, bodies)))
+    return compare("law", "making a curve", sides, rounds, "ms", 1e3)
 
 
 def _rows(kind: str, deltas: np.ndarray, sides: list[Side], limits: list[Side], rounds: int):

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from cylcontact import CylinderPair, InputError, Material, limits
-from cylcontact.laws import Conformal, Housing, Johnson, Sector
-from cylcontact.laws.glauert import enough_terms, glauert
+from cylcontact.laws import Conformal, Housing, Sector
+from cylcontact.laws.conformal.series import enough_terms, glauert
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER, PAGE = ROOT / "datasets" / "references", ROOT / "docs" / "checked-against.md"
@@ -43,16 +43,13 @@ def read(path: Path) -> dict[str, Any]:
     return about
 
 
-def pairs_of(given: dict[str, Any]) -> list[CylinderPair]:
-    """Return the pairs whose penetrations add up: one, or two for a roller in its raceways."""
+def pair_of(given: dict[str, Any]) -> CylinderPair:
+    """Return the pair of a reference."""
     one, other = (Material(body, given[f"E_{body}"], given["nu"]) for body in "ij")
-    if given["contact"] == "raceways":
-        inner = CylinderPair.external(given["R_inner"], given["R_roller"], one)
-        return [inner, CylinderPair.internal(given["R_outer"], given["R_roller"], one)]
     if given["contact"] == "external":
-        return [CylinderPair.external(given["R_i"], given["R_j"], one, material_j=other)]
+        return CylinderPair.external(given["R_i"], given["R_j"], one, material_j=other)
     R_i, dR = given["R_i"], given["dR"]
-    return [CylinderPair("internal", dR, one, other, R_i=R_i, R_j=R_i - dR)]
+    return CylinderPair("internal", dR, one, other, R_i=R_i, R_j=R_i - dR)
 
 
 def housing_of(given: dict[str, Any]) -> Housing | None:
@@ -65,11 +62,9 @@ def housing_of(given: dict[str, Any]) -> Housing | None:
 
 def ours(quantity: str, load: float, given: dict[str, Any]) -> float:
     """Return the program's number of a quantity under a load in N/mm."""
-    pair, *others = pairs_of(given)
+    pair = pair_of(given)
     if quantity.startswith("hertz"):
         return float(getattr(limits, quantity)(load, pair))
-    if given["contact"] == "raceways":
-        return 1e3 * sum(float(Johnson().penetration(load, each)) for each in (pair, *others))
     housing = housing_of(given)
     law = Conformal(housing or "johnson")
     if quantity == "pressure_on_axis":

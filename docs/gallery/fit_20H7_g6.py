@@ -6,7 +6,7 @@ import numpy as np
 import cylcontact as cc
 
 steel, bronze = cc.Material.named("high-strength steel"), cc.Material.named("bronze")
-law, load = cc.laws.Parametric(), np.geomspace(10, 2000, 80)
+law, load = cc.laws.Conformal(), np.geomspace(10, 2000, 80)
 figure, axes = plt.subplots(figsize=(6.4, 4), layout="constrained")
 for fit in ("20H7/g6", "20H7/f7", "20H8/d9"):
     pair = cc.CylinderPair.of_fit(fit, pin=steel, hole=bronze, length=20.0)

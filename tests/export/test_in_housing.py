@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, Material, laws
-from cylcontact.export.in_housing import Table, law_in_housing
+from cylcontact.export.in_housing import law_in_housing
 from cylcontact.laws import Housing, Sector
 
 STEEL, BRONZE = Material("steel", 207e3, 0.3), Material("bronze", 110e3, 0.34)
@@ -21,30 +21,24 @@ def pair_of(pin, hole, R_i=10.0, dR=0.05):
 @pytest.mark.parametrize("clamp", CLAMPS)
 @pytest.mark.parametrize("rho", [1.3, 1.5, 2.0, 5.0])
 @pytest.mark.parametrize(("pin", "hole"), [(STEEL, STEEL), (STEEL, PEEK), (PEEK, STEEL)])
-@pytest.mark.parametrize("law", [laws.Explicit, laws.Conformal])
-def test_an_exported_law_is_as_near_to_the_series_as_it_says(law, pin, hole, rho, clamp):
+def test_an_exported_law_is_as_near_to_its_curve_as_it_says(pin, hole, rho, clamp):
     pair, housing = pair_of(pin, hole), Housing(10 * rho, CLAMPS[clamp])
-    stated, words = law_in_housing(law(datum=housing), pair)
     series = laws.Conformal(housing)
+    stated, words = law_in_housing(series, pair)
     f = PHI * pair.E_star * pair.dR
     delta = series.penetration(f, pair)
     error = np.abs(stated.load(delta, pair) / f - 1).max()
-    is_table = isinstance(stated.stated, Table)
-    assert words.startswith("a table of" if is_table else "five constants")
-    assert error < (0.001 if is_table else 0.01)
+    assert words.startswith("a table of")
+    assert error < 0.001
     said = float(words.split("within ")[1].split(" percent")[0])
     assert 100 * error == pytest.approx(said, rel=0.15, abs=0.01)
     stiffness = series.stiffness(delta, pair)
-    np.testing.assert_allclose(
-        stated.stiffness(delta, pair), stiffness, rtol=0.008 if is_table else 0.06
-    )
-    if law is laws.Conformal:
-        assert is_table
+    np.testing.assert_allclose(stated.stiffness(delta, pair), stiffness, rtol=0.008)
 
 
 def test_a_table_is_smooth_and_increases_at_all_of_its_nodes():
     pair = pair_of(STEEL, BRONZE)
-    stated, _ = law_in_housing(laws.Explicit(datum=Housing(13.0, Sector(60, "far"))), pair)
+    stated, _ = law_in_housing(laws.Conformal(Housing(13.0, Sector(60, "far"))), pair)
     x, y, slopes = np.array(stated.stated.nodes).T
     f = np.exp(y) * pair.E_star * pair.dR
     at = np.exp(x) * pair.dR
@@ -64,7 +58,7 @@ def test_a_table_is_smooth_and_increases_at_all_of_its_nodes():
 
 def test_a_thin_eye_ends_where_the_pin_leaves_it():
     pair, housing = pair_of(STEEL, ALUMINIUM), Housing(13.0, Sector(300, "far"))
-    stated, _ = law_in_housing(laws.Explicit(datum=housing), pair)
+    stated, _ = law_in_housing(laws.Conformal(housing), pair)
     end = float(laws.Conformal(housing).max_penetration(pair))
     assert 0.7 * end < float(stated.max_penetration(pair)) <= end
 
@@ -76,16 +70,16 @@ JOINT = ("--pin", "207 GPa, 0.3", "--hole", "110 GPa, 0.34",
 @pytest.mark.parametrize(
     ("clamp", "words"),
     [
-        ("rim", ("five constants, within", "all of its rim clamped")),
+        ("rim", ("a table of", "all of its rim clamped")),
         ("far:60", ("a table of", "60 degrees of its rim clamped, far from the load")),
     ],
 )
 def test_the_command_prints_the_error_and_the_file_says_what_it_is_for(run, tmp_path, clamp, words):
     out = tmp_path / "law.py"
     options = (*JOINT, "--R-o", 20, "--clamp", clamp, "--to", "python", "-o", out)
-    code, _, errors = run("export", "explicit", *options)
+    code, _, errors = run("export", "conformal", *options)
     assert code == 0
-    assert errors.startswith(f"explicit in this housing: {words[0]}")
+    assert errors.startswith(f"conformal in this housing: {words[0]}")
     text = " ".join(out.read_text(encoding="ascii").replace("#", " ").split())
     for word in (*words, "R_o/R_i = 2", "E = 110000 MPa", "percent of the load by the series"):
         assert word in text
@@ -101,10 +95,11 @@ def test_the_command_prints_the_error_and_the_file_says_what_it_is_for(run, tmp_
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("johnson", *JOINT, "--R-o", 20), "knows no housing; choose parametric, explicit, confor"),
-        (("explicit", *JOINT, "--R-o", 9), "R_o = 9.0: must be larger than the hole"),
-        (("explicit", "--Ri", 10), "--Ri = 10.0: is for a law in a housing or a joint"),
-        (("explicit", "--contact", "external", "--R-o", 20), "leave out --R-o and --clamp"),
+        (("johnson", *JOINT, "--R-o", 20), "takes no housing; choose conformal"),
+        (("conformal", *JOINT, "--R-o", 9), "R_o = 9.0: must be larger than the hole"),
+        (("parametric", *JOINT, "--R-o", 20), "RESULT|LAW = 'parametric': is gone; use conformal"),
+        (("conformal", "--Ri", 10), "--Ri = 10.0: is for a law in a housing or a joint"),
+        (("conformal", "--contact", "external", "--R-o", 20), "leave out --R-o and --clamp"),
     ],
 )
 def test_what_is_no_law_in_a_housing_is_refused_in_a_line(run, tmp_path, arguments, message):

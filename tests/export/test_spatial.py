@@ -39,7 +39,10 @@ def rows_of(joint, rows, seed=11):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("target", RUNNERS)
 def test_exports_agree_with_the_library_in_all_kinds_of_contact(target, kind, tmp_path):
-    """To 1e-12 of the peak of each part of the wrench, and of each accepted rate."""
+    """To 1e-12 of the peak of each part of the wrench, and of each accepted rate.
+
+    A file has a coarser curve of conformal contact, to 1e-8.
+    """
     joint = joint_for(**KINDS[kind])
     rows = rows_of(joint, ROWS.get(target, 2000))
     answers = RUNNERS[target](joint, rows, tmp_path)
@@ -47,10 +50,10 @@ def test_exports_agree_with_the_library_in_all_kinds_of_contact(target, kind, tm
     touching = wanted[:, 12:16] > 0
     kinds = {(*map(bool, row[:2]), bool(row[2:].any())) for row in touching}
     assert len(kinds) >= 4
-    at = 0
+    at, allowed = 0, 1e-8 if joint.planar.law.name == "conformal" else 1e-12
     for size in (3, 3, 3, 3, 4, 4, 1, 1, 1, 1, 1, 4):
         part, own = answers[:, at : at + size], wanted[:, at : at + size]
-        np.testing.assert_allclose(part, own, rtol=0, atol=1e-12 * np.abs(own).max())
+        np.testing.assert_allclose(part, own, rtol=0, atol=allowed * np.abs(own).max())
         at += size
 
 

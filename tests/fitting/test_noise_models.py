@@ -457,11 +457,11 @@ FINDINGS = {
         {"branch": "loading"},
     ),
     "a single sweep of a wrong law": (
-        *(lambda: ungrouped(readings(1, 1, 40, compliance=2e-6)), {"law": "winkler"}),
+        *(lambda: ungrouped(readings(1, 1, 40, compliance=2e-6)), {"law": "liu"}),
         *("sequence", "repeat some loads", {"law": "explicit", "free": ["compliance"]}),
     ),
     "means that are missed": (
-        *(lambda: ungrouped(readings(4, 6, compliance=1e-6)), {"law": "winkler"}),
+        *(lambda: ungrouped(readings(4, 6, compliance=1e-6)), {"law": "liu"}),
         *("repeats", "cylcontact choose", {"law": "explicit", "free": ["compliance"]}),
     ),
 }

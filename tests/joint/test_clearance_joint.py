@@ -28,7 +28,7 @@ ALUMINIUM = {"E": 69.0, "nu": 0.33}
 STEEL = {"E": 207.0, "nu": 0.3}
 CASES = [
     (law, clearance)
-    for law in ("johnson", "enhanced", "explicit", "parametric", "conformal")
+    for law in ("johnson", "enhanced", "explicit", "conformal")
     for clearance in (0.02, 0.5)
 ]
 each_case = pytest.mark.parametrize("case", CASES, ids="{0[0]}-{0[1]}".format)
@@ -38,8 +38,8 @@ POWER, FLAG = 11, 12
 
 
 def joint_for(law, clearance, units="SI", **changes):
-    """Return the joint of the slider-crank; parametric is the law for its unlike materials."""
-    pin = ALUMINIUM if law == "parametric" else STEEL
+    """Return the joint of the slider-crank; conformal is the law for its unlike materials."""
+    pin = ALUMINIUM if law == "conformal" else STEEL
     data = {
         # A name each: C++ shares the constants of classes of one name between libraries.
         "name": f"{law}-{clearance}", "units": units, "length": 10.0, "law": law,
@@ -166,7 +166,8 @@ def test_exports_agree_with_library_and_trajectory(language, case, tmp_path):
     run, joint = run_of(*case), joint_for(*case)
     rows = rows_of(run)[:: 8 if language == "matlab" else 1]
     answers = RUNNERS[language](joint, rows, tmp_path)
-    assert_close(answers, run_library(joint, rows), 1e-12)
+    # A file has a coarser curve of conformal contact.
+    assert_close(answers, run_library(joint, rows), 1e-8 if "conformal" in case else 1e-12)
 
 
 @pytest.mark.parametrize("units", ["SI", "mm"])
@@ -261,7 +262,7 @@ def test_a_motion_that_is_not_a_number_has_no_force(language, tmp_path):
 
 
 def test_states_may_be_arrays():
-    joint = joint_for("parametric", 0.05)
+    joint = joint_for("conformal", 0.05)
     bearing, pin = motion(joint, DEEP, 0.1, spin=30.0)
     pins = np.tile(pin, (2, 3, 1))
     pins[1] *= CLEAR
@@ -309,7 +310,8 @@ def test_exports_flag_and_start_as_the_library(language, law, tmp_path):
     flags = set(wanted[:, FLAG])
     deepest = YIELDS + LEFT_HOLE + (0 if law == "explicit" else BEYOND_LAW)
     assert {0, YIELDS, deepest} <= flags <= {0, YIELDS, YIELDS + BEYOND_LAW, deepest}
-    np.testing.assert_allclose(answers, wanted, rtol=1e-9, atol=1e-9)
+    tolerance = 1e-8 if law == "conformal" else 1e-9
+    np.testing.assert_allclose(answers, wanted, rtol=tolerance, atol=1e-9)
 
 
 # --- what it says ---

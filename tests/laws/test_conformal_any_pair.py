@@ -105,11 +105,11 @@ def test_incompressible_bodies_of_any_moduli_are_the_closed_form(phi, ratio):
         slope += w * (1 + S) ** 2 / (1 + w * (b2 - mp.log(1 + b2)))
         angle = mp.degrees(2 * mp.asin(mp.sqrt(S)))
     f = phi * pair.E_star
-    assert LAW.penetration(f, pair) == pytest.approx(float(d), rel=1e-13)
-    assert LAW.load(float(d), pair) == pytest.approx(float(f), rel=1e-13)
-    assert LAW.contact_angle(f, pair) == pytest.approx(float(angle), rel=1e-13)
+    assert LAW.penetration(f, pair) == pytest.approx(float(d), rel=1e-10)
+    assert LAW.load(float(d), pair) == pytest.approx(float(f), rel=1e-10)
+    assert LAW.contact_angle(f, pair) == pytest.approx(float(angle), rel=1e-10)
     stiffness = float(mp.pi / slope) * pair.E_star
-    assert LAW.stiffness(float(d), pair) == pytest.approx(stiffness, rel=1e-12)
+    assert LAW.stiffness(float(d), pair) == pytest.approx(stiffness, rel=1e-8)
 
 
 # --- an independent solution: Michell's harmonics and straight pieces of pressure ---------------
@@ -221,16 +221,15 @@ def test_families_of_materials_are_their_members():
     steel, loads = MATERIALS["steel"], np.array([10.0, 1e4, 1e6])
     family = CylinderPair("internal", 0.01, steel, Material("pins", moduli, ratios), R, R)
     datum = Conformal(Housing(R_o=5 * R))
-    for law, method in [(LAW, m) for m in METHODS] + [(datum, "load")]:
+    for law, method in [(each, m) for m in METHODS for each in (LAW, datum)]:
         values = loads if method in METHODS[1::2] + METHODS[4:] else loads * 1e-9
         result = getattr(law, method)(values, family)
         assert result.shape == (2, 3)
         for (row, column), value in np.ndenumerate(result):
             one = Material("pin", float(moduli[row, 0]), float(ratios[column]))
             pair = CylinderPair("internal", 0.01, steel, one, R, R)
-            assert value == pytest.approx(
-                float(getattr(law, method)(values[column], pair)), rel=1e-13
-            )
+            alone = float(getattr(law, method)(values[column], pair))
+            assert value == pytest.approx(alone, rel=1e-8 if method == "stiffness" else 1e-10)
 
 
 # --- bad input --------------------------------------------------------------------------------

@@ -32,7 +32,6 @@ OWN = {
     "power C": (laws.PowerLaw(n=1.0848, C=0.58), "tight"),
     "power by clearance": (laws.PowerClearance(0.88, 0.72, 1.13, -0.02, 0.01, 0.001), "tight"),
     "own constants": (laws.Explicit({"c": 1.4, "A": 0.36, "B": 3.0}), "wide"),
-    "stiff foundation": (laws.Winkler(depth=0.3), "tight"),
 }
 CASES = [
     pytest.param(law(), pair, id=f"{law.name}-{which}")
@@ -113,6 +112,18 @@ def test_values_broadcast_against_pairs_numbers_stay_numbers_and_arrays_arrays(l
         assert type(limit(pair)) is np.float64
 
 
+@every_case
+def test_masked_arrays_and_shapes_that_do_not_go_together_are_refused(law, pair):
+    gaps = np.array([1.0, 1.5, 2.0]) * pair.dR
+    many = CylinderPair.from_dR(pair.contact, gaps, STEEL, pair.length, pair.R_i)
+    masked = np.ma.array([1e-6, 2e-6], mask=[True, False])
+    for ask in (law.load, law.penetration, law.stiffness):
+        with pytest.raises(InputError, match="is a masked array; give values"):
+            ask(masked, pair)
+        with pytest.raises(InputError, match=r"do not go together: \w+ \(2,\), dR \(3,\)"):
+            ask([1e-6, 2e-6], many)
+
+
 @pytest.mark.parametrize("kind", LAW_TYPES, ids=lambda kind: kind.name)
 def test_a_law_says_what_it_needs(kind):
     law, needs = kind(), getattr(kind, "needs", ())
@@ -134,10 +145,7 @@ def test_a_law_says_what_it_needs(kind):
         assert laws.reference_law(law.name) == law
 
 
-IN_ANY_PLANE = {"johnson", "persson", "conformal", "explicit", "winkler"} | {
-    "parametric",
-    "explicit-pair",
-}
+IN_ANY_PLANE = {"johnson", "persson", "conformal", "explicit"}
 
 
 @pytest.mark.parametrize("name", laws.LAWS)
@@ -163,7 +171,7 @@ REFUSED = [
     (laws.Enhanced(laws.PUBLISHED["internal"]), ROLLERS, "are for internal contact and the pair"),
     (laws.Enhanced(laws.PUBLISHED["external"]), HOLE, "are for external contact and the pair is"),
     (laws.Liu(), ROLLERS, "pin in a hole"),
-    (laws.Winkler(), ROLLERS, "must be internal: the law is for a pin in a hole"),
+    (laws.Conformal(), ROLLERS, "must be internal: the law is for a pin in a hole"),
     (laws.Persson(), ROLLERS, "pair.contact = 'external': must be internal"),
     (laws.Johnson(), MIXED, RADII),
     (laws.Goldsmith(), NO_RADII, RADII),

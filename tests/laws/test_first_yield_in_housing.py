@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, limits
-from cylcontact.laws import Conformal, Housing, Sector, glauert
+from cylcontact.laws import Conformal, Housing, Sector
+from cylcontact.laws.conformal import series as glauert
 from tests.support.ring_elements import RingOfElements
 
 STEEL = Material("steel", 207e3, 0.3, yield_stress=250.0)

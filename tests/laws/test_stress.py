@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cylcontact.laws.conformal import persson_pressure
-from cylcontact.laws.glauert import glauert
+from cylcontact.laws.conformal.series import glauert
 from cylcontact.limits.stress import in_pin, in_plate, pressure_along
 from cylcontact.limits.yield_search import equivalent
 

@@ -85,7 +85,7 @@ def test_only_the_name_of_a_module_and_a_function_is_imported(fit, tmp_path, nam
 def test_a_law_of_ones_own_takes_no_housing(fit):
     own = law(f"return {POWER}"), "mine:load", "rms-log-load"
     code, _, errors = fit(*own, "--R-o", "20", "--clamp", "rim")
-    assert (code, "'mine:load': knows no housing" in errors) == (2, True)
+    assert (code, "'mine:load': takes no housing" in errors) == (2, True)
 
 
 def test_what_a_law_prints_is_no_part_of_the_report(fit):

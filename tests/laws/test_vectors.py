@@ -62,8 +62,10 @@ def test_a_law_gives_its_vectors(stem):
     assert len(rows) >= 39
     for row in rows:
         pair = pair_of(contact, row)
-        answers = law.load(row[7], pair), law.stiffness(row[7], pair)
-        assert answers == pytest.approx(tuple(row[8:]), rel=CLOSE)
+        by_curve = name in ("conformal", "persson")
+        load, stiffness = law.load(row[7], pair), law.stiffness(row[7], pair)
+        assert load == pytest.approx(row[8], rel=1e-10 if by_curve else CLOSE)
+        assert stiffness == pytest.approx(row[9], rel=1e-8 if by_curve else CLOSE)
 
 
 @pytest.mark.parametrize("language", RUNNERS)

@@ -21,7 +21,7 @@ MISTAKES = [
     ({"joint.pin.material": "soap", "joint.pin.E": DROP, "joint.pin.nu": DROP},
      "joint.pin.material = 'soap': is not in the tables of materials"),
     ({"joint.pin.point": [1.0, 0.0]}, "joint.pin.point = (1.0, 0.0): must be 0: the joint is at"),
-    ({"joint.housing": {"R_o": 30.0}}, "joint.law = 'enhanced': knows no housing; choose"),
+    ({"joint.housing": {"R_o": 30.0}}, "joint.law = 'enhanced': takes no housing; choose"),
     ({"joint.wear": 1.0}, "joint.wear = 1.0: is not a known key"),
     ({"joint.bearing.E": 2.07e11}, "did you mean 207?"),
     ({"joint.bearing.E": 2.07e5}, "did you mean 207?"),

@@ -26,7 +26,6 @@ OWN = {
     "power by clearance": laws.PowerClearance(0.88, 0.72, 1.13, -0.02, 0.01, 0.001),
     "enhanced refitted": laws.Enhanced({"a": 0.4, "b": 1.05, "n": 1.09}),
     "explicit own": laws.Explicit({"c": 1.4, "A": 0.36, "B": 3.0}),
-    "winkler stiff": laws.Winkler(depth=0.3),
     "conformal clamped": laws.Conformal(laws.Housing(R_o=500.0)),
 }
 

@@ -37,7 +37,6 @@ TRUTHS: dict[tuple[str, str], dict[str, float]] = {
     ("explicit", "internal"): {"c": 1.5, "A": 0.4, "B": 3.0},
     ("persson", "internal"): {"modulus_factor": 1.1, "clearance_factor": 1.0},
     ("liu", "internal"): {"modulus_factor": 1.8, "clearance_factor": 1.0},
-    ("winkler", "internal"): {"depth": 0.9},
     ("lankarani-nikravesh", "internal"): {"factor": 1.3, "n": 1.4},
 }
 
@@ -53,10 +52,9 @@ def truth_of(parameter: Parameter) -> float:
     return 1.1 * parameter.nominal
 
 
-# The others, for internal contact; the constants of some act on unlike bodies only.
-_OF_UNLIKE_BODIES = {"parametric", "explicit-pair"}
+# The others, for internal contact.
 for (_law, _contact), _model in MODELS.items():
-    if _contact == "internal" and _law not in {law for law, _ in TRUTHS} | _OF_UNLIKE_BODIES:
+    if _contact == "internal" and _law not in {law for law, _ in TRUTHS}:
         TRUTHS[_law, _contact] = {p.name: truth_of(p) for p in _model.parameters}
 
 

@@ -276,8 +276,8 @@ def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) 
     housing = read_housing(pair, "export")
     source: str | bytes
     if housing is not None:
-        law = in_housing(what, housing, "export", "RESULT|LAW")
-        law, words = law_in_housing(law, pair_of(pair, "export"))
+        conformal = in_housing(what, housing, "export", "RESULT|LAW")
+        law, words = law_in_housing(conformal, pair_of(pair, "export"))
         say(f"{what} in this housing: {words}", err=True)
         source = exported(law, None, target, words)
     else:

@@ -1,20 +1,19 @@
-"""Grids on which a reference law is sampled: of E, ν, ΔR and load, or of α, β and φ."""
+"""Grids of E, ν, ΔR and load on which a reference law is sampled."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, ClassVar, Literal, Self, cast
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from cylcontact.bodies.material import LARGEST_MODULUS, material_in_MPa
-from cylcontact.bodies.pair import Contact, CylinderPair, are_possible
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
-from cylcontact.laws import REFERENCES, ContactLaw, reference_law
+from cylcontact.laws import GONE, REFERENCES, ContactLaw, reference_law
 from cylcontact.support.arrays import FloatArray, IndexArray
 from cylcontact.support.errors import InputError
 from cylcontact.support.progress import Progress, silent
@@ -97,27 +96,6 @@ class AxesSpec(Spec):
         return self
 
 
-class DundursAxesSpec(Spec):
-    """The three axes of a dimensionless grid."""
-
-    alpha: AxisSpec = Field(description="a table [axes.alpha] for Dundurs' alpha")
-    beta: AxisSpec = Field(description="a table [axes.beta] for Dundurs' beta")
-    phi: AxisSpec = Field(description="a table [axes.phi] for the load over E* times dR")
-
-    @model_validator(mode="after")
-    def _check(self) -> DundursAxesSpec:
-        alpha, beta = self.alpha.numbers(), self.beta.numbers()
-        if np.abs(alpha).max() >= 1:
-            ends = [float(alpha[0]), float(alpha[-1])]
-            raise broken("alpha", ends, "must lie inside ]-1, 1[", "narrow the axis")
-        if not are_possible(alpha[:, None], beta).any():
-            ends = [float(beta[0]), float(beta[-1])]
-            rule = "no two materials have such values"
-            raise broken("beta", ends, rule, "choose from (alpha - 1)/4 to (alpha + 1)/4")
-        _check_positive("phi", self.phi, "give the load over E* times dR, a number")
-        return self
-
-
 def _check_positive(name: str, axis: AxisSpec, remedy: str) -> None:
     """Raise an error for an axis with values that are not positive, or beyond every contact's."""
     numbers = axis.numbers()
@@ -134,92 +112,25 @@ class GridSpec(Spec):
 
     contact: Contact = Field(description='"internal" or "external"')
     reference: str = Field(description=f"the law to sample, one of {', '.join(REFERENCES)}")
-    axes: AxesSpec = Field(
-        description="the tables [axes.E], [axes.nu], [axes.dR], [axes.load], or [axes.alpha], "
-        "[axes.beta], [axes.phi]"
-    )
+    axes: AxesSpec = Field(description="the tables [axes.E], [axes.nu], [axes.dR], [axes.load]")
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        self._check_contact()
+        if self.reference in GONE:
+            raise broken("reference", self.reference, "is gone", GONE[self.reference])
         if self.reference not in REFERENCES:
             rule = "is not a law that a grid can sample"
             raise broken("reference", self.reference, rule, f"choose among {', '.join(REFERENCES)}")
+        pair = CylinderPair.from_dR(self.contact, 1.0, material_in_MPa("any", 1.0, 0.0))
         try:
-            reference_law(self.reference).max_load(self._some_pair())
+            reference_law(self.reference).max_load(pair)
         except InputError as error:
             raise broken("reference", self.reference, error.rule, error.remedy) from None
         return self
 
-    def _check_contact(self) -> None:
-        """Raise an error for a contact that such a grid cannot have."""
-
-    def _some_pair(self) -> CylinderPair:
-        return CylinderPair.from_dR(self.contact, 1.0, material_in_MPa("any", 1.0, 0.0))
-
-
-class DimensionlessGridSpec(GridSpec):
-    """A grid spec file with the axes alpha, beta and phi."""
-
-    axes: DundursAxesSpec = Field(  # type: ignore[assignment]
-        description=GridSpec.model_fields["axes"].description
-    )
-
-    def _check_contact(self) -> None:
-        if self.contact != "internal":
-            rule = "must be internal on a grid of alpha, beta and phi"
-            raise broken("contact", self.contact, rule, "for rollers give E, nu, dR and load")
-
-    def _some_pair(self) -> CylinderPair:
-        return CylinderPair.from_dundurs(0.5, 0.1)
-
-
-class Sampled:
-    """What a grid of either kind can do."""
-
-    columns: ClassVar[tuple[str, ...]]
-
-    def sample(self, path: Path | str | None = None, progress: Progress = silent) -> Any:
-        """Sample the reference law, into a DataFrame or, in bounded memory, into a file.
-
-        Parameters
-        ----------
-        path : path, optional
-            A .parquet or .csv file, which is created when it is complete.
-        progress : callable, optional
-            Called with "sampling", the number of clearances done, and that of all.
-
-        Returns
-        -------
-        DataFrame or Counts
-            The samples in the domain of the reference, with the columns E_GPa, nu, dR_mm,
-            load_N_per_mm and penetration_mm, or alpha, beta, phi and d. With a path, the numbers of
-            samples that were written and masked.
-
-        Raises
-        ------
-        InputError
-            If every sample is masked, the file cannot be written, or Parquet's library is missing.
-
-        Examples
-        --------
-        >>> grid = Grid("internal", "johnson", np.array([207.0]), np.array([0.3]),
-        ...             np.array([0.05]), np.array([10.0, 100.0]))
-        >>> grid.sample().round(7)
-           E_GPa   nu  dR_mm  load_N_per_mm  penetration_mm
-        0  207.0  0.3   0.05           10.0        0.000220
-        1  207.0  0.3   0.05          100.0        0.001559
-        """
-        from cylcontact.datasets import sampling
-
-        grid = cast(AnyGrid, self)
-        if path is None:
-            return sampling.frame_of(grid, progress)
-        return sampling.write_samples(grid, path, progress)
-
 
 @dataclass(frozen=True, eq=False)
-class Grid(Sampled):
+class Grid:
     """The Cartesian product of values of E, ν, ΔR and load, and the law to sample there.
 
     Attributes
@@ -249,6 +160,43 @@ class Grid(Sampled):
     load: FloatArray
     source: str = "grid"
     columns: ClassVar[tuple[str, ...]] = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
+
+    def sample(self, path: Path | str | None = None, progress: Progress = silent) -> Any:
+        """Sample the reference law, into a DataFrame or, in bounded memory, into a file.
+
+        Parameters
+        ----------
+        path : path, optional
+            A .parquet or .csv file, which is created when it is complete.
+        progress : callable, optional
+            Called with "sampling", the number of clearances done, and that of all.
+
+        Returns
+        -------
+        DataFrame or Counts
+            The samples in the domain of the reference, with the columns E_GPa, nu, dR_mm,
+            load_N_per_mm and penetration_mm. With a path, the numbers of samples that were
+            written and masked.
+
+        Raises
+        ------
+        InputError
+            If every sample is masked, the file cannot be written, or Parquet's library is missing.
+
+        Examples
+        --------
+        >>> grid = Grid("internal", "johnson", np.array([207.0]), np.array([0.3]),
+        ...             np.array([0.05]), np.array([10.0, 100.0]))
+        >>> grid.sample().round(7)
+           E_GPa   nu  dR_mm  load_N_per_mm  penetration_mm
+        0  207.0  0.3   0.05           10.0        0.000220
+        1  207.0  0.3   0.05          100.0        0.001559
+        """
+        from cylcontact.datasets import sampling
+
+        if path is None:
+            return sampling.frame_of(self, progress)
+        return sampling.write_samples(self, path, progress)
 
     @property
     def law(self) -> ContactLaw:
@@ -280,75 +228,18 @@ class Grid(Sampled):
         return CylinderPair.from_dR(self.contact, dR, material_in_MPa("grid", E * 1e3, nu))
 
 
-@dataclass(frozen=True, eq=False)
-class DimensionlessGrid(Sampled):
-    """Values of α, β and φ = f/(E*·ΔR) of possible pairs, with E* = 1 MPa and ΔR = 1 mm."""
-
-    reference: str
-    alpha: FloatArray
-    beta: FloatArray
-    phi: FloatArray
-    source: str = "grid"
-    contact: ClassVar[Contact] = "internal"
-    columns: ClassVar[tuple[str, ...]] = ("alpha", "beta", "phi", "d")
-
-    @property
-    def law(self) -> ContactLaw:
-        """The reference law."""
-        return reference_law(self.reference)
-
-    @property
-    def dR(self) -> FloatArray:
-        """The only clearance, 1 mm."""
-        return np.ones(1)
-
-    @property
-    def load(self) -> FloatArray:
-        """The loads in N/mm, which are φ."""
-        return self.phi
-
-    @property
-    def rows(self) -> int:
-        """Number of pairs of α and β that two materials can have."""
-        return self._possible[0].size
-
-    @property
-    def size(self) -> int:
-        """Number of samples."""
-        return self.rows * self.phi.size
-
-    def row_values(self, rows: IndexArray) -> tuple[FloatArray, FloatArray]:
-        """Return α and β of rows, with α varying slowest."""
-        alpha, beta = self._possible
-        return alpha[rows], beta[rows]
-
-    def pairs(self, _: float | FloatArray, rows: IndexArray) -> CylinderPair:
-        """Return the pairs of rows in the shape of `rows`."""
-        return CylinderPair.from_dundurs(*self.row_values(rows))
-
-    @cached_property
-    def _possible(self) -> tuple[FloatArray, FloatArray]:
-        """α and β of all rows."""
-        alpha, beta = np.meshgrid(self.alpha, self.beta, indexing="ij")
-        possible = are_possible(alpha, beta)
-        return alpha[possible], beta[possible]
-
-
-AnyGrid = Grid | DimensionlessGrid
-
-
-def read_grid(path: Path | str) -> AnyGrid:
+def read_grid(path: Path | str) -> Grid:
     """Read a grid spec.
 
     Parameters
     ----------
     path : path
         A TOML file with contact, reference and the tables axes.E (GPa), axes.nu, axes.dR
-        (mm) and axes.load (N/mm), or axes.alpha, axes.beta and axes.phi.
+        (mm) and axes.load (N/mm).
 
     Returns
     -------
-    Grid or DimensionlessGrid
+    Grid
 
     Raises
     ------
@@ -358,17 +249,12 @@ def read_grid(path: Path | str) -> AnyGrid:
     return grid_from(read_toml(path), str(path))
 
 
-def grid_from(data: dict[str, Any], source: str) -> AnyGrid:
+def grid_from(data: dict[str, Any], source: str) -> Grid:
     """Return the grid described by the contents of a spec."""
     if data.get("reference") == "finite-element":
         rule = "is gone as a reference"
         remedy = "fit the table: cylcontact fit TABLE.csv --law enhanced --contact internal"
         raise InputError(source, "reference", "finite-element", rule, remedy)
-    axes = data.get("axes")
-    if isinstance(axes, dict) and not axes.keys().isdisjoint(DundursAxesSpec.model_fields):
-        own = parse_spec(DimensionlessGridSpec, data, source)
-        alpha, beta, phi = (getattr(own.axes, name).numbers() for name in ("alpha", "beta", "phi"))
-        return DimensionlessGrid(own.reference, alpha, beta, phi, source)
     spec = parse_spec(GridSpec, data, source)
     E, nu, dR, load = (getattr(spec.axes, name).numbers() for name in ("E", "nu", "dR", "load"))
     return Grid(spec.contact, spec.reference, E, nu, dR, load, source)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.datasets.grid import AnyGrid, Grid
+from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.moments import Moments, concatenate, logarithmic_moments, merge
 from cylcontact.files.writing import replacing, require_parquet, require_suffix
 from cylcontact.laws import LogarithmicLaw
@@ -49,7 +49,7 @@ class Block:
     """Samples at one ΔR as flat arrays, without those outside the domain of the reference."""
 
     dR: float  # in mm
-    # E in GPa and ν, or α and β; then loads in N/mm, penetrations in mm and E* in MPa.
+    # E in GPa and ν; then loads in N/mm, penetrations in mm and E* in MPa.
     row_values: tuple[FloatArray, FloatArray]
     load: FloatArray
     penetration: FloatArray
@@ -66,12 +66,12 @@ class Block:
         return np.asarray(np.log(self.penetration))
 
 
-def blocks(grid: AnyGrid, dR: float, rows: IndexArray | None = None) -> Iterator[Block]:
+def blocks(grid: Grid, dR: float, rows: IndexArray | None = None) -> Iterator[Block]:
     """Sample the grid's reference law at one ΔR.
 
     Parameters
     ----------
-    grid : Grid or DimensionlessGrid
+    grid : Grid
         The grid.
     dR : float
         One of its clearances, in mm.
@@ -100,7 +100,7 @@ def blocks(grid: AnyGrid, dR: float, rows: IndexArray | None = None) -> Iterator
             yield Block(dR, (one, other), f, depth, E_star)
 
 
-def require_samples(grid: AnyGrid, number: float) -> None:
+def require_samples(grid: Grid, number: float) -> None:
     """Raise `InputError` if no sample of a grid lies in the domain of its reference law."""
     if not number:
         rule = f"all {grid.size} samples lie outside the domain of {grid.reference}"
@@ -111,13 +111,13 @@ def require_samples(grid: AnyGrid, number: float) -> None:
 
 
 def reduce_grid(
-    grid: AnyGrid, jobs: Workers = 1, progress: Progress = silent
+    grid: Grid, jobs: Workers = 1, progress: Progress = silent
 ) -> tuple[Moments, Counts]:
     """Reduce a grid of any size to moments, with one block per worker in memory.
 
     Parameters
     ----------
-    grid : Grid or DimensionlessGrid
+    grid : Grid
         The grid.
     jobs : int or Cluster
         Number of threads, or a Dask cluster; the result does not depend on it.
@@ -162,10 +162,10 @@ def reduce_grid(
     return moments, Counts(int(moments.total), grid.size - int(moments.total))
 
 
-def _whole_clearances(grid: AnyGrid) -> BoolArray:
+def _whole_clearances(grid: Grid) -> BoolArray:
     """Return the clearances at which every sample lies in the domain of a logarithmic law."""
     law = grid.law
-    if not isinstance(law, LogarithmicLaw) or not isinstance(grid, Grid):
+    if not isinstance(law, LogarithmicLaw):
         return np.zeros(grid.dR.shape, dtype=bool)
     # The domain ends at a largest load, which is the least for the softest pair.
     softest = int(grid.pairs(grid.dR[0], np.arange(grid.rows)).E_star.argmin())
@@ -173,7 +173,7 @@ def _whole_clearances(grid: AnyGrid) -> BoolArray:
     return np.asarray(np.isfinite(law.penetration(grid.load.max(), pairs)))
 
 
-def _without_samples(grid: AnyGrid, rows: IndexArray, dR: FloatArray) -> Moments:
+def _without_samples(grid: Grid, rows: IndexArray, dR: FloatArray) -> Moments:
     """Return the moments of rows that lie in the domain of a logarithmic law, at m clearances."""
     law = grid.law
     assert isinstance(law, LogarithmicLaw)
@@ -181,7 +181,7 @@ def _without_samples(grid: AnyGrid, rows: IndexArray, dR: FloatArray) -> Moments
     return logarithmic_moments(law, grid.pairs(dR[0], rows), grid.load, clearances)
 
 
-def _at_clearance(grid: AnyGrid, dR: float) -> Moments:
+def _at_clearance(grid: Grid, dR: float) -> Moments:
     """Return the moments at one ΔR."""
     law, rows, parts = grid.law, np.arange(grid.rows), []
     if isinstance(law, LogarithmicLaw):
@@ -196,7 +196,7 @@ def _at_clearance(grid: AnyGrid, dR: float) -> Moments:
 # --- to tables ----------------------------------------------------------------------------------
 
 
-def frame_of(grid: AnyGrid, progress: Progress = silent) -> pd.DataFrame:
+def frame_of(grid: Grid, progress: Progress = silent) -> pd.DataFrame:
     """Return the samples of a grid as a table, with the columns of the grid."""
     import pandas as pd  # slow to import, and a file needs none
 
@@ -204,7 +204,7 @@ def frame_of(grid: AnyGrid, progress: Progress = silent) -> pd.DataFrame:
     return pd.DataFrame(np.concatenate(parts, axis=1).T, columns=list(grid.columns))
 
 
-def write_samples(grid: AnyGrid, path: Path | str, progress: Progress = silent) -> Counts:
+def write_samples(grid: Grid, path: Path | str, progress: Progress = silent) -> Counts:
     """Sample a grid into a .parquet or .csv file, in bounded memory."""
     samples, opened = 0, _parquet
     if require_suffix(path, ".parquet", ".csv") == ".csv":
@@ -216,7 +216,7 @@ def write_samples(grid: AnyGrid, path: Path | str, progress: Progress = silent) 
     return Counts(samples, grid.size - samples)
 
 
-def _columns(grid: AnyGrid, progress: Progress) -> Iterator[list[FloatArray]]:
+def _columns(grid: Grid, progress: Progress) -> Iterator[list[FloatArray]]:
     """Yield the columns of the table of a grid, block by block."""
     samples = 0
     for done, dR in enumerate(grid.dR, start=1):

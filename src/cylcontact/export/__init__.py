@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from cylcontact.laws import LAWS
+from cylcontact.laws import LAWS, refuse_gone
 from cylcontact.laws.law import ContactLaw, has_formula
 from cylcontact.laws.user import user_law
 from cylcontact.support.arrays import require
@@ -130,6 +130,7 @@ def export_named(what: str, contact: str | None, target: str) -> str | bytes:
     """
     if what in LAWS:
         return export(LAWS[what](), contact, target)
+    refuse_gone(what, "export", "law")
     if what.startswith("power"):
         rule, remedy = "has no coefficients of its own", "name a fit result of it"
         raise InputError("export", "law", what, rule, remedy)

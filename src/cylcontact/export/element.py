@@ -26,8 +26,10 @@ from cylcontact.export.language import (
     statements_of,
 )
 from cylcontact.export.program import Program
+from cylcontact.laws.conformal.curve import FAR_STEP, make
+from cylcontact.laws.conformal.law import Conformal
 from cylcontact.laws.formula import FUNCTIONS, flat, names_in, needed, renamed
-from cylcontact.laws.kernels import TABLE, Kernel
+from cylcontact.laws.kernels import CURVE, TABLE, Kernel
 from cylcontact.laws.law import ContactLaw, Law
 from cylcontact.support.arrays import require
 from cylcontact.support.choices import JOINT_TARGETS
@@ -84,6 +86,8 @@ class Result(NamedTuple):
         return tuple(f"_{end}" for end in ends[: self.size]) or ("",)
 
 
+# Of a curve in a file: its steps, and the error that it may have.
+_FEW = 1 / 32, 12.0, 32.0, 1e-8
 # The law of a table: ln of the penetration and of the load, and slopes.
 _TABLE = """
 def law(penetration: float) -> float:
@@ -109,6 +113,22 @@ def law(penetration: float) -> float:
         return math.exp(table_y[low] + table_s[low] * (at - table_x[low]))
     return math.exp(table_y[low] + width * part * (rise + rest * bend))
 """
+# The law of a curve, L by the penetration, with even nodes in s = ln(1 + D/d).
+_CURVE = """
+def law(penetration: float) -> float:
+    if penetration <= 0.0:
+        return 0.0
+    s = math.log(1.0 + curve_D / penetration)
+    place = (s - curve_first) * curve_per
+    if s > curve_near:
+        place = curve_count + (s - curve_near) * curve_far
+    low = int(place)
+    if low > {last}:
+        low = {last}
+    part = place - low
+    bend = curve_2[low] + part * curve_3[low]
+    return curve_factor * penetration / (curve_0[low] + part * (curve_1[low] + part * bend))
+"""
 _FORMULA = """
 def law(penetration: float) -> float:
     if penetration <= 0.0:
@@ -121,6 +141,19 @@ def law_function(
     law: ContactLaw, pair: CylinderPair, kernel: Kernel
 ) -> tuple[ast.FunctionDef, dict[str, Any]]:
     """Return a law at a pair as a function of the penetration in mm, and its constants."""
+    if kernel.kind == CURVE:
+        assert isinstance(law, Conformal)
+        table = make(law.curve(pair).bodies, *_FEW).L
+        nodes = table.nodes
+        curve = {
+            "D": nodes.scale * float(pair.dR), "first": nodes.first, "per": 1 / nodes.step,
+            "near": nodes.near, "count": float(nodes.near_count), "far": 1 / FAR_STEP,
+            "factor": math.pi * float(pair.E_star),
+            **{str(k): row for k, row in enumerate(table.terms)},
+        }  # fmt: skip
+        (tree,) = ast.parse(_CURVE.format(last=table.terms.shape[1] - 1)).body
+        assert isinstance(tree, ast.FunctionDef)
+        return tree, {f"curve_{name}": value for name, value in curve.items()}
     if kernel.kind == TABLE:
         parts = kernel.parameters[1:].reshape(3, -1)
         (tree,) = ast.parse(_TABLE.format(last=parts.shape[1] - 1)).body

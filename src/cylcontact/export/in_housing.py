@@ -1,8 +1,8 @@
 """A law in the housing of one joint as a law of δ, E* and ΔR alone, which every language takes.
 
-With the materials and R_o/R_i given, φ = f/(E*·ΔR) is a function of d = δ/ΔR: five constants if
-they follow the series within 1 %, and otherwise a table, a cubic in ln φ over ln d with the series'
-slopes at its nodes. Such cubics are a sum that needs no search,
+With the materials and R_o/R_i given, φ = f/(E*·ΔR) is a function of d = δ/ΔR. It is written as a
+table: a cubic in ln φ over ln d with the slopes of the curve at its nodes. Such cubics are a sum
+that needs no search,
 
     ln φ = y₀ + s₀·(x − x₀) + Σ m²·(b + c·m),    m = max(x − x_k, 0),    x = ln d,
 
@@ -13,27 +13,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.laws import Explicit, Housing, Sector
+from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.laws.formula import Formula, Step, steps_of
-from cylcontact.laws.housed import Curve, FiveConstants, series_of
-from cylcontact.laws.law import ContactLaw, Law
+from cylcontact.laws.law import Law
 from cylcontact.laws.tabulated import cubic
-from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.arrays import FloatArray
 
-_FIVE = (
-    "f = pi*E_star*penetration/L with depth = penetration/dR and "
-    "L = c + ln(1 + B/depth*(ln(1 + A/depth + G/sqrt(depth)) + D))"
-)
 _TABLE = "f = E_star*dR*exp(y), y a cubic of x = ln(penetration/dR) between nodes"
-# The error up to which five constants are exported.
-_FEW = 0.01
 # The largest errors of a table in load and stiffness, relative, and where it begins in ln d.
-_LOAD, _STIFFNESS, _FIRST = 5e-4, 5e-3, np.log(1e-9)
+_LOAD, _STIFFNESS, _FIRST, _STEP, _DEEPEST = 5e-4, 5e-3, np.log(1e-9), 0.15, 1e6
 
 
 @dataclass(frozen=True)
@@ -72,7 +65,6 @@ class InHousing(Law):
     """A law in the housing of one joint."""
 
     stated: Formula
-    five: FiveConstants | None = None
     name: ClassVar[str] = "in-housing"
     contacts: ClassVar[tuple[Contact, ...]] = ("internal",)
 
@@ -81,35 +73,23 @@ class InHousing(Law):
         return self.stated
 
     def constants_for(self, contact: Contact) -> dict[str, float]:  # noqa: ARG002
-        """Return the five constants, none for a table."""
-        five = {} if self.five is None else self.five._asdict()
-        return {name: value for name, value in five.items() if name != "error"}
+        """Return none."""
+        return {}
 
 
-def law_in_housing(law: ContactLaw, pair: CylinderPair) -> tuple[InHousing, str]:
-    """Return a law with a housing for export, and how far it is from the series, in words."""
-    housing = getattr(law, "datum", None)
-    assert isinstance(housing, Housing)
-    series, remark = series_of(housing, pair), _remark(housing, pair)
-    if isinstance(law, Explicit) and (formula := law.formula_at(pair)) is not None:
-        stated = InHousing(replace(formula, equation=_FIVE), law.five_constants(pair))
-        error = _error(stated, series, pair)
-        if error <= _FEW:
-            return _remarked(stated, remark, f"five constants, within {100 * error:.2g} percent")
-    nodes = tuple(zip(*(each.tolist() for each in _thinned(series)), strict=True))
+def law_in_housing(law: Conformal, pair: CylinderPair) -> tuple[InHousing, str]:
+    """Return the law at one pair for export, and how far it is from its curve, in words."""
+    curve = law.curve(pair)
+    x = np.arange(_FIRST, np.log(min(_DEEPEST, curve.end[1])), _STEP)
+    phi, slopes = curve.load(np.exp(x)), np.exp(x) * curve.stiffness(np.exp(x))
+    nodes = _thinned(Nodes(x, np.log(phi), slopes / phi))
     stated = InHousing(Table(_function, end=_function, equation=_TABLE, nodes=nodes))
-    error = _error(stated, series, pair)
-    return _remarked(
-        stated, remark, f"a table of {len(nodes)} nodes, within {100 * error:.2g} percent"
-    )
-
-
-def _error(law: InHousing, series: Curve, pair: CylinderPair) -> float:
-    """Return the largest error of a law's load for φ from 1e-4 to 10, relative to the series."""
-    last = min(np.log(10.0), series.y[-1] - 1e-9)
-    d = np.exp(np.interp(np.linspace(np.log(1e-4), last, 400), series.y, series.x))
-    exact = series.at(as_floats(d))[0] * float(pair.E_star * pair.dR)
-    return float(np.abs(law.load(d * float(pair.dR), pair) / exact - 1).max())
+    ends = curve.penetration(np.array([1e-4, min(10.0, 0.999 * curve.end[0])]))
+    d = np.geomspace(ends[0], ends[1], 400)
+    error = np.abs(stated.load(d * pair.dR, pair) / law.load(d * pair.dR, pair) - 1).max()
+    words = f"a table of {len(nodes)} nodes, within {100 * error:.2g} percent"
+    remark = _remark(law.datum, pair) if isinstance(law.datum, Housing) else _materials(pair)
+    return _remarked(stated, remark, words)
 
 
 def _remarked(law: InHousing, remark: str, words: str) -> tuple[InHousing, str]:
@@ -118,10 +98,18 @@ def _remarked(law: InHousing, remark: str, words: str) -> tuple[InHousing, str]:
     return replace(law, stated=replace(law.stated, remark=f"{remark}. It is {words}")), words
 
 
-def _thinned(curve: Curve) -> Curve:
+class Nodes(NamedTuple):
+    """ln d, ln φ and dln φ/dln d."""
+
+    x: FloatArray
+    y: FloatArray
+    slopes: FloatArray
+
+
+def _thinned(curve: Nodes) -> tuple[tuple[float, float, float], ...]:
     """Return the nodes that a table needs: every interval is halved until it is close enough."""
     x, y, slopes = curve
-    first, last = int(np.searchsorted(x, _FIRST)), x.size - 1
+    first, last = 0, x.size - 1
     chosen, open_ = {first, last}, [(first, last)]
     while open_:
         low, high = open_.pop()
@@ -134,7 +122,7 @@ def _thinned(curve: Curve) -> Curve:
             chosen.add(middle)
             open_ += [(low, middle), (middle, high)]
     nodes = sorted(chosen)
-    return Curve(x[nodes], y[nodes], slopes[nodes])
+    return tuple(zip(*(each[nodes].tolist() for each in curve), strict=True))
 
 
 def _function(penetration: FloatArray, _pair: CylinderPair) -> FloatArray:
@@ -144,7 +132,6 @@ def _function(penetration: FloatArray, _pair: CylinderPair) -> FloatArray:
 
 def _remark(housing: Housing, pair: CylinderPair) -> str:
     """Return what the law is for."""
-    hole, pin = pair.material_i, pair.material_j
     clamp = "all of its rim clamped"
     if isinstance(housing.clamp, Sector):
         angle, side = housing.clamp.angle, housing.clamp.side
@@ -157,8 +144,15 @@ def _remark(housing: Housing, pair: CylinderPair) -> str:
         clamp += f", a ring of E = {material.E:g} MPa and nu = {material.nu:g} bonded around it "
         clamp += f"from {radius / R_i:g} R_i on"
     return (
+        f"{_materials(pair)}, in a housing of R_o/R_i = {housing.R_o / R_i:g}, {clamp}. The "
+        "penetration is that of the pin's centre against the clamped rim, less the clearance"
+    )
+
+
+def _materials(pair: CylinderPair) -> str:
+    """Return what pins and holes the law is for."""
+    hole, pin = pair.material_i, pair.material_j
+    return (
         f"For a pin of E = {float(pin.E):g} MPa and nu = {float(pin.nu):g} in a hole of "
-        f"E = {float(hole.E):g} MPa and nu = {float(hole.nu):g}, plane {pair.plane}, in a housing "
-        f"of R_o/R_i = {housing.R_o / R_i:g}, {clamp}. The penetration is that of the pin's centre "
-        "against the clamped rim, less the clearance"
+        f"E = {float(hole.E):g} MPa and nu = {float(hole.nu):g}, plane {pair.plane}"
     )

@@ -11,7 +11,7 @@ from cylcontact.impact import RATIO_BEND
 from cylcontact.joint import contact
 from cylcontact.joint.clearance import TANGENT_FROM, ClearanceJoint, JointState, JointWrench
 from cylcontact.joint.contact import DEEPEST_SHARE, LEFT_HOLE
-from cylcontact.laws.kernels import TABLE
+from cylcontact.laws.kernels import CURVE, TABLE
 from cylcontact.support.plain_text import comment
 
 _MOTION = (
@@ -70,6 +70,8 @@ def element_of(joint: ClearanceJoint) -> Element:
     form = "its formula at this pair"
     if joint.kernel.kind == TABLE:
         form = "a table, cubic in ln f over ln d"
+    elif joint.kernel.kind == CURVE:
+        form = "a curve, a cubic between even nodes in ln(1 + D/d), within 1e-8 of the load"
     origin = f"; {comment(joint.origin)}" if joint.origin else ""
     R_i, R_j = map(float, pair.radii("the joint"))
     bodies = {"hole": (pair.material_i, R_i), "pin": (pair.material_j, R_j)}

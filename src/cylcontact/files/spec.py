@@ -47,6 +47,9 @@ _MECHANISM = (
 )
 GONE = dict.fromkeys(("ground", "bodies", "integration"), _MECHANISM) | {
     "parameters": "write [bounds] n = [1.0, 1.5], and [fixed] n = 1.1 for a fixed one",
+    "alpha": "give axes.E, axes.nu, axes.dR and axes.load",
+    "beta": "give axes.E, axes.nu, axes.dR and axes.load",
+    "phi": "give axes.load with E = 0.002 GPa, nu = 0 and dR = 1 mm, where the load is phi",
     "optimizer": "leave it out: a campaign searches with PyGAD, then descends from many points",
 }
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid, Grid, grid_from
+from cylcontact.datasets.grid import Grid, grid_from
 from cylcontact.files.provenance import made_with, spec_hash
 from cylcontact.files.reading import beside_or_above
 from cylcontact.files.spec import parse_spec, read_toml
@@ -103,14 +103,14 @@ class Campaign(CampaignBase):
 
     Attributes
     ----------
-    grid : Grid or DimensionlessGrid
+    grid : Grid
         The grid.
     grid_data : dict
         The contents of its file.
     """
 
     spec: CampaignSpec
-    grid: AnyGrid
+    grid: Grid
     grid_data: dict[str, Any]
 
     @property
@@ -214,11 +214,8 @@ class Campaign(CampaignBase):
         return cls(name, spec, model, parameters, spec.objective, source, grid, grid_data)
 
 
-def _require_range(grid: AnyGrid, model: LawModel, source: str) -> None:
-    """Refuse clearances outside the range of the law, or a grid without lengths if it has units."""
-    if isinstance(grid, DimensionlessGrid) and not model.dimensionless:
-        rule = "has coefficients with units, and its grid is of alpha, beta and phi"
-        raise InputError(source, "law", model.law, rule, "name a grid of E, nu, dR and load")
+def _require_range(grid: Grid, model: LawModel, source: str) -> None:
+    """Refuse clearances outside the range of the law."""
     low, high = float(grid.dR.min()), float(grid.dR.max())
     if low < model.dR_min or high > model.dR_max:
         span = f"{model.dR_min:g} to {model.dR_max:g} mm"

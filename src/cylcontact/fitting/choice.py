@@ -64,7 +64,7 @@ _AICC, _STANDARD_ERRORS = 7.0, 1.0
 # Names that a sentence lists.
 _LISTED = 5
 # Laws that are compared if they are named, and those that are the same for a single pair.
-_IF_NAMED = ("power-one-pair", "power-clearance")
+_IF_NAMED = ("power-one-pair", "power-clearance", "persson")
 _SAME_FOR_ONE = (*_IF_NAMED, "power-dimensionless")
 
 
@@ -312,7 +312,6 @@ def choose_law(
     data, spec = table.measurements, table.spec
     chosen = list(names) or laws_for(data.contact, len(data.groups("pair")[0]))
     if spec.housing is not None and not names:
-        # The laws that know the housing are one curve: the reference stands for them.
         chosen = ["conformal", *(name for name in chosen if not takes_housing(name))]
     fitted: dict[str, Optimum] = {}
     left_out: dict[str, str] = {}

@@ -39,7 +39,6 @@ NUMBERS: dict[str, tuple[str, str, Callable[[FitResult], float | None]]] = {
 # The axes of grids, with symbols and units.
 _AXES = {
     **{"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")},
-    **{"alpha": ("α", ""), "beta": ("β", ""), "phi": ("φ", "")},
 }
 
 

@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.bodies.pair import Contact
-from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw
+from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw, refuse_gone
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
-from cylcontact.laws.housing import Housing
+from cylcontact.laws.conformal.housings import Housing
 from cylcontact.laws.housing_spec import HousingSpec, in_housing
 from cylcontact.laws.law import Coefficients, LawModel, Parameter
 from cylcontact.laws.user import UserFunction, UserLaw
@@ -81,6 +81,7 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
     """Return the model of a law of the package."""
     if (law, contact) in MODELS:
         return MODELS[law, contact]
+    refuse_gone(law, source, "law")
     plain = {each.name: each.contacts for each in LAW_TYPES if each.name in LAWS}
     if contact in plain.get(law, ()):
         return _without_constants(law, contact, LAWS[law]())
@@ -108,6 +109,7 @@ def units_of(law: str, contact: Contact) -> dict[str, str]:
 
 def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
     """Return the model of a law that can be fitted on a grid."""
+    refuse_gone(law, source, "law")
     model = MODELS.get((law, contact))
     if model is None or not model.on_grid:
         known = " or ".join(sorted({model.law for model in MODELS.values() if model.on_grid}))

@@ -19,7 +19,7 @@ import numpy as np
 
 from cylcontact.bodies.material import material_in_MPa
 from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid
+from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import blocks, require_samples
 from cylcontact.fitting.space import Space, central_differences, law_of
@@ -74,21 +74,20 @@ class Samples:
     contact: Contact
     # The m clearances in mm.
     dR: FloatArray
-    # Of each sample its clearance, ln(f/E*) and ln δ, and on a dimensionless grid α and β.
+    # Of each sample its clearance, ln(f/E*) and ln δ.
     index: IndexArray
     s: FloatArray
     j: FloatArray
-    dundurs: tuple[FloatArray, FloatArray] | None = None
 
     @classmethod
-    def of(cls, grid: AnyGrid) -> Samples:
+    def of(cls, grid: Grid) -> Samples:
         """Sample a grid into memory, without clearances that are masked completely."""
         sampled = [
-            (np.full(block.load.size, k), block.s, block.j, *block.row_values)
+            (np.full(block.load.size, k), block.s, block.j)
             for k, dR in enumerate(grid.dR)
             for block in blocks(grid, float(dR))
         ]
-        of_clearance, s, j, alpha, beta = map(np.concatenate, zip(*sampled, strict=True))
+        of_clearance, s, j = map(np.concatenate, zip(*sampled, strict=True))
         require_samples(grid, s.size)
         order = np.lexsort((s, of_clearance))
         inside, index = np.unique(of_clearance[order], return_inverse=True)
@@ -98,14 +97,11 @@ class Samples:
             index=index,
             s=s[order],
             j=j[order],
-            dundurs=(alpha[order], beta[order]) if isinstance(grid, DimensionlessGrid) else None,
         )
 
     @cached_property
     def pair(self) -> CylinderPair:
         """The pair of each sample with E* = 1 MPa, so that its load is f/E*."""
-        if self.dundurs is not None:
-            return CylinderPair.from_dundurs(*self.dundurs)
         return CylinderPair.from_dR(self.contact, self.dR[self.index], _UNIT)
 
     @cached_property
@@ -307,7 +303,7 @@ class OnSamples(OfLaw):
 
 
 def max_abs_difference_percent(
-    grid: AnyGrid,
+    grid: Grid,
     model: LawModel,
     candidates: Sequence[Mapping[str, float]],
     jobs: Workers = 1,
@@ -328,13 +324,12 @@ def max_abs_difference_percent(
     return 100 * worst
 
 
-def _largest_at(grid: AnyGrid, model: LawModel, points: FloatArray, dR: float) -> FloatArray:
+def _largest_at(grid: Grid, model: LawModel, points: FloatArray, dR: float) -> FloatArray:
     """Return the largest |Eq 9| at one ΔR, as a fraction, shape (P,)."""
     low, high = np.zeros(len(points)), np.zeros(len(points))
     for block in blocks(grid, dR):
         index = np.zeros(block.load.size, dtype=np.intp)
-        dundurs = block.row_values if isinstance(grid, DimensionlessGrid) else None
-        samples = Samples(grid.contact, np.array([dR]), index, block.s, block.j, dundurs)
+        samples = Samples(grid.contact, np.array([dR]), index, block.s, block.j)
         for k, ratio in enumerate(samples.log_ratios(model, points)):
             low[k] = np.fmin(low[k], np.fmin.reduce(ratio, initial=0.0))
             high[k] = np.fmax(high[k], np.fmax.reduce(ratio, initial=0.0))

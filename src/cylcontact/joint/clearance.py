@@ -26,7 +26,7 @@ from cylcontact.bodies.pair import CylinderPair
 from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
 from cylcontact.impact import FACTORS, IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.joint import contact
-from cylcontact.laws import LAWS, ContactLaw, Explicit, Housing
+from cylcontact.laws import LAWS, ContactLaw, Housing, refuse_gone
 from cylcontact.laws.housing_spec import HousingSpec, in_housing
 from cylcontact.laws.kernels import Kernel, kernel, kernel_load, kernel_stiffness
 from cylcontact.laws.user import user_law
@@ -438,7 +438,7 @@ def read_joint(path: Path | str, materials: Path | str | None = None) -> Clearan
     --------
     >>> joint = read_joint("datasets/joint.toml")
     >>> joint.law.name, round(joint.chi, 4), round(joint.first_yield)
-    ('parametric', 0.1665, 33201)
+    ('conformal', 0.1665, 33201)
     """
     own = own_table(materials, Path(path).parent, str(path))
     return joint_from(read_toml(path), str(path), own)
@@ -489,7 +489,7 @@ def build_joint(
     origin = ""
     if law is None and spec.housing is not None:
         housing = spec.housing.with_numbers(own, source)
-        law, origin = _in_housing(spec.law, housing, pair, source)
+        law, origin = _in_housing(spec.law, housing, source)
     elif law is None:
         law, origin = named_law(spec.law, source)
     damping = spec.dissipation
@@ -504,9 +504,7 @@ def build_joint(
     return ClearanceJoint(*about, *friction, *points, origin, data)
 
 
-def _in_housing(
-    what: str, spec: HousingSpec, pair: CylinderPair, source: str
-) -> tuple[ContactLaw, str]:
+def _in_housing(what: str, spec: HousingSpec, source: str) -> tuple[ContactLaw, str]:
     """Return a law in the housing of a joint, and in words what it is."""
     require(
         spec.clamp == "rim", source, "housing.clamp", spec.clamp,
@@ -517,11 +515,6 @@ def _in_housing(
     origin = f"in a housing of R_o = {spec.R_o:g} mm, its whole rim clamped"
     for material, radius in housing.layers:
         origin += f", of E = {material.E:g} MPa from R = {radius:g} mm on"
-    if isinstance(law, Explicit):
-        five = law.five_constants(pair)
-        fitted = "five constants, fitted to this joint within"
-        by = fitted if five.is_close else "a table; constants miss by"
-        origin += f": {by} {100 * five.error:.2g} % of the load"
     return law, origin
 
 
@@ -529,6 +522,7 @@ def named_law(what: str, source: str) -> tuple[ContactLaw, str]:
     """Return the law with a name, or of a fit result, and the origin of its coefficients."""
     if what in LAWS:
         return LAWS[what](), ""
+    refuse_gone(what, source, "law")
     if ":" in what:
         return user_law(what, Path(source).parent, Path.cwd()), "a function of the user's own"
     if Path(what).suffix != ".json":

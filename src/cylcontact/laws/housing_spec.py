@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, Strict, model_validator
 
 from cylcontact.bodies.material_spec import MaterialSpec
 from cylcontact.files.spec import Spec, broken
-from cylcontact.laws import Conformal, Explicit, Housing, Parametric, Sector
-from cylcontact.laws.law import ContactLaw
-from cylcontact.support.errors import InputError
-
-# The laws that know the housing.
-_LAWS: dict[str, Any] = {law.name: law for law in (Parametric, Explicit, Conformal)}
+from cylcontact.laws import Conformal, Housing, Sector, refuse_gone
+from cylcontact.support.arrays import require
 
 
 class LayerSpec(MaterialSpec):
@@ -79,14 +75,12 @@ class HousingSpec(Spec):
 
 
 def takes_housing(law: str) -> bool:
-    """Return whether a law of this name knows the housing."""
-    return law in _LAWS
+    """Return whether a law of this name takes a housing."""
+    return law == Conformal.name
 
 
-def in_housing(law: str, housing: Housing, source: str, key: str = "law") -> ContactLaw:
+def in_housing(law: str, housing: Housing, source: str, key: str = "law") -> Conformal:
     """Return the law of a name in a housing."""
-    if law not in _LAWS:
-        rule, remedy = "knows no housing", f"choose {', '.join(_LAWS)}"
-        raise InputError(source, key, law, rule, remedy)
-    housed: ContactLaw = _LAWS[law](datum=housing)
-    return housed
+    refuse_gone(law, source, key)
+    require(takes_housing(law), source, key, law, "takes no housing", "choose conformal")
+    return Conformal(housing)

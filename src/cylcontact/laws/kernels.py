@@ -6,9 +6,9 @@ data, so one compiled integrator serves every law:
     load = kernel_load(kernel.kind, kernel.parameters, penetration)
 
 A law of one formula (`cylcontact.laws.formula`) is compiled from the steps that are exported to
-other languages too, and is right to a few units in the last place. Every other law (Persson's,
-user-defined ones) becomes a table: a cubic in ln f over ln δ, with nodes added until the load is
-right to `TABLE_ERROR`.
+other languages too, and is right to a few units in the last place. Conformal contact is its own
+curve (`cylcontact.laws.conformal.curve`). Every other law, such as a function of one's own, becomes
+a table: a cubic in ln f over ln δ, with nodes added until the load is right to `TABLE_ERROR`.
 
 This module imports numba, which is slow: import it where it is needed.
 """
@@ -23,14 +23,15 @@ from typing import Any, cast
 import numpy as np
 
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.laws import LAW_TYPES
+from cylcontact.laws import LAW_TYPES, Conformal
+from cylcontact.laws.conformal.curve import FAR_STEP
 from cylcontact.laws.formula import Formula, lines_of, needed
 from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, ContactLaw, Law, has_formula
 from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.support.arrays import FloatArray, require
 from cylcontact.support.numba_cache import called, compiled, inlined, merged
 
-TABLE = -1
+TABLE, CURVE = -1, -2
 
 
 def _key(formula: Formula) -> tuple[Any, ...]:
@@ -46,9 +47,8 @@ _KEYS = list(_KINDS)
 class Kernel:
     """A law at one pair, ready for `kernel_load` and `kernel_stiffness`.
 
-    `kind` is the number of the formula, or `TABLE`; `parameters` are its numbers. Beyond
-    `max_penetration`, in mm, the load is NaN. A table ends at 1000·ΔR, unless the law ends before;
-    Persson's law has no end itself.
+    `kind` is the number of the formula, `CURVE` or `TABLE`; `parameters` are its numbers. Beyond
+    `max_penetration`, in mm, the load is NaN. A table ends at 1000·ΔR, unless the law ends before.
     """
 
     kind: int
@@ -81,9 +81,10 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     require(limit > 0, "kernel", "pair.dR", pair.dR, rule, remedy)
     formula = law.formula_at(pair) if has_formula(law) else None
     key = None if formula is None else _key(formula)
+    if isinstance(law, Conformal):
+        return Kernel(CURVE, _numbers_of(law, pair), float(limit))
     if not isinstance(law, Law) or key not in _KINDS:
-        own = getattr(law, "table", None) if formula is None else None
-        table = tabulate(law, pair) if own is None else own(pair)
+        table = tabulate(law, pair)
         return Kernel(TABLE, table, float(table[0]))
     numbers = [float(number) for number in law.numbers_at(pair).values()]
     return Kernel(_KEYS.index(key), np.array(numbers), float(limit))
@@ -115,24 +116,71 @@ def _read_table(table: FloatArray, penetration: float) -> tuple[float, float]:
     return math.exp(y[below] + y_at), slope
 
 
-@called
-def _table_load(_kind: int, table: FloatArray, penetration: float) -> float:
-    """Return the load in N/mm from a table."""
-    return _read_table(table, penetration)[0]
+# The numbers of a curve before its cubics: 4 of L for each interval, then as many of U/(φ·d).
+_HEAD = 10
+
+
+def _numbers_of(law: Conformal, pair: CylinderPair) -> FloatArray:
+    """Return the curve of `Conformal` at one pair as one flat array."""
+    curve, dR = law.curve(pair), float(pair.dR)
+    nodes, terms = curve.L.nodes, curve.L.terms
+    head = [dR, math.pi * float(pair.E_star), curve.end[1] * dR, nodes.scale * dR, nodes.first]
+    head += [nodes.near, 1 / nodes.step, 1 / FAR_STEP, nodes.near_count, terms.shape[1]]
+    return np.concatenate([head, terms.T.ravel(), curve.work.terms.T.ravel()])
+
+
+@inlined
+def _place(numbers: FloatArray, penetration: float) -> tuple[int, float]:
+    """Return where the cubic of L begins, and the part of its interval."""
+    s = math.log(1 + numbers[3] / penetration)
+    at = (s - numbers[4]) * numbers[6]
+    if s > numbers[5]:
+        at = numbers[8] + (s - numbers[5]) * numbers[7]
+    interval = int(at)
+    return _HEAD + 4 * interval, at - interval
+
+
+@inlined
+def _cubic_of(numbers: FloatArray, first: int, part: float) -> float:
+    """Return a cubic."""
+    bend = numbers[first + 2] + part * numbers[first + 3]
+    value: float = numbers[first] + part * (numbers[first + 1] + part * bend)
+    return value
 
 
 @called
-def _table_stiffness(_kind: int, table: FloatArray, penetration: float) -> float:
-    """Return the stiffness in N/mm² from a table."""
-    load, exponent = _read_table(table, penetration)
-    return load * exponent / penetration
+def _other_load(kind: int, numbers: FloatArray, penetration: float) -> float:
+    """Return the load in N/mm from a curve or a table."""
+    if kind == TABLE:
+        return _read_table(numbers, penetration)[0]
+    if not penetration <= numbers[2]:
+        return math.nan
+    first, part = _place(numbers, penetration)
+    load: float = numbers[1] * penetration / _cubic_of(numbers, first, part)
+    return load
 
 
-def _of_all_kinds(result: str, table: Any) -> Callable[[int, FloatArray, float], float]:
+@called
+def _other_stiffness(kind: int, numbers: FloatArray, penetration: float) -> float:
+    """Return the stiffness in N/mm² from a curve or a table."""
+    if kind == TABLE:
+        load, exponent = _read_table(numbers, penetration)
+        return load * exponent / penetration
+    if not penetration <= numbers[2]:
+        return math.nan
+    first, part = _place(numbers, penetration)
+    L, bend = _cubic_of(numbers, first, part), 3 * part * numbers[first + 3]
+    slope = numbers[first + 1] + part * (2 * numbers[first + 2] + bend)
+    slope *= numbers[6] if first < _HEAD + 4 * numbers[8] else numbers[7]
+    stiffness: float = numbers[1] / L * (1 + slope / L * numbers[3] / (numbers[3] + penetration))
+    return stiffness
+
+
+def _of_all_kinds(result: str, other: Any) -> Callable[[int, FloatArray, float], float]:
     """Return one function for the load, the stiffness or the energy of kernels of every kind.
 
-    `table` is for tables, and for kinds that have no closed form of the result. Steps that a result
-    does not need are left out, because a compiler keeps calls of `pow`.
+    `other` is for curves, tables, and kinds that have no closed form of the result. Steps that a
+    result does not need are left out, because a compiler keeps calls of `pow`.
     """
     lines = ["def function(kind, numbers, penetration):"]
     for kind, formula in enumerate(_KINDS.values()):
@@ -146,13 +194,13 @@ def _of_all_kinds(result: str, table: Any) -> Callable[[int, FloatArray, float],
         ]
         lines += ["    if not penetration <= last:", "      return nan"] if formula.end else []
         lines += [f"    {line}" for line in [*lines_of(steps), f"return {result}"]]
-    names = {**vars(math), "table": table}
-    exec("\n".join([*lines, "  return table(kind, numbers, penetration)"]), names)
+    names = {**vars(math), "other": other}
+    exec("\n".join([*lines, "  return other(kind, numbers, penetration)"]), names)
     return cast(Callable[[int, FloatArray, float], float], merged(names["function"]))
 
 
-_load = _of_all_kinds("f", _table_load)
-_stiffness = _of_all_kinds("k", _table_stiffness)
+_load = _of_all_kinds("f", _other_load)
+_stiffness = _of_all_kinds("k", _other_stiffness)
 
 
 @inlined
@@ -176,7 +224,21 @@ def _quadrature(kind: int, numbers: FloatArray, penetration: float) -> float:
     return total * penetration
 
 
-_energy = _of_all_kinds("energy", _quadrature)
+@inlined
+def _other_energy(kind: int, numbers: FloatArray, penetration: float) -> float:
+    """Return the integral of the load up to a penetration, in N, from a curve or by quadrature."""
+    if kind != CURVE:
+        return _quadrature(kind, numbers, penetration)
+    if not penetration <= numbers[2]:
+        return math.nan
+    first, part = _place(numbers, penetration)
+    L = _cubic_of(numbers, first, part)
+    work = _cubic_of(numbers, first + 4 * int(numbers[9]), part)
+    energy: float = numbers[1] * penetration * penetration * work / L
+    return energy
+
+
+_energy = _of_all_kinds("energy", _other_energy)
 
 
 @compiled

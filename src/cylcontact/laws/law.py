@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.laws.formula import Formula
-from cylcontact.support.arrays import FloatArray, as_floats, require
+from cylcontact.support.arrays import FloatArray, as_floats, require, require_one_shape
 from cylcontact.support.html_repr import law_html
 
 Coefficients = Mapping[str, float]
@@ -75,6 +75,15 @@ def require_hole(law: str, pair: CylinderPair) -> None:
     rule = "must be internal: the law is for a pin in a hole"
     remedy = "use laws.Johnson() for external contact"
     require(pair.contact == "internal", law, "pair.contact", pair.contact, rule, remedy)
+
+
+def numbers_for(pair: CylinderPair, **given: ArrayLike) -> FloatArray:
+    """Return loads or penetrations as numbers; raise `InputError` unless they go with a pair."""
+    ((key, values),) = given.items()
+    numbers = as_floats(values)
+    if numbers.ndim and (np.ndim(pair.dR) or np.ndim(pair.E_star)):
+        require_one_shape("laws", **{key: numbers, "dR": pair.dR, "E_star": pair.E_star})
+    return numbers
 
 
 def depth_of(penetration: ArrayLike) -> FloatArray:
@@ -164,10 +173,9 @@ class LawModel:
     # From candidates, clearances and ε to K*, n and their derivatives by the parameters, shape
     # (P, k, m), with every maximum in the law smoothed over ε. At ε = 0 it is `power_form`.
     smooth_form: Callable[[FloatArray, FloatArray, float], tuple[FloatArray, ...]] | None = None
-    # Whether it can be fitted on a grid, where a sample has ΔR and f/E* only; on one of α, β and φ;
-    # and whether its nominal values are those of the law's source, not of this project.
+    # Whether it can be fitted on a grid, where a sample has ΔR and f/E* only, and whether its
+    # nominal values are those of the law's source, not of this project.
     on_grid: bool = False
-    dimensionless: bool = False
     nominal_is_published: bool = True
     # The range of ΔR in mm, both ends included: calibration may use the open end of [0.005, 10[,
     # which the law itself excludes.
@@ -250,7 +258,6 @@ class Law(OverLength):
     # As `LawModel` has them.
     published: ClassVar[bool] = True
     on_grid: ClassVar[bool] = False
-    dimensionless: ClassVar[bool] = False
     # Where published coefficients are from, in ASCII, for exported files.
     _source: ClassVar[str] = ""
 
@@ -331,13 +338,13 @@ class Law(OverLength):
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        at = self.at_pair(pair)
-        return _in_blocks(lambda delta: _inside(at.load(delta), delta, at.end), penetration, at)
+        at, depth = self.at_pair(pair), numbers_for(pair, penetration=penetration)
+        return _in_blocks(lambda delta: _inside(at.load(delta), delta, at.end), depth, at)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm² at `penetration` in mm."""
-        at = self.at_pair(pair)
-        return _in_blocks(lambda d: _inside(at.stiffness(d), d, at.end), penetration, at)
+        at, depth = self.at_pair(pair), numbers_for(pair, penetration=penetration)
+        return _in_blocks(lambda d: _inside(at.stiffness(d), d, at.end), depth, at)
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest penetration in mm; inf where there is none."""
@@ -357,7 +364,8 @@ class Law(OverLength):
         """
         at, dR = self.at_pair(pair), as_floats(pair.dR)
         unit = as_floats(pair.E_star * dR)
-        return _in_blocks(lambda f: _inverse(at, f, unit, dR), load, at)
+        f = numbers_for(pair, load=load)
+        return _in_blocks(lambda f: _inverse(at, f, unit, dR), f, at)
 
     @classmethod
     def fitted(cls, values: Coefficients) -> ContactLaw:
@@ -381,17 +389,15 @@ class Law(OverLength):
             cls.defaults[contact].parameters if cls.defaults else cls.parameters,
             cls.fitted,
             on_grid=cls.on_grid,
-            dimensionless=cls.dimensionless,
             nominal_is_published=cls.published,
             **forms,
         )
 
 
 def _in_blocks(
-    function: Callable[[FloatArray], FloatArray], values: ArrayLike, at: AtPair
+    function: Callable[[FloatArray], FloatArray], given: FloatArray, at: AtPair
 ) -> FloatArray:
-    """Return a function of values, of many at one pair block by block."""
-    given = as_floats(values)
+    """Return a function of numbers, of many at one pair block by block."""
     with np.errstate(all="ignore"):
         if given.size <= BLOCK or not at.is_single:
             return as_floats(function(given))

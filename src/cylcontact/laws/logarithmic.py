@@ -28,19 +28,8 @@ from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.lambert import branch_distance, branch_share
-from cylcontact.laws.law import ContactLaw, Law, LawModel, Parameter
+from cylcontact.laws.law import ContactLaw, Law, LawModel, Parameter, numbers_for
 from cylcontact.support.arrays import FloatArray, as_floats, inside_or_nan, require
-
-# c₀ of `Block`.
-_LAYER = -0.35167539261871
-
-
-def _require_length(source: str, key: str, value: object) -> None:
-    """Raise `InputError` unless a value is one positive length."""
-    positive = isinstance(value, (int, float, np.number)) and 0 < value < inf
-    remedy = "give a length in mm, or laws.Block(height)"
-    require(positive, source, key, value, "must be positive and finite", remedy)
-
 
 _EQUATION = (
     "penetration = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c) solved for f, with Lambda in the "
@@ -111,8 +100,9 @@ class LogarithmicLaw(Law):
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm; NaN outside [0, max_load]."""
+        f = numbers_for(pair, load=load)
         with np.errstate(over="ignore"):
-            q = as_floats(load) / self.max_load(pair)
+            q = f / self.max_load(pair)
         inside = np.asarray((q >= 0) & (q <= 1))
         p = q * (1 - log(np.where(inside & (q > 0), q, 1.0)))
         return inside_or_nan(self.max_penetration(pair) * p, inside)
@@ -131,22 +121,6 @@ class LogarithmicLaw(Law):
 
 
 @dataclass(frozen=True)
-class Block:
-    """A datum: a block of this height in mm under a cylinder, on a smooth and rigid base.
-
-    The block is wide beside its height. Its surface gives way by
-    f(1 − ν²)/(πE)·[2·ln(2H/a) + 1 + 2c₀] against its base, with a the half-width of the contact and
-    c₀ = −0.35168 the constant of an elastic layer: with its surface's Fourier transform
-    L = (cosh 2ξ − 1)/(sinh 2ξ + 2ξ), c₀ = ∫[L(ξ) − 1 + exp(−ξ)]/ξ dξ from 0 to ∞.
-    """
-
-    height: float
-
-    def __post_init__(self) -> None:
-        _require_length("Block", "height", self.height)
-
-
-@dataclass(frozen=True)
 class Johnson(LogarithmicLaw):
     """Johnson's law, Eq 1: f = π·E*·δ/[ln(4π·E*·ΔR/f) − 1] per unit length.
 
@@ -161,10 +135,10 @@ class Johnson(LogarithmicLaw):
 
     Parameters
     ----------
-    datum : float or Block, optional
+    datum : float, optional
         For a cylinder on a plane (`CylinderPair.external` with R_j = inf) and no other pair: the
-        depth in mm below the surface at which the half-plane is held, or the block that it is. The
-        penetration is that of the cylinder's centre against it, the sum of
+        depth in mm below the surface at which the half-plane is held. The penetration is that of
+        the cylinder's centre against it, the sum of
         w_i·[2·ln(4R_i/a) − 1] and w_j·[2·ln(2·depth/a) − ν_j/(1 − ν_j)] times f/(π·E*), with
         a = √(4f·R_i/(π·E*)) (Johnson, Sect. 5.6); the depth is large beside a.
 
@@ -185,7 +159,7 @@ class Johnson(LogarithmicLaw):
     1.55935 µm, 100.0000000000 N/mm
     """
 
-    datum: float | Block | None = None
+    datum: float | None = None
     name = "johnson"
     shift = -1.0
     _of_others = (
@@ -195,8 +169,10 @@ class Johnson(LogarithmicLaw):
     any_plane = True
 
     def __post_init__(self) -> None:
-        if self.datum is not None and not isinstance(self.datum, Block):
-            _require_length("Johnson", "datum", self.datum)
+        if self.datum is not None:
+            depth, remedy = self.datum, "give a length in mm"
+            positive = isinstance(depth, (int, float, np.number)) and 0 < depth < inf
+            require(positive, "Johnson", "datum", depth, "must be positive and finite", remedy)
 
     def __repr__(self) -> str:
         return "Johnson()" if self.datum is None else f"Johnson(datum={self.datum!r})"
@@ -207,16 +183,14 @@ class Johnson(LogarithmicLaw):
         if not on_plane and self.datum is None:
             return super().numbers_at(pair)
         rule = "is missing: the pair is a cylinder on a plane, which has no ΔR"
-        remedy = "give the depth in mm at which the plane is held, or laws.Block(height)"
+        remedy = "give the depth in mm at which the plane is held"
         if not on_plane:
             rule, remedy = "is for a cylinder on a plane, R_j = inf", "leave it out for this pair"
         require(on_plane and self.datum is not None, "Johnson", "datum", self.datum, rule, remedy)
         (w_i, w_j), (_, kappa) = pair.shares, pair.kolosov
-        depth, below = self.datum, as_floats(-(3 - kappa) / (1 + kappa))
-        if isinstance(depth, Block):
-            depth, below = depth.height, as_floats(1 + 2 * _LAYER)
+        below = as_floats(-(3 - kappa) / (1 + kappa))
         # Each body's logarithm as 2·ln(length/a), with a² = 4f·R/(π·E*).
-        ln_4R, ln_2H = log(4 * as_floats(pair.R_i)), log(2 * float(depth or 0))
+        ln_4R, ln_2H = log(4 * as_floats(pair.R_i)), log(2 * float(self.datum or 0))
         c = 2 * w_i * ln_4R + 2 * w_j * ln_2H - w_i + w_j * below - ln_4R
         f_max = as_floats(pi * pair.E_star * exp(c - 1))
         deepest = as_floats(f_max / (pi * pair.E_star))

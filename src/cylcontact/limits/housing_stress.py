@@ -7,10 +7,11 @@ P_n/π·cos nθ, half of it for n = 0, and
 
     σ = σ of the plate + Σ cos nθ·[terms of the ring − terms of the plate].
 
-The ring's are Michell's four terms of `cylcontact.laws.housing`, for a bore under that pressure
-with the rim clamped, and in an eye those of the displacements of its free arc besides, which are
-linear in all P_n. The plate's have, for n ≥ 2, the coefficients 1/(2(n − 1)) and n/(2(n + 1)); so
-the sum falls like ρ^(−2n) at the bore, where the pressure's own singularities are in closed form.
+The ring's are Michell's four terms of `cylcontact.laws.conformal.housings`, for a bore under that
+pressure with the rim clamped, and in an eye those of the displacements of its free arc besides,
+which are linear in all P_n. The plate's have, for n ≥ 2, the coefficients 1/(2(n − 1)) and
+n/(2(n + 1)); so the sum falls like ρ^(−2n) at the bore, where the pressure's own singularities are
+in closed form.
 
 The pin's load is balanced by an even body force, whatever the datum of the penetration.
 
@@ -30,9 +31,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.laws.conformal import Bodies
-from cylcontact.laws.glauert import Housed
-from cylcontact.laws.housing import Housing, Kernel, compliances, michell
+from cylcontact.laws.conformal.arcs import Bodies
+from cylcontact.laws.conformal.housings import Housing, Kernel, compliances, michell
+from cylcontact.laws.conformal.series import Housed
 from cylcontact.laws.law import require_hole
 from cylcontact.limits.stress import ComplexArray, PlaneStress, Pressure, in_pin, in_plate
 from cylcontact.limits.yield_search import Criterion, FirstYield, equivalent

@@ -48,7 +48,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cylcontact.laws.glauert import enough_terms, glauert
+from cylcontact.laws.conformal.series import enough_terms, glauert
 from cylcontact.support.arrays import FloatArray, as_floats
 
 ComplexArray = NDArray[np.complex128]

@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.laws.conformal import Bodies
-from cylcontact.laws.glauert import persson_peak, remainder
+from cylcontact.laws.conformal.arcs import Bodies
+from cylcontact.laws.conformal.series import persson_peak, remainder
 from cylcontact.limits.stress import PlaneStress, Pressure, in_pin, in_plate, pressure_along
 from cylcontact.support.arrays import FloatArray, as_floats
 

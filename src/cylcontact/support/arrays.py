@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from threading import Lock
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +26,9 @@ require = errors.require
 
 def as_floats(values: object) -> FloatArray:
     """Return `values` as float64, an array or a NumPy scalar; refuse what is no such array."""
+    if isinstance(values, np.ma.MaskedArray):
+        rule, remedy = "is a masked array", "give values.filled(np.nan) or values.compressed()"
+        raise InputError("", "", None, rule, remedy)
     try:
         array: FloatArray = np.asarray(values, dtype=np.float64)[()]
     except (TypeError, ValueError):  # text, or lists of unequal length in a list
@@ -92,11 +96,28 @@ class OfArrays:
     __hash__ = None  # type: ignore[assignment]
 
 
+class _Limit:
+    """The limit on threads of linear algebra while any thread of Python wants it."""
+
+    lock = Lock()
+    users: ClassVar[int] = 0
+    limiter: ClassVar[Any] = None
+
+
 @contextmanager
 def on_one_thread() -> Iterator[None]:
     """Keep linear algebra on one thread: small matrices are slower on several."""
-    with _threads().limit(limits=1):
+    with _Limit.lock:
+        _Limit.users += 1
+        if _Limit.users == 1:
+            _Limit.limiter = _threads().limit(limits=1)
+    try:
         yield
+    finally:
+        with _Limit.lock:
+            _Limit.users -= 1
+            if _Limit.users == 0:
+                _Limit.limiter.restore_original_limits()
 
 
 @lru_cache(maxsize=1)

@@ -19,11 +19,11 @@ gives 1e-8.
 **Reciprocity** (see `cylcontact.laws.conformal`) gives the penetration from Â and H alone, without
 a quadrature of the logarithmic kernel.
 
-A housing adds Σ(1 − n²)·g_nm·P_m·cos nθ to the equation (`cylcontact.laws.housing`).
+A housing adds Σ(1 − n²)·g_nm·P_m·cos nθ to the equation (`cylcontact.laws.conformal.housings`).
 
-`remainder` has the difference to the closed forms of β = 0 for one β, and one housing, as Chebyshev
-series in ε. All of its functions are analytic at ε = 0; their singularity at 180° is beyond the
-largest arc.
+`remainder` has the difference to the closed forms of β = 0 for one β, `housed` for one housing, and
+`Remainders` for many β, as Chebyshev series in ε. All of these functions are analytic at ε = 0;
+their singularity at 180° is beyond the largest arc.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 
-from cylcontact.laws.housing import Kernel
+from cylcontact.laws.conformal.housings import Kernel
+from cylcontact.laws.tabulated import cubic
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.support.errors import InputError
 
@@ -46,12 +47,14 @@ _NODES = 24
 # For a housing: nodes until the last terms are this small, how far beyond the largest arc the
 # series ends, arcs at most this long, and how many points the table of the largest pressure has.
 _LAST_TERMS, _MOST_NODES = 1e-10, 144
-_END_WITHIN, _LARGEST_ARC = np.radians(3.0), np.radians(165.0)
+_END_WITHIN, _LARGEST_ARC, _BEYOND = np.radians([3.0, 165.0, 165.5]).tolist()
 _PEAKS = 1025
 # Where the pressure is negative, sought on so many arcs and points along half of each.
 _ARCS, _ALONG, _NO_PRESSURE = 129, 65, 1e-6
 # Below this the remainder is proportional to β: what is of second order in β is below 1e-10.
 _SMALL_BETA = 1e-5
+# For many β: how many of each sign have a solution, and the ends of |β|^(1/4).
+_BETAS, _R = 20, (_SMALL_BETA**0.25, 0.5**0.25)
 # Below this S, (H − 1)/S is 1/2 + Σ 2Sⁿ⁻¹/((n − 1)n(n + 1)), because the closed form loses digits.
 _SERIES_END = 0.1
 _N = np.arange(2.0, 14.0)
@@ -100,6 +103,14 @@ def persson_peak(b: FloatArray) -> FloatArray:
     """Return Persson's R·p/f at θ = 0, which is that of every pair with β = 0."""
     b2 = b * b
     return as_floats((2 * b / np.sqrt(1 + b2) + np.arcsinh(b) / (b2 * (1 + b2))) / np.pi)
+
+
+def persson_peak_slope(b: FloatArray) -> FloatArray:
+    """Return the slope of `persson_peak` by ln b²."""
+    b2 = b * b
+    B, log = np.sqrt(1 + b2), np.arcsinh(b) / (b2 * (1 + b2))
+    slope = 2 * b / B**3 + 1 / (b * B**3) - log * (2 + 4 * b2) / (1 + b2)
+    return as_floats(slope / (2 * np.pi))
 
 
 def enough_terms(b: float) -> int:
@@ -164,26 +175,27 @@ def _rule(terms: int) -> tuple[FloatArray, ...]:
 class Remainder:
     """What β and a housing add to the closed forms, as Chebyshev series in ε from 0 to `top`.
 
-    `top` is beyond the largest arc of every pair with this β. `series`, shape (n, 6), adds to
-    a and h, to M = π·E*·δ/f + w_j·H − C, and to their derivatives by ε; `peak_series` is the
-    largest pressure over Persson's on the same arc, less 1.
+    `top` is beyond the largest arc of every pair with this β. The first six columns of `series` add
+    to a and h, to M = π·E*·δ/f + w_j·H − C, and to their derivatives by ε. The last two are the
+    largest pressure over Persson's on the same arc, less 1, and its derivative.
     """
 
     top: float
     series: FloatArray
-    peak_series: FloatArray
 
     def additions(self, angle: FloatArray) -> FloatArray:
         """Return the additions to a, h and M and their derivatives by ε, stacked."""
-        return as_floats(chebyshev.chebval(self._position(angle), self.series))
+        return self._at(angle, self.series[:, :6])
 
     def peak(self, angle: FloatArray) -> FloatArray:
-        """Return the largest pressure over Persson's on the same arc, less 1."""
-        return as_floats(chebyshev.chebval(self._position(angle), self.peak_series))
+        """Return the largest pressure over Persson's on the same arc, less 1, and its slope."""
+        return self._at(angle, self.series[:, 6:])
 
-    def _position(self, angle: FloatArray) -> FloatArray:
-        """Return ε on the interval from −1 to 1, its end in place of what is beyond."""
-        return as_floats(np.minimum(2 * angle / self.top - 1, 1.0))
+    def _at(self, angle: FloatArray, series: FloatArray) -> FloatArray:
+        """Return the columns of a series at ε, at its end for what is beyond; stacked first."""
+        position = np.minimum(2 * angle / self.top - 1, 1.0)
+        polynomials = chebyshev.chebvander(np.ravel(position), len(series) - 1)
+        return as_floats((series.T @ polynomials.T).reshape(-1, *position.shape))
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,17 +206,22 @@ class Housed(Remainder):
 
     @cached_property
     def whole_to(self) -> float:
-        """The angle from which on the pressure would be negative somewhere on the arc."""
+        """The angle from which on the pressure would be negative, or 165° if the arc may be longer.
+
+        It is around a soft pin, and around any pin in a hole of a material that keeps its volume.
+        """
         angle, p = self._pressures(_ARCS, _ALONG)
         split = p.min(axis=1) < -_NO_PRESSURE * p.max(axis=1)
-        return float(angle[np.argmax(split)]) if split.any() else math.inf
+        closes = _LARGEST_ARC if self.top >= _BEYOND else math.inf
+        return min(float(angle[np.argmax(split)]) if split.any() else math.inf, closes)
 
     @cached_property
-    def _peaks(self) -> tuple[FloatArray, FloatArray]:
-        """Angles, and the largest pressure over Persson's there, less 1."""
+    def _peaks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Angles, the largest pressure over Persson's there, less 1, and its derivative."""
         angle, p = self._pressures(_PEAKS, _PEAKS)
         b = np.tan(np.maximum(angle, 1e-6) / 2)
-        return angle, as_floats(p.max(axis=1) / (b * persson_peak(b)) - 1)
+        ratio = p.max(axis=1) / (b * persson_peak(b)) - 1
+        return angle, as_floats(ratio), as_floats(np.gradient(ratio, angle))
 
     def _pressures(self, arcs: int, along: int) -> tuple[FloatArray, FloatArray]:
         """Return angles, and pressures times tan(ε/2) along half of each arc."""
@@ -214,8 +231,13 @@ class Housed(Remainder):
         return as_floats(self.top * (1 + position) / 2), as_floats(p)
 
     def peak(self, angle: FloatArray) -> FloatArray:
-        """Return the largest pressure over Persson's on the same arc, less 1."""
-        return as_floats(np.interp(angle, *self._peaks))
+        """Return the largest pressure over Persson's on the same arc, less 1, and its slope."""
+        at, ratio, slope = self._peaks
+        width = at[1]
+        k = np.minimum((angle / width).astype(np.intp), at.size - 2)
+        part, rise = angle / width - k, (ratio[k + 1] - ratio[k]) / width
+        above, rate = cubic(part, width, rise, slope[k], slope[k + 1])
+        return np.stack([ratio[k] + above, rate])
 
 
 @lru_cache(maxsize=1024)
@@ -226,11 +248,73 @@ def remainder(beta: float) -> Remainder | None:
     if abs(beta) < _SMALL_BETA:
         full, factor = remainder(math.copysign(_SMALL_BETA, beta)), abs(beta) / _SMALL_BETA
         assert full is not None
-        return Remainder(full.top, full.series * factor, full.peak_series * factor)
-    # w_i is at least 0 and at least −2β, so that w_i + β is at least |β|.
-    top = float(2 * np.arccos(np.sqrt(0.9 * estimated_c(abs(beta)))))
+        return Remainder(full.top, full.series * factor)
+    return Remainder(float(_top(abs(beta))), _of_beta(beta))
+
+
+def _of_beta(beta: float) -> FloatArray:
+    """Return the series of a remainder for one β."""
+    top = float(_top(abs(beta)))
     series, solution, b = _series(top, beta, _NODES)
-    return Remainder(top, series, _fitted(solution.peak / persson_peak(b) - 1))
+    peak = np.zeros((_NODES + 1, 2))
+    peak[:-1, 0] = _fitted(solution.peak / persson_peak(b) - 1)
+    peak[:-2, 1] = chebyshev.chebder(peak[:-1, 0]) * 2 / top
+    return np.hstack([series, peak])
+
+
+@dataclass(frozen=True, eq=False)
+class Remainders:
+    """The remainders of many β, one for each number.
+
+    Over β, the coefficients of `Remainder.series` are smooth functions of |β|^(1/4) on each side of
+    0, and Chebyshev series of it are made once for all β.
+    """
+
+    beta: FloatArray
+
+    @property
+    def top(self) -> FloatArray:
+        """The ends of the series."""
+        return _top(np.maximum(abs(self.beta), _SMALL_BETA))
+
+    @cached_property
+    def series(self) -> FloatArray:
+        """As `Remainder.series`, with the numbers along a third axis."""
+        size = abs(self.beta)
+        r = (np.maximum(size, _SMALL_BETA) ** 0.25 - _R[0]) / (_R[1] - _R[0])
+        T = chebyshev.chebvander(2 * r - 1, _BETAS - 1)
+        series = np.empty((_NODES + 1, 8, size.size))
+        for sign in (-1, 1):
+            here = (self.beta > 0) == (sign > 0)
+            series[..., here] = np.tensordot(_over_beta(sign), T[here], ((0,), (1,))) * size[here]
+        return series
+
+    def additions(self, angle: FloatArray) -> FloatArray:
+        """Return the additions to a, h and M and their derivatives by ε, stacked."""
+        return self._at(angle, self.series[:, :6])
+
+    def peak(self, angle: FloatArray) -> FloatArray:
+        """Return the largest pressure over Persson's on the same arc, less 1, and its slope."""
+        return self._at(angle, self.series[:, 6:])
+
+    def _at(self, angle: FloatArray, series: FloatArray) -> FloatArray:
+        x = np.minimum(2 * angle / self.top - 1, 1.0)
+        return as_floats(chebyshev.chebval(x, series, tensor=False))
+
+
+@lru_cache(maxsize=2)
+@on_one_thread()
+def _over_beta(sign: int) -> FloatArray:
+    """Return the series in |β|^(1/4) of those in ε over |β|, shape (betas, nodes + 1, 8)."""
+    r = _R[0] + (_R[1] - _R[0]) * (1 + chebyshev.chebpts1(_BETAS)) / 2
+    rows = [_of_beta(sign * x**4) / x**4 for x in r.tolist()]
+    return _fitted(np.reshape(rows, (_BETAS, -1))).reshape(_BETAS, -1, 8)
+
+
+def _top(beta: FloatArray | float) -> FloatArray:
+    """Return an angle beyond the largest arc of every pair with this |β|."""
+    # w_i is at least 0 and at least −2β, so that w_i + β is at least |β|.
+    return as_floats(2 * np.arccos(np.sqrt(0.9 * estimated_c(beta))))
 
 
 @lru_cache(maxsize=256)
@@ -243,13 +327,13 @@ def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
         values, last = np.abs(series[:, :2]), np.abs(series[-5:-2, :2])
         if np.all(last.max(axis=0) < _LAST_TERMS * np.maximum(values.max(axis=0), 1.0)):
             coefficients = _fitted(solution.coefficients * b[:, None])
-            return Housed(top, series, np.zeros(1), coefficients)
+            return Housed(top, series, coefficients)
     rule = "makes a ring so thin that the pin does not touch it along one arc"
     raise InputError("Housing", "R_o", None, rule, "give a thicker one, or the datum as a number")
 
 
 def _end(beta: float, w_i: float, g: FloatArray) -> float:
-    """Return an angle beyond the largest arc in a housing, by at most a few degrees."""
+    """Return an angle beyond the largest arc in a housing, by at most a few degrees or 165.5°."""
     low, high = 0.0, np.pi
     angle = float(2 * np.arccos(np.sqrt(estimated_c(max(w_i + beta, 1e-6)))))
     for _ in range(40):
@@ -259,16 +343,10 @@ def _end(beta: float, w_i: float, g: FloatArray) -> float:
         low, high = (
             (angle, high) if solution.a[0] > w_i * S * (1 + S * solution.h[0]) else (low, angle)
         )
-        if high < np.pi and high - low < _END_WITHIN:
-            return high
-        if low > _LARGEST_ARC:
-            rule = (
-                f"closes all around: the contact is longer than {2 * np.degrees(low):.0f} degrees"
-            )
-            remedy = "give the datum as a number, for a pin that is much softer than its housing"
-            raise InputError("Housing", "pair", None, rule, remedy)
+        if high - low < _END_WITHIN or low > _LARGEST_ARC:
+            break
         angle = low + (high - low) / 2 if high < np.pi else angle + (np.pi - angle) / 4
-    return high
+    return high if high < _LARGEST_ARC else _BEYOND
 
 
 def _series(

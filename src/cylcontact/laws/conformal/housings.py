@@ -11,7 +11,7 @@ the compliance being the radial displacement of the bore under a radial pressure
 
 where C is the part of the pin alone, because g_11 has the plate's. With P_m = ∫p·cos ms ds, M gains
 2Σ g_nm·P_m, and the operator 1 + d²/dθ² adds Γ'(θ) = Σ(1 − n²)·g_nm·P_m·cos nθ to the equation of
-`cylcontact.laws.glauert`. g is symmetric, so reciprocity holds as without a housing.
+`cylcontact.laws.conformal.series`. g is symmetric, so reciprocity holds as without a housing.
 
 **A ring.** By Kolosov 2μ(u_r + i·u_θ)·e^{iθ} = κφ − z·φ̄′ − ψ̄ and σ_rr − iσ_rθ = 2Re φ′ −
 e^{2iθ}(z̄·φ″ + ψ′). For cos nθ there are four terms, φ = z^(1±n) and ψ = z^(−1±n); for n = 1 the
@@ -30,13 +30,6 @@ are φ_kn = F·k·J_k(nF)/(nF). With D_n the tractions of the rim under its disp
 of the bore, both without traction on the bore, the free arc has the stiffness A = Σ e_n·ρ·φ·D·φ
 (e_0 = 2π, e_n = π), a pressure does the work B_kn = e_n·φ_kn·T_n on mode k, and g gains
 2w_i/(π(κ + 1))·BᵀA⁻¹B/((1 + δ_n0)(1 + δ_m0)).
-
-**The compact law.** With Persson's pressure P_n is a polynomial of S = sin²(ε/2),
-
-    dP_n/dS = −(n² − 1)/2·(1 − S²)·₂F₁(2 − n, n + 2; 3; S),    P_n(0) = 1,
-
-which is a Jacobi polynomial, and P_0 = H. With Γ(S) = Σ g_nm·P_n·P_m, Ritz's method gives
-K = K∞ − T and L = L∞ + 2Γ − (H − 1)·T with T = Γ_S/H_S. For small loads L = L∞ + h, h = 2Σ g_nm.
 """
 
 from __future__ import annotations
@@ -49,8 +42,6 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.polynomial import Chebyshev
-from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike
 
 from cylcontact.bodies.material import Material
@@ -69,12 +60,6 @@ _MODES, _RIM_HARMONICS, _LINEAR_FROM = 48, 2000, 400
 # For n = 0: which terms have a part in u_r, u_θ, σ_rr, σ_rθ and the sum.
 _EVEN, _ODD = [1, 0, 0, 1], [0, 1, 1, 0]
 _OF_ZERO = np.array([_EVEN, _ODD, _EVEN, _ODD, _EVEN])
-# What is left out of the compact law's polynomials, of their largest Chebyshev coefficient.
-_POLYNOMIALS = 1e-13
-# Where h is above this or T(0) below, the error of the compact law may exceed 1 %.
-_LARGEST_H, _LEAST_T = 4.0, -3.0
-# ₂F₁(2, 2; 3; S) as a power series, used below this S, and the largest S.
-_SERIES, _SERIES_END, _ONE = 2 * np.arange(1.0, 17.0) / np.arange(2.0, 18.0), 0.1, 1 - 1e-15
 
 
 class Ring(NamedTuple):
@@ -122,21 +107,9 @@ class Sector:
         require(self.side in ("near", "far"), "Sector", "side", self.side, rule, remedy)
 
 
-class Compact(NamedTuple):
-    """Γ(S), T(S) = Γ_S/H_S, and their derivatives by S."""
-
-    gamma: FloatArray
-    gamma_slope: FloatArray
-    T: FloatArray
-    T_slope: FloatArray
-
-
 @dataclass(frozen=True, eq=False)
 class Kernel:
-    """The symmetric g_nm of one housing, n and m from 0, with the terms of the compact law.
-
-    Γ = g_00·H² + 2H·G₁ + G₂, where G₁ and G₂ are polynomials of S.
-    """
+    """The symmetric g_nm of one housing, n and m from 0."""
 
     g: FloatArray
     rings: tuple[Ring, ...] = ()
@@ -146,81 +119,6 @@ class Kernel:
     def h(self) -> float:
         """What the housing adds to L at small loads, 2Σ g_nm."""
         return float(2 * self.g.sum())
-
-    @property
-    def needs_series(self) -> bool:
-        """Whether the compact law may be wrong by more than 1 %."""
-        return self.h > _LARGEST_H or float(self.compact(0.0).T) < _LEAST_T
-
-    @cached_property
-    def polynomials(self) -> tuple[Chebyshev, ...]:
-        """G₁, G₂, and their derivatives over (1 − S²)/2."""
-        count = self.g.shape[0]
-        S = (1 + np.polynomial.chebyshev.chebpts1(2 * count + 1)) / 2
-        P, F = pressure_harmonics(S, count)[1:], _harmonic_slopes(S, count)[1:]
-        first, rest = self.g[0, 1:], self.g[1:, 1:]
-        rows = (
-            first @ P,
-            np.sum(P * (rest @ P), axis=0),
-            first @ F,
-            2 * np.sum(F * (rest @ P), axis=0),
-        )
-        fitted = (Chebyshev.fit(S, row, 2 * count, domain=[0, 1]) for row in rows)
-        return tuple(p.trim(_POLYNOMIALS * float(np.abs(p.coef).max())) for p in fitted)
-
-    def compact(self, S: ArrayLike) -> Compact:
-        """Return Γ and T on arcs of S = sin²(ε/2) < 1.
-
-        >>> kernel, step = Kernel(np.array([[-0.1, 0.0], [0.0, 0.3]])), 1e-6
-        >>> low, at, high = (kernel.compact(S) for S in (0.3 - step, 0.3, 0.3 + step))
-        >>> print(f"{(high.gamma - low.gamma) / (2 * step) / at.gamma_slope:.9f}")
-        1.000000000
-        """
-        S = as_floats(S)
-        H, F = pressure_harmonics(S, 1)[0], _harmonic_slopes(S, 1)[0]
-        half, H_slope = (1 - S**2) / 2, (1 - S**2) / 2 * F
-        first, rest, first_F, rest_F = (polynomial(S) for polynomial in self.polynomials)
-        first_bend, rest_bend = (polynomial.deriv()(S) for polynomial in self.polynomials[2:])
-        top, g_00 = 2 * H * first_F + rest_F, self.g[0, 0]
-        top_slope = 2 * (H_slope * first_F + H * first_bend) + rest_bend
-        T = 2 * (g_00 * H + first) + top / F
-        T_slope = 2 * (g_00 * H_slope + half * first_F) + (top_slope - top / F * _F_slope(S, F)) / F
-        return Compact(
-            *map(as_floats, (g_00 * H**2 + 2 * H * first + rest, T * H_slope, T, T_slope))
-        )
-
-
-def pressure_harmonics(S: ArrayLike, count: int) -> FloatArray:
-    """Return P_0 … P_(count−1) of Persson's pressure on arcs of S = sin²(ε/2), stacked first."""
-    S = as_floats(S)
-    x, weights = np.polynomial.legendre.leggauss(count // 2 + 8)
-    inside = S[..., None] * (1 + x) / 2
-    slopes = (1 - inside**2) / 2 * _harmonic_slopes(inside, count)
-    P = 1 + np.sum(slopes * weights, axis=-1) * S / 2
-    far = np.clip(S, _SERIES_END, _ONE)
-    P[0] = np.where(S > _SERIES_END, 2 * far - (1 - far) ** 2 * np.log1p(-far) / far, P[0])
-    return as_floats(P)
-
-
-def _harmonic_slopes(S: FloatArray, count: int) -> FloatArray:
-    """Return 2/(1 − S²)·dP_n/dS, which is (1 − n²)·₂F₁(2 − n, n + 2; 3; S), stacked first."""
-    from scipy.special import eval_jacobi  # which takes longer to import than the package
-
-    slopes = np.zeros((count, *np.shape(S)))
-    far = np.clip(S, _SERIES_END, _ONE)
-    closed = 2 * (2 + (1 - far) / far * (1 + np.log1p(-far) * (1 + far) / far)) / (1 - far**2)
-    slopes[0] = np.where(S < _SERIES_END, polyval(np.minimum(S, _SERIES_END), _SERIES), closed)
-    for n in range(2, count):
-        slopes[n] = (1 - n**2) * eval_jacobi(n - 2, 2, 1, 1 - 2 * S) * 2 / (n * (n - 1))
-    return slopes
-
-
-def _F_slope(S: FloatArray, F: FloatArray) -> FloatArray:
-    """Return the derivative of F = ₂F₁(2, 2; 3; S), for which (S²F)′ = 2S/(1 − S)²."""
-    far = np.clip(S, _SERIES_END, _ONE)
-    closed = (2 / (1 - far) ** 2 - 2 * F) / far
-    series = polyval(np.minimum(S, _SERIES_END), _SERIES[1:] * np.arange(1, _SERIES.size))
-    return as_floats(np.where(S < _SERIES_END, series, closed))
 
 
 @dataclass(frozen=True)
@@ -253,7 +151,7 @@ class Housing:
     for each layer; the pin is under a force spread evenly over its section. The coefficients of a
     whole rim are exact, those of a sector within 5e-4. A sector has a direction: the load acts
     along its middle. Terms of the order of ΔR/R are left out.
-    The derivation is in `cylcontact.laws.housing`.
+    The derivation is in `cylcontact.laws.conformal.housings`.
 
     Examples
     --------
