@@ -106,7 +106,7 @@ references: $(VENV)/.editable ## Hold the laws against numbers of others, docs/c
 ##@ To read and to try
 
 explore: $(VENV)/.kernel ## Explore the laws in a browser: a pair, its housing, a load
-	$(BIN)/voila notebooks/3_explore_the_maps.ipynb
+	$(BIN)/voila notebooks/3_explore.ipynb
 
 notebooks: $(VENV)/.kernel ## Open the notebooks in JupyterLab
 	$(BIN)/jupyter lab notebooks/1_quick_start.ipynb
@@ -116,9 +116,8 @@ $(VENV)/.kernel: $(VENV)/.extras
 	@$(BIN)/python -m ipykernel install --sys-prefix --name cylcontact --display-name cylcontact
 	@touch $@
 
-notebooks-run: $(VENV)/.kernel ## Run the notebooks without a browser, into build/notebooks
-	$(BIN)/jupyter nbconvert --log-level=WARN --to notebook --execute --output-dir build/notebooks \
-		notebooks/*.ipynb
+notebooks-run: $(VENV)/.kernel ## Run the notebooks without a browser
+	$(BIN)/python -m pytest --nbmake --nbmake-timeout=180 -n 2 notebooks
 
 docs: references $(VENV)/.extras ## Build the documentation, to read from build/docs/index.html
 	$(CYLCONTACT) figure -o docs/figures --format png
