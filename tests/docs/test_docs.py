@@ -18,7 +18,7 @@ PAGES = sorted(
     path
     for pattern in ("*.md", "docs/**/*.md", "*/README.md")
     for path in ROOT.glob(pattern)
-    if ".venv" not in path.parts
+    if ".venv" not in path.parts and path.name not in ("figures.md", "claims.md")  # of make docs
 )
 README = ROOT / "README.md"  # followed twice in a row, below
 WITH_CODE = [
