@@ -96,7 +96,7 @@ references: $(VENV)/.editable ## Hold the laws against numbers of others, docs/c
 ##@ To read and to try
 
 explore: $(VENV)/.kernel ## Explore the laws in a browser: a pair, its housing, a load
-	$(BIN)/voila notebooks/3_explore_the_maps.ipynb
+	$(BIN)/voila notebooks/3_explore.ipynb
 
 notebooks: $(VENV)/.kernel ## Open the notebooks in JupyterLab
 	$(BIN)/jupyter lab notebooks/1_quick_start.ipynb
@@ -106,9 +106,8 @@ $(VENV)/.kernel: $(VENV)/.extras
 	@$(BIN)/python -m ipykernel install --sys-prefix --name cylcontact --display-name cylcontact
 	@touch $@
 
-notebooks-run: $(VENV)/.kernel ## Run the notebooks without a browser, into build/notebooks
-	$(BIN)/jupyter nbconvert --log-level=WARN --to notebook --execute --output-dir build/notebooks \
-		notebooks/*.ipynb
+notebooks-run: $(VENV)/.kernel ## Run the notebooks without a browser
+	$(BIN)/python -m pytest --nbmake --nbmake-timeout=180 -n 2 notebooks
 
 docs: references $(VENV)/.extras ## Build the documentation, to read from build/docs/index.html
 	$(CYLCONTACT) figure -o docs/figures --format png
@@ -193,7 +192,7 @@ lock: ## Pin the dependencies anew in the locks; make lock UPGRADE=--upgrade for
 	@mv $(LOCKS:%=build/%) .
 
 clean: ## Remove what the commands above made: fits, figures, tables, caches
-	rm -rf build dist datasets/generated reports/figures docs/figures
+	rm -rf build dist datasets/generated reports/figures docs/figures docs/figures.md docs/claims.md
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests reports -name __pycache__ -type d -prune -exec rm -rf {} +
 

@@ -19,7 +19,7 @@ FOLDER, PAGE = ROOT / "datasets" / "references", ROOT / "docs" / "checked-agains
 HEAD = """# Checked against
 
 Numbers of others beside those of the program, from `datasets/references`. A dash is where no
-outside number could be read. `make report` writes this page before it builds the site.
+outside number could be read. `make references` writes this page.
 """
 NAMES = {
     "hertz_stress": "peak pressure",

@@ -1,5 +1,6 @@
 """mkdocs: formulas become MathML, which browsers set without scripts or fonts from elsewhere."""
 
+import html
 import re
 
 from latex2mathml.converter import convert
@@ -7,11 +8,13 @@ from latex2mathml.converter import convert
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[([](.*?)\\[)\]]</\1>', re.DOTALL)
 
 
-def on_page_content(html, **_):
+def on_page_content(text, **_):
     """Set the formulas of a page."""
 
     def mathml(match):
-        display = "block" if match[1] == "div" else "inline"
-        return convert(match[2].replace("&lt;", "<").replace("&gt;", ">"), display=display)
+        latex = html.unescape(match[2])
+        if match[1] == "span":
+            return convert(latex)
+        return f'<div class="formula">{convert(latex, display="block")}</div>'
 
-    return FORMULA.sub(mathml, html)
+    return FORMULA.sub(mathml, text)

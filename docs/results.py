@@ -1,19 +1,40 @@
 """Write docs/figures.md and docs/claims.md from what `make docs` has drawn and computed."""
 
+import inspect
+import re
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
 
+from cylcontact.reports.figures import recipes
+
 DOCS = Path(__file__).parent
+ROOT = DOCS.parent
 
 
 def figures():
-    """Return a page of all figures, each above the command that draws it."""
-    parts = ["# Figures\n"]
+    """Return a page of all figures, each above its caption and its code."""
+    functions = recipes(ROOT)
+    parts = [
+        "# Figures\n",
+        "The figures of the paper, and after them ours. The caption of a figure is the docstring "
+        "of its function; helpers are beside it in the file.\n",
+    ]
     for text in sorted((DOCS / "figures").glob("*.txt")):
         name, caption = text.stem, text.read_text(encoding="utf-8").strip()
-        parts.append(f"## {name}\n\n![{name}](figures/{name}.png)\n\n{caption}\n")
-        parts.append(f"`cylcontact figure {name}`, [numbers](figures/{name}.csv)\n")
+        function = functions[name]
+        function = function.func if isinstance(function, partial) else function
+        file = Path(inspect.getfile(function)).name
+        title = re.sub(r"^fig0?(\d+)$", r"Fig \1", name)
+        code = inspect.getsource(function).replace("\n", "\n    ").rstrip()
+        parts += [
+            f"## {title}\n",
+            f"![{name}](figures/{name}.png)\n",
+            f"{escaped(caption)}\n",
+            f"`cylcontact figure {name}`, [numbers](figures/{name}.csv)\n",
+            f'??? note "Code, in reports/{file}"\n\n    ```python\n    {code}\n    ```\n',
+        ]
     return "\n".join(parts)
 
 
@@ -29,15 +50,23 @@ def claims(table):
         by_claim = rows.groupby(["section", "claim", "printed", "quotation"], sort=False)
         parts.append(f"## {verdict.capitalize()} ({by_claim.ngroups})\n")
         for (section, claim, printed, quotation), readings in by_claim:
-            parts.append(f"**{section}** {claim} ({printed}) “{quotation}”\n")
-            signs = {True: "✓", False: "✗"}
-            parts += [f"- {signs[r.holds]} {r.reading}: {r.ours}" for r in readings.itertuples()]
+            parts.append(f"**{escaped(claim)}** (Section {section})\n")
+            parts.append(f"The paper: {escaped(printed)}; “{escaped(quotation)}”.\n")
+            signs = {"True": "✓", "False": "✗"}
+            parts += [
+                f"- {signs[row.holds]} {escaped(row.reading)}: {escaped(row.ours)}"
+                for row in readings.itertuples()
+            ]
             parts.append("")
     return "\n".join(parts)
 
 
+def escaped(text):
+    """Return a text with the signs that Markdown would take for its own."""
+    return re.sub(r"([\\*_<`\[])", r"\\\1", text)
+
+
 if __name__ == "__main__":
     (DOCS / "figures.md").write_text(figures(), encoding="utf-8")
-    table = pd.read_csv(DOCS.parent / "reports" / "claims.csv", dtype=str)
-    table["holds"] = table["holds"] == "True"
+    table = pd.read_csv(ROOT / "reports" / "claims.csv", dtype=str, keep_default_na=False)
     (DOCS / "claims.md").write_text(claims(table), encoding="utf-8")

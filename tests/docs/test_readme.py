@@ -4,15 +4,16 @@ import re
 import subprocess
 from pathlib import Path
 
+import pandas as pd
 import pytest
+from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
+from cylcontact.reports.laws_to_use import laws_to_use
 
 from cylcontact import CylinderPair, Material, limits
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.comparison import labels
 from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.reports.figures import recipes
-from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
-from cylcontact.reports.laws_to_use import laws_to_use
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -108,6 +109,19 @@ def test_make_draws_as_many_figures_as_it_says():
     assert f"leaves {len(names)} figures" in README
     paper = {f"fig{n:02d}" for n in (*range(2, 15), 17, 18, 19)}
     assert names == paper | {"fig_refit"}
+
+
+def test_the_verdicts_are_counted():
+    table = pd.read_csv(ROOT / "reports/claims.csv")
+    counts = table.groupby("verdict")["claim"].nunique()
+    said = (
+        f"{counts['holds']} hold, {counts['depends on the reading']} depend on the reading, and "
+        f"{counts['does not hold']} do not hold"
+    )
+    science = (ROOT / "docs/science.md").read_text(encoding="utf-8")
+    for page in (README, science):
+        assert said in " ".join(page.split())
+    assert f"compares {counts.sum()} claims" in README
 
 
 @pytest.mark.parametrize("link", re.findall(r"\]\((?!https:)([^)]+)\)", README))

@@ -58,12 +58,14 @@ def blocks(page):
 
 
 def copy_bench(folder):
-    """Copy what a reader's checkout holds, without what the commands make."""
+    """Copy what a reader's checkout holds after make; the committed fits stand for its own."""
     for name in BENCH:
         shutil.copytree(
             ROOT / name, folder / name, ignore=shutil.ignore_patterns("generated", "figures")
         )
     (folder / "build").mkdir(parents=True)
+    for name in ("internal", "external", "recovered-internal", "recovered-external"):
+        shutil.copy(ROOT / f"fitting/results/{name}.json", folder / "build")
 
 
 def run_page(page, folder, monkeypatch):

@@ -6,7 +6,6 @@ before; there, none may skip.
 
 import importlib.util
 import shutil
-import subprocess
 import sys
 from contextlib import contextmanager
 
@@ -22,17 +21,14 @@ PACKAGES = {
     "octave-cli": "octave",
     "ccx": "calculix-ccx",
     "chromium": "chromium",
-    "xelatex": "texlive-xetex",
-    "elsarticle.cls": "texlive-publishers",
 }
 # The libraries of each extra that tests import.
 EXTRAS = {
     "parquet": "pyarrow",
-    "notebooks": "IPython ipykernel ipywidgets jupytext nbclient nbformat voila",
+    "notebooks": "IPython ipykernel ipywidgets nbclient nbformat nbmake voila",
     "distributed": "dask distributed",
     "docs": "latex2mathml material mkdocs mkdocstrings",
-    "paper": "pypandoc typst",
-    "browser": "axe_playwright_python playwright",
+    "browser": "playwright",
     "peers": "cma exudyn fmpy iminuit jax libcosimpy lmfit mujoco odrpack pymoo statsmodels",
 }
 # Set by `--rest`.
@@ -41,11 +37,8 @@ CACHED = "cylcontact/skipped"
 
 
 def require_program(name):
-    """Return the path of a program, or of a class of LaTeX.
-
-    Without it, skip, or fail where no test may skip.
-    """
-    path = _class_of_latex(name) if name.endswith(".cls") else shutil.which(name)
+    """Return the path of a program; without it, skip, or fail where no test may skip."""
+    path = shutil.which(name)
     if path is None:
         _leave_out(f"{name} is not installed (Debian: apt install {PACKAGES[name]})")
     return path
@@ -96,14 +89,6 @@ def _leave_out(reason):
     if REQUIRED:
         pytest.fail(reason)
     pytest.skip(reason)
-
-
-def _class_of_latex(name):
-    """Return where LaTeX finds a class, None if it does not or is not there itself."""
-    if shutil.which("pdflatex") is None:
-        return None
-    found = subprocess.run(["kpsewhich", name], capture_output=True, text=True, check=False)
-    return found.stdout.strip() or None
 
 
 def fake_program(folder, name, script):

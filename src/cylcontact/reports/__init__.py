@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from cylcontact.reports.claims import Claim, claim, claims_of
     from cylcontact.reports.figures import draw, write_figures
     from cylcontact.reports.joint_check import JointCheck, check_joint
+    from cylcontact.reports.notebook import live_progress
     from cylcontact.reports.page import write_page
 
 # Loaded on first use: a command that checks a joint needs neither pandas nor figures.
@@ -17,6 +18,7 @@ _IN = {
     "claim": "claims",
     "claims_of": "claims",
     "draw": "figures",
+    "live_progress": "notebook",
     "write_figures": "figures",
     "write_page": "page",
 }
@@ -27,6 +29,7 @@ __all__ = [
     "claim",
     "claims_of",
     "draw",
+    "live_progress",
     "write_figures",
     "write_page",
 ]
