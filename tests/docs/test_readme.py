@@ -6,31 +6,20 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
-from cylcontact.reports.laws_to_use import laws_to_use
 
-from cylcontact import CylinderPair, Material, limits
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.comparison import labels
-from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.reports.figures import recipes
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-CODE = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+CODE = re.search(r"```python\n(.*?)```", README, re.DOTALL)[1]
 
 
-def test_code_blocks_run_in_order(monkeypatch, capsys):
+def test_the_python_runs_and_prints_what_the_page_shows(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
-    names = {}
-    for block in CODE:
-        exec(block, names)
-    assert "nan" not in capsys.readouterr().out
-    assert len(CODE) == 2
-    yields = float(limits.yield_load(names["pair"]))
-    assert f"# {yields:.0f} N/mm: beyond it" in CODE[0]
-    assert f"first yield of low-carbon steel at {yields / 1e3:.1f} kN/mm" in README
-    assert f"load this joint to {names['motion'].max_elastic_load / 1e3:.1f} kN/mm" in README
+    exec(CODE, {})
+    assert capsys.readouterr().out == re.search(r"```text\n(.*?)```", README, re.DOTALL)[1]
 
 
 def rows_of(table):
@@ -40,7 +29,7 @@ def rows_of(table):
 
 
 def test_it_is_read_in_three_minutes():
-    assert len(README.splitlines()) < 150
+    assert len(README.splitlines()) <= 110
 
 
 def test_the_recovered_coefficients_are_those_of_the_committed_results():
@@ -55,44 +44,6 @@ def test_the_recovered_coefficients_are_those_of_the_committed_results():
                 difference = f"{100 * (value / published[name] - 1):+.1f}"
                 expected.append([contact, name, f"{published[name]:g}", f"{value:.5g}", difference])
     assert rows_of("contact") == expected
-
-
-def test_the_laws_to_use_are_computed():
-    hole, rollers = (laws_to_use(contact, ROOT) for contact in ("internal", "external"))
-    assert [*hole["law"][:2], rollers["law"][1]] == ["published", "practical", "refit"]
-    numbers = zip(hole["rms_johnson"], hole["rms_conformal"], rollers["rms_johnson"], strict=True)
-    expected = [
-        [law, *("0" if rms < 1e-9 else f"{rms:.4f}" for rms in row), units, f"{time:.1f}"]
-        for law, row, units, time in zip(
-            ["published", "refitted there", *hole["law"][2:]],
-            numbers,
-            hole["units"],
-            hole["relative_time"],
-            strict=True,
-        )
-    ]
-    assert rows_of("law") == expected
-
-
-def test_the_numbers_between_the_tables():
-    ratio = departure_number(10.0)
-    ends = f"by 10 % at f/(E\\*·ΔR) = {ratio:.2f} and by 48 % at {johnson_end():.2f}"
-    assert ends in README
-    assert round(johnson_shortfall(johnson_end())) == 48
-
-
-def test_what_the_housing_changes():
-    steel, bronze = (Material.named(name) for name in ("high-strength steel", "bronze"))
-    pair = CylinderPair.internal(R_i=10.0, R_j=9.95, material=bronze, material_j=steel)
-    eye = Housing(R_o=20.0, clamp=Sector(60, side="far"))
-    for datum in ("johnson", Housing(R_o=100.0), Housing(R_o=1000.0), eye):
-        assert f"{1e3 * Conformal(datum).penetration(1000.0, pair):.0f} µm" in README
-    thin = Housing(R_o=15.0, clamp=Sector(60, side="far"))
-    index = (ROOT / "docs/index.md").read_text(encoding="utf-8")
-    for page in (README, index):
-        assert f"{1e3 * Conformal(thin).penetration(1000.0, pair):.0f} µm" in page
-        for housing in (None, thin):
-            assert f"{limits.yield_load(pair, housing=housing):,.0f} N/mm" in page
 
 
 def planned():
