@@ -22,7 +22,7 @@ from cylcontact.mechanism import SpatialJoint, read_joint, read_mechanism
 from tests.support.spec_files import CAMPAIGN, DROP, ELEMENTS, GRID, changed, toml, tree, write_toml
 
 ROOT = Path(__file__).resolve().parents[2]
-SHIPPED = ("slider_crank", "joint", "spatial_joint", "any-pair")
+SHIPPED = ("slider_crank", "joint", "spatial_joint")
 FILES = {name: tomllib.loads((ROOT / f"datasets/{name}.toml").read_text()) for name in SHIPPED}
 QUICK = {"bounds.n": DROP, "fixed.n": 1.2, "genetic.runs": 1, "genetic.generations": 2}
 FILES |= {"small": GRID, "campaign": changed(CAMPAIGN, QUICK), "elements": ELEMENTS}
@@ -30,7 +30,6 @@ READERS = {
     "slider_crank": read_mechanism,
     "joint": read_joint,
     "spatial_joint": SpatialJoint.read,
-    "any-pair": read_grid,
     "small": read_grid,
     "campaign": read_campaign,
     "elements": read_study,

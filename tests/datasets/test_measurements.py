@@ -120,8 +120,8 @@ def test_materials_of_ones_own_stand_beside_those_that_ship(tmp_path):
     assert data.labels["material_i"] == ["gunmetal"]
     assert (data.numbers["E_i"], data.numbers["E_j"]) == ([110e3], [600e3])
     assert "E and ν of gunmetal are from own.csv" in data.notes[1]
-    with pytest.raises(InputError, match=r"material = 'Brass': is not in own\.csv"):
-        measured(path, constants={"material": "Brass"}, materials=own)
+    with pytest.raises(InputError, match=r"material = 'Bell metal': is not in own\.csv"):
+        measured(path, constants={"material": "Bell metal"}, materials=own)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ OPTIONS = "--pin 207GPa,0.3 --hole 110GPa,0.34 --Ri 10 --Rj 9.95"
 def test_the_table_of_laws_takes_a_housing(run):
     code, said, _ = run("laws", *OPTIONS.split(), "--load", 1000, "--R-o", 20)
     assert code == 0
-    assert "10.17 µm, 0.83 times the penetration by Johnson's datum" in said
+    assert "penetration       10.17 µm" in said
     code, said, _ = run("laws", *OPTIONS.split(), "--load", 1000, "--R-o", 15, "--clamp", "far:60")
     assert "81.82 µm" in said
 
@@ -31,7 +31,7 @@ def test_a_bush_in_a_lug_is_that_of_the_python_interface(tmp_path, run):
     micrometres = f"{1e3 * laws.Conformal(bush).penetration(1000.0, PAIR):.4g} µm"
     code, said, _ = run("laws", *options, "--load", 1000)
     assert code == 0
-    assert f": {micrometres}, " in said
+    assert micrometres in said
     path = tmp_path / "law.py"
     code, _, errors = run("export", "conformal", *options, "--to", "python", "-o", path)
     assert code == 0, errors
@@ -54,7 +54,9 @@ def test_a_bush_in_a_lug_is_that_of_the_python_interface(tmp_path, run):
     ],
 )
 def test_options_that_are_no_housing_are_told(run, options, words):
-    code, _, errors = run("laws", "--Ri", 10, "--Rj", 9.95, *options.split())
+    code, _, errors = run(
+        "laws", "--material", "bronze", "--Ri", 10, "--Rj", 9.95, *options.split()
+    )
     assert (code, len(errors.splitlines())) == (2, 1)
     assert words in errors
 

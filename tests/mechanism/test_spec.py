@@ -107,8 +107,8 @@ def test_a_fits_result_is_searched_beside_the_file_first(tmp_path, monkeypatch):
 
 def test_a_material_of_a_users_table_is_that_of_all_cases(tmp_path):
     own = tmp_path / "own.csv"
-    own.write_text("name,E_GPa,nu\nbrass,102.5,0.34\n", encoding="utf-8")
-    changes = {"joint.pin": {"material": "Brass"}}
+    own.write_text("name,E_GPa,nu\ngunmetal,102.5,0.34\n", encoding="utf-8")
+    changes = {"joint.pin": {"material": "Gunmetal"}}
     mechanism = mechanism_from(changed(SLIDER_CRANK, changes), "mine", own)
     for case in (mechanism, mechanism.changed(clearance=0.1)):
         pin = case.joint.pair.material_j

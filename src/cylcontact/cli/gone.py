@@ -19,6 +19,10 @@ COMMANDS: dict[str, str] = {
 OPTIONS: dict[tuple[str, str], str] = {
     ("figure", "--results"): "name a fit as an argument, e.g. fig12 result=build/internal.json",
     ("claims", "--results"): "the claims read the folder that they are run in",
+    ("claims", "-j"): "leave it out; the claims need seconds",
+    ("claims", "--jobs"): "leave it out; the claims need seconds",
+    ("report", "-j"): "leave it out; the page is written from figures that are drawn",
+    ("report", "--jobs"): "leave it out; the page is written from figures that are drawn",
     ("simulate", "-o"): "use --table run.csv for the steps, Trajectory.plot for pictures",
     ("simulate", "--out"): "use --table run.csv for the steps, Trajectory.plot for pictures",
     ("simulate", "--method"): "leave it out; there is one method",

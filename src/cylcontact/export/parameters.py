@@ -359,7 +359,7 @@ def contact_parameters(
     >>> from cylcontact.mechanism import read_joint
     >>> parameters = contact_parameters(read_joint("datasets/joint.toml"), "adams", 100, 5000)
     >>> print(*str(parameters).splitlines()[:2])
-    K = 1.92848e+06 N/mm^e e = 1.22035
+    K = 1.92827e+06 N/mm^e e = 1.22033
     """
     require(code in CODES, "export", "--to", code, "is not known", f"choose {listed(CODES)}")
     for key, number in (("--mass", mass), ("--speed", 1.0 if speed is None else speed)):

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from cylcontact.bodies.fits import Fit
+from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import Conformal, ContactLaw, Explicit, Housing, Johnson
 from cylcontact.limits import first_yield, hertz_half_width, hertz_stress
@@ -316,7 +317,7 @@ def _described(check: JointCheck) -> list[str]:
     """Return the joint and its load in two or three lines."""
     pair = check.pair
     R_i, R_j = (float(radius) for radius in pair.radii("the joint"))
-    one, other = pair.material_i.name, pair.material_j.name
+    one, other = _named(pair.material_i), _named(pair.material_j)
     if pair.contact == "internal":
         bodies = f"{other} pin (R_j = {R_j:.6g} mm) in {one} hole (R_i = {R_i:.6g} mm), "
         bodies += f"ΔR = {_text(1e3 * float(pair.dR))} µm"
@@ -329,6 +330,12 @@ def _described(check: JointCheck) -> list[str]:
     total = f" ({_text(check.load * pair.length)} N on {pair.length:g} mm)" if pair.length else ""
     lines.append(f"under {_text(check.load)} N/mm{total}")
     return [*lines, str(check.fit)] if check.fit else lines
+
+
+def _named(material: Material) -> str:
+    """Return a material's name, or its modulus where it has only that of its body."""
+    is_role = material.name in ("material", "the pin", "the hole", "roller i", "roller j")
+    return f"{float(material.E) / 1e3:.4g} GPa" if is_role else material.name
 
 
 def _single(check: JointCheck) -> list[str]:
