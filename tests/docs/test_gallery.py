@@ -28,7 +28,7 @@ def test_a_script_draws_its_picture(script, tmp_path):
 
 def test_each_script_is_a_page_and_on_the_page():
     page = (ROOT / "docs/gallery.md").read_text(encoding="utf-8")
-    assert len(SCRIPTS) == 12
+    assert len(SCRIPTS) == 13
     for script in SCRIPTS:
         assert len(script.read_text(encoding="utf-8").splitlines()) <= 40
         assert script.with_suffix(".png").is_file()
