@@ -17,12 +17,12 @@ TABLE = pd.read_csv(ROOT / "datasets/finite_element/lug.csv", comment="#")
 TABLE["yield_load"] = 2 * TABLE.first_yield_N_per_mm - TABLE.first_yield_coarse
 STEEL = Material("steel", lugs.E, lugs.NU, yield_stress=lugs.YIELD_STRESS)
 # For each shank: first yield with its sector over that of the lug, from R_o/R = 1.3 and from 1.5.
-LOWEST = {0.5: (0.943, 0.983), 0.75: (0.911, 0.958), 1.0: (0.842, 0.911), 1.2: (0.777, 0.870)}
-LOWEST |= {1.5: (0.749, 0.839)}
+LOWEST = {0.5: (0.943, 0.982), 0.75: (0.912, 0.959), 1.0: (0.842, 0.911), 1.2: (0.778, 0.871)}
+LOWEST |= {1.5: (0.749, 0.840)}
 # K_tb = σ·d/f of a hole in a bar of width w, pulled by a pin without clearance, at d/w. Two curves
 # after Frocht and Hill, J. Appl. Mech. 7 (1940) A-5: a formula of Pilkey, Peterson's Stress
 # Concentration Factors, chart 4.67, and readings of Niu, Airframe Stress Analysis, fig. 7.7.25.
-# They differ by up to 7 %, and the end of their bars is far from the hole.
+# They differ by up to 7 %, are quoted at second hand, and the end of their bars is far away.
 NIU = {0.5: 2.655, 0.4: 1.972, 1 / 3: 1.680, 0.25: 1.405}
 
 
@@ -117,7 +117,7 @@ def require_safe(table):
     for shank, (lowest, from_ratio_1_5) in LOWEST.items():
         cases = [case for case in table.itertuples() if case.shank == shank]
         ratios = np.array([yields(case) for case in cases])
-        assert ratios.max() < 1.0005  # 0.9998 at the most, and the table has five digits
+        assert ratios.max() < 1.0002  # of a shank of 0.5; below 0.995 for all others
         assert ratios.min() > lowest
         thick = np.array([case.outer_ratio >= 1.5 for case in cases])
         assert ratios[thick].min() > from_ratio_1_5
