@@ -36,7 +36,7 @@ from cylcontact.datasets.finite_element.mesh import (
 )
 from cylcontact.datasets.finite_element.solver import Solution, condense
 from cylcontact.files.writing import replacing
-from cylcontact.support.arrays import FloatArray, IndexArray, on_one_thread
+from cylcontact.support.arrays import FloatArray, IndexArray, on_one_thread, require
 from cylcontact.support.errors import InputError
 
 # The flanks' angle to the load, the fillets' radius and the shank's length, over R_o and W.
@@ -147,7 +147,10 @@ def first_yield(
             return 9.0
 
     solution = at(brentq(above, guess / 6, 6 * guess, rtol=1e-4))
-    _, of, cell = largest(solution)
+    stress, of, cell = largest(solution)
+    rule, remedy = "is not reached while the mesh's pairs hold the contact", "raise dR"
+    reached = abs(stress / yield_stress - 1) < 1e-3
+    require(reached, "finite elements", "first yield", None, rule, remedy)
     body: Body = getattr(solution.mesh, of)
     x, y = body.points[body.quads[cell]].mean(axis=0)
     return solution, "hole" if of == "plate" else "pin", float(np.degrees(np.arctan2(x, y)))
