@@ -65,9 +65,10 @@ fitting/results/%.json: fitting/%.toml FORCE | committed $(VENV)/.editable
 
 # No files of make's own: a checkout's timestamps say nothing, and the figures, which read these
 # tables, must not redo them. CalculiX solves the recommended set-up; the other studies vary it.
-finite-element: $(VENV)/.editable ## Redo the finite elements' tables (some minutes; needs CalculiX)
+finite-element: $(VENV)/.editable ## Redo the finite elements' tables (some 20 minutes; needs CalculiX)
 	set -e; for study in $(basename $(wildcard datasets/finite_element/*.toml)); do \
 		$(CYLCONTACT) finite-element $$study.toml -o $$study-embedded.csv; done
+	$(BIN)/python -m cylcontact.datasets.finite_element.lug datasets/finite_element/lug.csv
 	$(BIN)/python -m benchmarks.calculix
 
 # The paper's 24 cases and those of the explicit law.

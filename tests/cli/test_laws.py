@@ -44,6 +44,16 @@ def test_the_answer_comes_first_and_on_one_screen(run):
     assert f"factor to yield   {yields / 1000:.3g}" in out
 
 
+def test_a_lug_is_the_far_sector_that_it_names(run):
+    line = "--material 'low-carbon steel' --Ri 20 --Rj 19.98 --R-o 40 --load 1000"
+    for lug, sector in (("lug", "far:110"), ("lug:0.5", "far:60"), ("lug:1.3", "far:130")):
+        assert numbers(run, f"{line} --clamp {lug}") == numbers(run, f"{line} --clamp {sector}")
+        housing = shown(run, f"{line} --clamp {lug}").splitlines()[1]
+        assert f"lug of R_o = 40 mm, shank {80 * float(lug[4:] or 1):g} mm wide" in housing
+        assert f"as {sector}: first yield 0 to" in housing
+        assert len(housing) <= 100
+
+
 def test_all_laws_side_by_side_their_accuracy_and_their_names(run):
     out = shown(run, "--material bronze --Ri 10 --dR 0.05 --length 10 --all")
     assert all(f"{name} " in out for name in laws.LAWS)
@@ -116,7 +126,8 @@ def test_laws_finds_a_clearance(run):
 BOTH = "--material bronze"
 REFUSED = [
     f"{BOTH} --Ri 10 --dR .05 --clamp far:60 | laws: --R-o: is required",
-    f"{BOTH} --R-o 20 --clamp side:60 | '--clamp': 'side:60' is no clamp; write rim, near:60",
+    f"{BOTH} --R-o 20 --clamp side:60 | '--clamp': 'side:60' is no clamp; write rim, lug",
+    f"{BOTH} --R-o 20 --clamp lug:0.4 | laws: --clamp = 0.4: must be at least 0.5",
     "--R-o 20 --layer bronze | '--layer': 'bronze' is no material with an inner radius",
     f"{BOTH} --fit 20H5/n6 | leaves no clearance at any pair",
     f"{BOTH} --fit 20H7/g6 --dR .1 | laws: --dR = 0.1: is given by the fit 20H7/g6",
@@ -194,7 +205,7 @@ def test_a_pair_may_be_given_in_several_ways(run, tmp_path, monkeypatch):
     by_name = shown(run, f"{line} --hole-diameter 20 --pin-diameter 19.9")
     for radii in ("--Ri 10 --Rj 9.95", "--Ri 10 --dR 0.05", "--Rj 9.95 --dR 50um"):
         text = shown(run, f"--E '102.5 GPa' --nu 0.34 {radii}".replace("50um", "'50 um'"))
-        assert text.replace("the material", "pewter") == by_name
+        assert text.replace("102.5 GPa", "pewter") == by_name
     (tmp_path / "datasets").mkdir()
     own.rename(tmp_path / "datasets/materials.csv")
     assert shown(run, "--material pewter --Ri 10 --dR 0.05") == by_name

@@ -30,7 +30,7 @@ def test_a_script_draws_its_picture(script, tmp_path):
 
 def test_each_script_is_a_page_and_on_the_page():
     page = (ROOT / "docs/gallery.md").read_text(encoding="utf-8")
-    assert len(SCRIPTS) == 14
+    assert len(SCRIPTS) == 15
     for script in SCRIPTS:
         assert script.with_suffix(".png").is_file()
         assert f"](gallery/{script.stem}.png)" in page

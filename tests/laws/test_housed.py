@@ -48,7 +48,7 @@ def test_a_bush_in_a_lug_is_that_of_the_python_interface(tmp_path, run):
         ("--R-o 20 --layer bronze", "'--layer': 'bronze' is no material with an inner radius"),
         ("--R-o 20 --layer bronze:25", "--layer = [25.0, 20.0]: must have inner radii that incr"),
         ("--R-o 9", "R_o = 9.0: must be larger than the hole"),
-        ("--R-o 20 --clamp half", "'--clamp': 'half' is no clamp; write rim, near:60"),
+        ("--R-o 20 --clamp half", "'--clamp': 'half' is no clamp; write rim, lug, near:60"),
         ("--clamp rim", "--R-o: is required; add the radius of the rim"),
         ("--R-o 20 --contact external", "leave out --R-o and --clamp"),
     ],

@@ -69,7 +69,9 @@ def _clamp(text: str) -> dict[str, Any]:
     """Return the keys of a table [housing] for a clamp in short."""
     if text == "rim":
         return {"clamp": "rim"}
-    side, _, angle = text.partition(":")
+    side, colon, angle = text.partition(":")
+    if side == "lug":
+        return {"clamp": "lug"} | ({"shank": plain_number(angle)} if colon else {})
     if side not in ("near", "far"):
         raise ValueError
     return {"clamp": "sector", "angle": plain_number(angle), "side": side}
@@ -86,7 +88,7 @@ _NAMED = reader(
     "'207 GPa, 0.3, 350 MPa, 12e-6/K'",
 )
 _RADIUS = reader(_radius, "is not a length; give mm, or e.g. '40 um'")
-_CLAMP = reader(_clamp, "is no clamp; write rim, near:60 or far:60, with your angle")
+_CLAMP = reader(_clamp, "is no clamp; write rim, lug, near:60 or far:60, with your angle")
 _LAYER = reader(_layer, "is no material with an inner radius; write e.g. bronze:12")
 # By their names as constants of a table, where they have one.
 PAIR: Options = {
@@ -109,7 +111,7 @@ PAIR: Options = {
     "length_mm": _length("Axial length.", "--length"),
     "plane": _text("strain (long) or stress (thin).", "--plane"),
     "R_o": _length("Radius of the housing's rim.", "--R-o"),
-    "clamp": _text("rim (by default), near:60 or far:60.", "--clamp", read=_CLAMP),
+    "clamp": _text("rim (by default), lug, near:60 or far:60.", "--clamp", read=_CLAMP),
     "layer": (list[str] | None, option("Bonded ring, from a radius; may be repeated.",
               "--layer", metavar="NAME:MM", parser=_LAYER, **_PANEL)),
 }  # fmt: skip
@@ -175,7 +177,9 @@ def housing_of(given: dict[str, Any], source: str, contact: str) -> HousingSpec 
     data |= data.pop("clamp", {})
     if "layer" in data:
         data["layers"] = data.pop("layer")
-    with blaming_options({"R_o": "--R-o", "angle": "--clamp", "layers": "--layer"}):
+    with blaming_options(
+        {"R_o": "--R-o", "angle": "--clamp", "shank": "--clamp", "layers": "--layer"}
+    ):
         return parse_spec(HousingSpec, data, source)
 
 

@@ -23,8 +23,9 @@ class HousingSpec(Spec):
     """A table [housing]: a ring around the hole that is clamped on its rim."""
 
     R_o: float = Field(gt=0, description="the radius of the rim in mm")
-    clamp: Literal["rim", "sector"] = Field(
-        "rim", description='"rim" if all of it is clamped, "sector" for a part'
+    clamp: Literal["rim", "sector", "lug"] = Field(
+        "rim",
+        description='"rim" if all of it is clamped, "sector" for a part, "lug" for a pulled lug',
     )
     angle: float | None = Field(
         None, ge=10, le=350, description="the angle of the clamped sector, 10 to 350 degrees"
@@ -32,7 +33,9 @@ class HousingSpec(Spec):
     side: Literal["near", "far"] | None = Field(
         None, description='"near" if the pin is pressed towards the sector, "far" if away from it'
     )
-
+    shank: float | None = Field(
+        None, ge=0.5, description="half the width of a lug's shank over R_o, by default 1"
+    )
     layers: Annotated[tuple[LayerSpec, ...], Strict(False)] | None = Field(
         None, description="a list of rings around the hole's own, from within, each with its R_i"
     )
@@ -46,8 +49,12 @@ class HousingSpec(Spec):
         given = {"angle": self.angle, "side": self.side}
         for key, value in given.items():
             if (value is None) == (self.clamp == "sector"):
-                rule = "is for a sector" if self.clamp == "rim" else "is missing for a sector"
+                rule = "is missing for a sector" if value is None else "is for a sector"
                 raise broken(key, value, rule, 'give angle and side with clamp = "sector" only')
+        if self.shank is not None and self.clamp != "lug":
+            raise broken(
+                "shank", self.shank, "is for a lug", 'write clamp = "lug", or leave it out'
+            )
         return self
 
     def with_numbers(
@@ -69,6 +76,9 @@ class HousingSpec(Spec):
             (layer.named(f"layer {k}", None, "housing", "layers"), layer.R_i)
             for k, layer in enumerate(self.layers or (), start=1)
         ]
+        if self.clamp == "lug":
+            shank = 1.0 if self.shank is None else self.shank
+            return Housing(self.R_o, clamp=Sector.lug(shank), layers=layers)
         if self.angle is None or self.side is None:
             return Housing(self.R_o, layers=layers)
         return Housing(self.R_o, clamp=Sector(self.angle, self.side), layers=layers)

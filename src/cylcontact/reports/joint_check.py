@@ -334,7 +334,7 @@ def _described(check: JointCheck) -> list[str]:
 
 def _named(material: Material) -> str:
     """Return a material's name, or its modulus where it has only that of its body."""
-    is_role = material.name in ("material", "the pin", "the hole", "roller i", "roller j")
+    is_role = material.name.startswith("the ")  # where only a modulus was given
     return f"{float(material.E) / 1e3:.4g} GPa" if is_role else material.name
 
 

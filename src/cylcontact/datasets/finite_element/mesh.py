@@ -9,7 +9,7 @@ same rays from the hole's centre, so contact is between pairs of nodes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, get_args
 
@@ -201,8 +201,16 @@ class Setup(SetupKeys):
         remedy = "give the radial clearance in mm"
         require(0 < dR < self.hole_radius, "finite elements", "dR", dR, rule, remedy)
 
-    def mesh(self, dR: float, loads: Sequence[float] | FloatArray) -> Mesh:
+    def mesh(
+        self,
+        dR: float,
+        loads: Sequence[float] | FloatArray,
+        plate: PlateMesher | None = None,
+        eighths: int = 3,
+    ) -> Mesh:
         """Return the mesh of one clearance for all its loads.
+
+        `plate` meshes another outline; pairs of nodes extend to 45° and `eighths` of 90° more.
 
         Raises
         ------
@@ -223,7 +231,7 @@ class Setup(SetupKeys):
             even = min(1.1 * narrow, _EVEN_CELLS * self.size)
             fine = np.inf if self.contact_size is None else self.contact_size
             grading = Grading(self.size, even, _GROWTH, _LARGEST, fine, 1.1 * wide)
-        return _mesh(self, dR, grading)
+        return _mesh(self, dR, grading, plate or _plate, eighths)
 
 
 # --- the mesh ------------------------------------------------------------------------------------
@@ -278,29 +286,34 @@ class Grading:
     reach: float = 0.0  # mm
 
 
-def _mesh(setup: Setup, dR: float, grading: Grading) -> Mesh:
+# From the set-up, the angles of the first nodes on the hole and the grading away from them: the
+# plate, and the nodes on its outer boundary.
+PlateMesher = Callable[[Setup, FloatArray, Grading], tuple[Body, IndexArray]]
+
+
+def _mesh(setup: Setup, dR: float, grading: Grading, plate_of: PlateMesher, eighths: int) -> Mesh:
     """Mesh a pin in a hole."""
     pin_radius = setup.hole_radius - dR
     # The pin's angles from 0 to 45°, and a multiple of 8 intervals from 45° to 135°.
-    top = _graded(_QUARTER * pin_radius, grading, pin_radius) / pin_radius
-    eighths = int(np.ceil(_QUARTER / 4 / (top[-1] - top[-2])))
-    right = np.linspace(_QUARTER, 3 * _QUARTER, 8 * eighths + 1)
+    top = graded(_QUARTER * pin_radius, grading, pin_radius) / pin_radius
+    eighth = int(np.ceil(_QUARTER / 4 / (top[-1] - top[-2])))
+    right = np.linspace(_QUARTER, 3 * _QUARTER, 8 * eighth + 1)
     inwards = replace(grading, even=0.0)
-    depth = _graded((1 - _CORE) * pin_radius, inwards, pin_radius)
+    depth = graded((1 - _CORE) * pin_radius, inwards, pin_radius)
     pin, centre = _pin(pin_radius, dR, top, right, depth / depth[-1])
-    # The pairs extend to 79°; contact of bodies of one material stays below 85° at any load.
-    facing = np.concatenate([top, right[1 : 3 * (right.size // 8) + 1]])
+    # By default they extend to 79°; contact of bodies of one material in a plate stays below 85°.
+    facing = np.concatenate([top, right[1 : eighths * eighth + 1]])
     rays = np.arctan2(pin_radius * np.sin(facing), dR + pin_radius * np.cos(facing))
-    plate, outer = _plate(setup, rays, inwards)
+    plate, outer = plate_of(setup, rays, inwards)
     return Mesh(plate, pin, centre, outer, _pairs(plate, pin, setup.hole_radius, facing.size))
 
 
-def _graded(length: float, grading: Grading, radius: float) -> FloatArray:
+def graded(length: float, grading: Grading, radius: float) -> FloatArray:
     """Return points from 0 to `length` with distances that grow from the grading's size.
 
     All distances are reduced slightly so that the last point is at `length`.
 
-    >>> print(_graded(1.0, Grading(size=0.1, even=0.0, growth=1.5, largest=0.3), 1.0).round(3))
+    >>> print(graded(1.0, Grading(size=0.1, even=0.0, growth=1.5, largest=0.3), 1.0).round(3))
     [0.    0.093 0.233 0.442 0.721 1.   ]
     """
     points, size = [0.0], grading.size
@@ -323,27 +336,27 @@ def _plate(setup: Setup, rays: FloatArray, grading: Grading) -> tuple[Body, Inde
     onwards = replace(grading, size=(rays[-1] - rays[-2]) * radius)
     outwards = replace(grading, largest=2 * grading.largest)
     if clamp_end is None:
-        r = radius + _graded(width, outwards, radius)
+        r = radius + graded(width, outwards, radius)
     else:
         edge = replace(grading, size=_EDGE * radius, even=0.0)
-        inner = _graded(width / 2, replace(outwards, largest=grading.largest), radius)
-        r = radius + np.append(inner, width - _graded(width / 2, edge, radius)[-2::-1])
+        inner = graded(width / 2, replace(outwards, largest=grading.largest), radius)
+        r = radius + np.append(inner, width - graded(width / 2, edge, radius)[-2::-1])
     if clamp_end is not None and clamp_end > rays[-1]:
         middle, rest = (clamp_end - rays[-1]) / 2, np.pi - clamp_end
-        before = _graded(middle * radius, onwards, radius) / radius
-        to_end, after = (_graded(a * radius, edge, radius) / radius for a in (middle, rest))
+        before = graded(middle * radius, onwards, radius) / radius
+        to_end, after = (graded(a * radius, edge, radius) / radius for a in (middle, rest))
         before = np.append(rays[-1] + before[1:], clamp_end - to_end[-2::-1])
         theta = np.concatenate([rays, before, clamp_end + after[1:]])
     else:
-        to_side = _graded((np.pi / 2 - rays[-1]) * radius, onwards, radius) / radius
+        to_side = graded((np.pi / 2 - rays[-1]) * radius, onwards, radius) / radius
         # One node is exactly at the end of the upper half of the boundary.
         below = np.linspace(np.pi / 2, np.pi, int(np.ceil(np.pi / 2 / grading.largest)) + 1)
         theta = np.concatenate([rays, rays[-1] + to_side[1:-1], below])
-    points = _polar(r[:, None], theta[None, :])
+    points = polar(r[:, None], theta[None, :])
     nodes = np.arange(r.size * theta.size).reshape(r.size, theta.size)
     # θ runs clockwise, so with r outwards the corners turn counter-clockwise in this order.
     axis = np.concatenate([nodes[:, 0], nodes[:, -1]])
-    return Body(points.reshape(-1, 2), _quads(nodes), nodes[0], axis), nodes[-1]
+    return Body(points.reshape(-1, 2), quads_of(nodes), nodes[0], axis), nodes[-1]
 
 
 def _pin(
@@ -355,7 +368,7 @@ def _pin(
     """
     bottom = np.linspace(3 * _QUARTER, np.pi, top.size)
     theta = np.concatenate([top, right[1:], bottom[1:]])
-    surface = _polar(np.array(radius), theta)
+    surface = polar(np.array(radius), theta)
     reach = np.maximum(np.abs(np.cos(theta)), np.abs(np.sin(theta)))
     around = surface * (_CORE / reach)[:, None]
     layers = surface + depth[:, None, None] * (around - surface)
@@ -374,7 +387,7 @@ def _pin(
     core[own] = ring.size + np.arange(np.count_nonzero(own))
     filling = np.stack([x, np.broadcast_to(height[:, None], x.shape)], axis=-1)[own]
     points = np.concatenate([layers.reshape(-1, 2), filling]) + np.array([0.0, dR])
-    quads = np.concatenate([_quads(ring[::-1]), _quads(core[::-1])])
+    quads = np.concatenate([quads_of(ring[::-1]), quads_of(core[::-1])])
     axis = np.unique(np.concatenate([ring[:, 0], ring[:, -1], core[:, 0]]))
     return Body(points, quads, ring[0], axis), int(core[rows // 2, 0])
 
@@ -392,7 +405,7 @@ def _pairs(plate: Body, pin: Body, radius: float, count: int) -> Pairs:
     return Pairs(count, hole / radius, gap, length, arc)
 
 
-def _polar(r: FloatArray, theta: FloatArray) -> FloatArray:
+def polar(r: FloatArray, theta: FloatArray) -> FloatArray:
     """Return points at r and θ, θ from the top."""
     r, theta = np.broadcast_arrays(r, theta)
     points = np.stack([r * np.sin(theta), r * np.cos(theta)], axis=-1)
@@ -400,7 +413,7 @@ def _polar(r: FloatArray, theta: FloatArray) -> FloatArray:
     return np.where(np.abs(points) < 1e-12 * r[..., None], 0.0, points)
 
 
-def _quads(nodes: IndexArray) -> IndexArray:
+def quads_of(nodes: IndexArray) -> IndexArray:
     """Return the cells of a block of nodes with rows outwards and columns clockwise."""
     corners = (nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1])
     return np.stack([corner.ravel() for corner in corners], axis=-1)

@@ -13,7 +13,7 @@ until the set does not change.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -177,11 +177,18 @@ def solve(setup: Setup, dR: float, loads: Sequence[float] | FloatArray) -> list[
     """
     applied = np.asarray(loads, dtype=np.float64)
     mesh = setup.mesh(dR, applied)
-    pairs, held = mesh.pairs, clamped_nodes(setup, mesh)
+    held = clamped_nodes(setup, mesh)
+    at = condense(setup, dR, mesh, np.concatenate([2 * held, 2 * held + 1]))
+    return [at(load) for load in applied.tolist()]
+
+
+def condense(setup: Setup, dR: float, mesh: Mesh, held: IndexArray) -> Callable[[float], Solution]:
+    """Return what solves one load on a mesh; `held` are the plate's fixed degrees of freedom."""
+    pairs = mesh.pairs
     on_plate = _displacements(
         mesh.plate,
         setup.equivalent("plate"),
-        np.concatenate([2 * mesh.plate.axis, 2 * held, 2 * held + 1]),
+        np.append(2 * mesh.plate.axis, held),
         _pair_forces(mesh, mesh.plate, 1.0),
     )
     pushed = _pair_forces(mesh, mesh.pin, -1.0)
@@ -194,27 +201,26 @@ def solve(setup: Setup, dR: float, loads: Sequence[float] | FloatArray) -> list[
         pushed,
     )
     opened = _opening(mesh, on_plate, on_pin)
-    solutions = []
-    for load in applied.tolist():
+
+    def at(load: float) -> Solution:
         gap = pairs.gap + opened[:, -1] * load
         touching, depth = touch(opened[:, :-1], gap, pairs.normals[:, 1], load)
         acting = np.append(touching, load)
         pressure = touching / pairs.length
-        solutions.append(
-            Solution(
-                setup=setup,
-                dR=dR,
-                load=load,
-                penetration=depth,
-                half_width=_edge(pairs.arc, pressure),
-                arc=pairs.arc,
-                pressure=pressure,
-                mesh=mesh,
-                plate=(on_plate @ acting).reshape(-1, 2),
-                pin=(on_pin @ acting).reshape(-1, 2) + np.array([0.0, depth]),
-            )
+        return Solution(
+            setup=setup,
+            dR=dR,
+            load=load,
+            penetration=depth,
+            half_width=_edge(pairs.arc, pressure),
+            arc=pairs.arc,
+            pressure=pressure,
+            mesh=mesh,
+            plate=(on_plate @ acting).reshape(-1, 2),
+            pin=(on_pin @ acting).reshape(-1, 2) + np.array([0.0, depth]),
         )
-    return solutions
+
+    return at
 
 
 # --- elasticity ----------------------------------------------------------------------------------
