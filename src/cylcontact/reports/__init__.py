@@ -33,9 +33,21 @@ __all__ = [
     "write_figures",
     "write_page",
 ]
+# Names of 1.0.0rc1 that are gone, with what to use instead. Kept for one release.
+_GONE = {
+    "Bench": "draw a figure with draw, and read files with pandas or fitting.LawFit.read",
+    "bench": "write a figure or a claim as a plain function, as in reports/paper.py",
+    "build": "use write_figures",
+    "explore": "open the notebook 3_explore",
+    "laws_table": "use check_joint, or cylcontact laws --all --json",
+    "manuscript": "draw figures with write_figures and include their PDF in a text of yours",
+}
 
 
 def __getattr__(name: str) -> Any:
+    if name in _GONE:
+        # Of an AttributeError, `from cylcontact.reports import` would not show the text.
+        raise ImportError(f"cylcontact.reports.{name} is gone: {_GONE[name]}")
     if name in _IN:
         return getattr(import_module(f"cylcontact.reports.{_IN[name]}"), name)
     raise AttributeError(f"module 'cylcontact.reports' has no attribute {name!r}")
