@@ -11,10 +11,12 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.harness import Row, Side, compare, rows, seconds_of
+from cylcontact.reports.figures import recipes
 
 BENCH = Path(__file__).parents[1]
 CYLCONTACT = (sys.executable, "-m", "cylcontact.cli")
 SIMULATE = (*CYLCONTACT, "simulate", "datasets/slider_crank.toml", "--revolutions", "2")
+LAWS = "laws --material bronze --Ri 10 --Rj 9.95 --load 100"
 # As after an install: a sandbox may keep Python from saving what it has compiled.
 ENVIRONMENT = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
 
@@ -25,6 +27,7 @@ def measure(short: bool) -> Iterator[list[Row]]:
         Side("import cylcontact", partial(_run, sys.executable, "-c", "import cylcontact")),
         Side("import numpy", partial(_run, sys.executable, "-c", "import numpy")),
         Side("cylcontact --help", partial(_run, *CYLCONTACT, "--help")),
+        Side("cylcontact laws", partial(_run, *CYLCONTACT, *LAWS.split())),
     ]
     yield compare("start_up", "a fresh process", imports, 1 if short else 9, "s", 1.0)
     if short:
@@ -40,7 +43,7 @@ def measure(short: bool) -> Iterator[list[Row]]:
         draw = Side("cylcontact figure", partial(_run, *CYLCONTACT, "figure", "-o", folder))
         # Once: a fresh process is as warm as it will be, and this is the longest of all sides.
         seconds = {draw.name: [seconds_of(draw)]}
-    yield rows("start_up", f"{len(list(BENCH.glob('reports/*.py')))} figures", seconds, "s", 1.0)
+    yield rows("start_up", f"{len(recipes(BENCH))} figures", seconds, "s", 1.0)
 
 
 def _run(*command: str, **environment: str) -> None:
