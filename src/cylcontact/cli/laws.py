@@ -96,6 +96,7 @@ def laws(
     length = 1.0 if find == "length" else pair.get("length_mm")
     with blaming_options({"": "--load"}, "laws"):
         force = load_in_N_per_mm(load if " " in load else f"{load} N/mm", length)
+    require(force > 0, "laws", "--load", load, "must be positive", "give it in N/mm")
     warm = _warming(temperature, rim, around, pair)
     if find is not None:
         _find(find, warm(cylinders), force, stiffness, penetration, around)
@@ -134,7 +135,8 @@ def _check(
         require(depth is not None, "laws", "--depth", None, "is missing for a plane", remedy)
     else:
         require(depth is None, "laws", "--depth", depth, "is for a plane", "give --Rj inf too")
-    check = check_joint(pair, load, housing=housing, fit=fit, depth=depth, warm=warm)
+    with blaming_options({"datum": "--depth"}, "laws"):
+        check = check_joint(pair, load, housing=housing, fit=fit, depth=depth, warm=warm)
     say(json.dumps(check.to_dict(), ensure_ascii=False, indent=1) if as_json else str(check))
 
 

@@ -111,12 +111,12 @@ def several(
     )
 
 
-def one_of(name: str, known: Sequence[str]) -> Read:
+def one_of(known: Sequence[str]) -> Read:
     """Return a reader that refuses all but some words."""
 
     def read(text: str) -> str:
         if text not in known:
-            raise InputError("command line", name, text, "is unknown", f"choose {listed(known)}")
+            raise typer.BadParameter(f"{text!r} is unknown; choose {listed(known)}")
         return text
 
     return read

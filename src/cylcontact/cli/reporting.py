@@ -33,7 +33,7 @@ def figure(
     width: str | None = option(f"{listed(WIDTHS)}, or a number of mm.", metavar="WIDTH"),
     style: str | None = option("A matplotlib style, by name or file.", metavar="STYLE"),
     formats: list[str] | None = several(
-        f"{listed(FORMATS)}.", "--format", of=one_of("--format", FORMATS), metavar="FORMAT"
+        f"{listed(FORMATS)}.", "--format", of=one_of(FORMATS), metavar="FORMAT"
     ),
     jobs: int = JOBS,
 ) -> None:
