@@ -31,8 +31,8 @@ def fig07() -> tuple[Figure, pd.DataFrame]:
         hertz_load_N_per_mm=lambda pair: yield_load(pair, "Hertz"),
     )
     figure, axes_of = panels_by_radius(table, "hertz_load_N_per_mm", thin="load_N_per_mm")
+    axes_of[0].set_ylabel("load (N/mm)")
     for axes in axes_of:
-        axes.set_ylabel("load (N/mm)")
         axes.plot([], [], color="0.3", **THIN, label="first yield by von Mises")
     legend_below(axes_of[0])
     return figure, table
@@ -69,7 +69,7 @@ def fig09() -> tuple[Figure, pd.DataFrame]:
             where = np.interp(at, stress, np.log(CLEARANCES), left=np.nan, right=np.nan)
             axes.plot(np.exp(where), np.exp(at), "*", color=f"C{number}", markersize=8)
         axes.plot([], [], "*", color="0.3", markersize=8, label="equal to the yield stress")
-        axes.set_ylabel("peak pressure (MPa)")
+    axes_of[0].set_ylabel("peak pressure (MPa)")
     legend_below(axes_of[0])
     return figure, table
 
