@@ -45,7 +45,7 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         fit.compare: "compare fitting/results/internal.json",
     },
     "Laws": {
-        laws.laws: 'laws --pin "low-carbon steel" --hole bronze --dR 0.05',
+        laws.laws: 'laws --pin "low-carbon steel" --hole bronze --Ri 10 --dR 0.05',
         laws.export: "export johnson --to c",
     },
     "Mechanism": {
