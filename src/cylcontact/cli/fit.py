@@ -303,6 +303,8 @@ def choose(
     *,
     law: list[str] | None = several("The laws to compare; all by default.", of=str, metavar="NAME"),
     out: Path | None = output("The folder; results/NAME beside the table."),
+    jobs: int = JOBS,
+    scheduler: Any = SCHEDULER,
     settings: dict[str, Any],
     parameters: dict[str, Any],
     pair: dict[str, Any],
@@ -320,7 +322,7 @@ def choose(
         data, {**pair, **settings, **parameters, "law": law[0] if law else "johnson"}
     )
     with progress_bars() as progress:
-        choice = choose_law(measured, law or (), progress)
+        choice = choose_law(measured, law or (), progress, scheduler or jobs)
     write_choice(choice, folder)
     say(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
 

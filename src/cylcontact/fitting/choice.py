@@ -47,6 +47,7 @@ from cylcontact.laws import LAW_TYPES
 from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.support.errors import InputError
+from cylcontact.support.parallel import Workers, call, collect
 from cylcontact.support.plain_text import brief
 from cylcontact.support.progress import Progress, silent
 from cylcontact.support.text_tables import Table
@@ -306,41 +307,23 @@ def laws_for(contact: Contact, pairs: int) -> list[str]:
 
 
 def choose_law(
-    table: MeasuredTable, names: Iterable[str] = (), progress: Progress = silent
+    table: MeasuredTable, names: Iterable[str] = (), progress: Progress = silent, jobs: Workers = 1
 ) -> Choice:
     """Fit all laws that apply to measurements, and rank them."""
     data, spec = table.measurements, table.spec
-    chosen = list(names) or laws_for(data.contact, len(data.groups("pair")[0]))
-    if spec.housing is not None and not names:
+    named = list(names)
+    chosen = named or laws_for(data.contact, len(data.groups("pair")[0]))
+    if spec.housing is not None and not named:
         chosen = ["conformal", *(name for name in chosen if not takes_housing(name))]
-    fitted: dict[str, Optimum] = {}
-    left_out: dict[str, str] = {}
-    for number, name in enumerate(chosen):
-        progress("fitting", number, len(chosen))
-        try:
-            with on_one_thread():
-                optimum = _fitted(_campaign(table, name, starts=_STARTS))
-        except InputError as error:
-            if names:
-                raise
-            key = error.key
-            where = error.source.rpartition(", ")[2] if key.startswith("load, ") else key
-            left_out[name] = f"left out: {where}: {error.rule}".replace(": : ", ": ")
-            continue
-        k = optimum.estimated
-        if len(data) > k + 1:
-            fitted[name] = optimum
-        else:
-            left_out[name] = (
-                f"left out: {len(data)} readings are too few to rank it, which estimates {k} "
-                f"numbers; AICc needs {k + 2}"
-            )
-    progress("fitting", len(chosen), len(chosen))
+    calls = [call(_fit_or_reason, table, name, bool(named)) for name in chosen]
+    outcomes = dict(zip(chosen, collect(calls, jobs, progress, "fitting"), strict=True))
+    fitted = {name: end for name, end in outcomes.items() if isinstance(end, Optimum)}
+    left_out = {name: end for name, end in outcomes.items() if isinstance(end, str)}
     _require_some(fitted, left_out, table, "measure more, or hold some (--fix compliance=0)")
     aicc = {name: _aicc(optimum, table.source) for name, optimum in fitted.items()}
     parts, words = _parts(next(iter(fitted.values())).fit, spec.seed)
-    with on_one_thread():
-        missed = {name: _missed(optimum, parts) for name, optimum in fitted.items()}
+    calls = [call(_missed, optimum, parts) for optimum in fitted.values()]
+    missed = dict(zip(fitted, collect(calls, jobs, progress, "predicting"), strict=True))
     for name in [name for name in fitted if not np.isfinite(missed[name]).all()]:
         del fitted[name]
         left_out[name] = (
@@ -363,6 +346,29 @@ def choose_law(
         uncertainty = uncertainty_of(best)
     warnings = tuple(data_warnings(uncertainty))
     return Choice(table, tuple(ranked), left_out, words, warnings, describes(uncertainty))
+
+
+def _fit_or_reason(table: MeasuredTable, name: str, is_named: bool) -> Optimum | str:
+    """Return the fit of a law, or why it is left out."""
+    try:
+        with on_one_thread():
+            optimum = _fitted(_campaign(table, name, starts=_STARTS))
+            _ = optimum.log_likelihood, optimum.covariance  # singular now, or never
+    except np.linalg.LinAlgError:
+        return "left out: its information matrix is singular"
+    except InputError as error:
+        if is_named:
+            raise
+        key = error.key
+        where = error.source.rpartition(", ")[2] if key.startswith("load, ") else key
+        return f"left out: {where}: {error.rule}".replace(": : ", ": ")
+    k, rows = optimum.estimated, len(table.measurements)
+    if rows > k + 1:
+        return optimum
+    return (
+        f"left out: {rows} readings are too few to rank it, which estimates {k} "
+        f"numbers; AICc needs {k + 2}"
+    )
 
 
 def _require_some(
@@ -422,14 +428,15 @@ def _aicc(optimum: Optimum, source: str) -> float:
 def _missed(optimum: Optimum, parts: Sequence[Indices]) -> FloatArray:
     """Return the misses of a fit without each reading's part, in mm with a noise model."""
     fit, missed = optimum.fit, np.empty(len(optimum.fit.data))
-    for part in parts:
-        rest = fit.take(np.setdiff1d(np.arange(missed.size), part))
-        point = rest.minimise(optimum.point, most=1).point
-        if fit.noise is None:
-            missed[part] = fit.raw(point[None, :])[0][part]
-        else:
-            difference = fit.differences(point[None, :])[0] + _of_series(rest, point, fit.noise)
-            missed[part] = difference[part]
+    with on_one_thread():
+        for part in parts:
+            rest = fit.take(np.setdiff1d(np.arange(missed.size), part))
+            point = rest.minimise(optimum.point, most=1).point
+            if fit.noise is None:
+                missed[part] = fit.raw(point[None, :])[0][part]
+            else:
+                added = _of_series(rest, point, fit.noise)
+                missed[part] = (fit.differences(point[None, :])[0] + added)[part]
     return missed
 
 
@@ -451,6 +458,7 @@ def choose(
     constants: Constants | None = None,
     laws: Sequence[str] | str = (),
     fixed: Mapping[str, float] | None = None,
+    jobs: Workers = 1,
     **settings: Any,
 ) -> Choice:
     """Fit all laws that apply to measurements, rank them, and say whether the data can tell.
@@ -463,6 +471,8 @@ def choose(
         The laws to compare; by default all for the contact.
     fixed : mapping of str to float, optional
         Values of offset or compliance, or of parameters that all these laws have, that are known.
+    jobs : int or Cluster, optional
+        Worker processes; the result does not depend on them.
     **settings
         As for `fit`.
 
@@ -488,4 +498,5 @@ def choose(
     """
     names = [laws] if isinstance(laws, str) else [*laws]
     first = names[0] if names else "johnson"
-    return choose_law(table_of(data, first, pair, contact, constants, fixed, **settings), names)
+    table = table_of(data, first, pair, contact, constants, fixed, **settings)
+    return choose_law(table, names, jobs=jobs)

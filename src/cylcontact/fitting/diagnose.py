@@ -40,6 +40,8 @@ _FEWEST, _FEWEST_IN_SERIES = 12, 4
 _FEW_OF_A_SIGN = 8
 # Readings that differ relatively by less are equal.
 _ROUNDING = 1e-12
+# Load and penetration of a lower correlation of ranks have opposite signs.
+_OPPOSITE = -0.5
 # Readings whose scatter from one to the next can be told.
 _FEWEST_NEIGHBOURS = 8
 
@@ -256,6 +258,14 @@ def r_squared(optimum: Optimum) -> float | None:
     return 1 - float((rest**2).sum()) / total
 
 
+def _falls(optimum: Optimum) -> bool:
+    """Return whether the penetration falls as the load rises, by Spearman's correlation."""
+    data = optimum.fit.data
+    if min(np.ptp(data.load), np.ptp(data.penetration)) == 0:
+        return False
+    return bool(np.corrcoef(_ranks(data.load), _ranks(data.penetration))[0, 1] < _OPPOSITE)
+
+
 def _less_series(optimum: Optimum) -> FloatArray:
     """Return the fitted less the measured values, without what the series add, shape (N,)."""
     added = optimum.series_in_mm
@@ -338,6 +348,7 @@ def uncertainty_of(optimum: Optimum, level: float = LEVEL, jobs: Workers = 1) ->
         r_squared=r_squared(optimum),
         missed=share_missed,
         missed_over_scatter=None if optimum.is_rounding else over_scatter,
+        falls=_falls(optimum),
         findings=[] if optimum.is_rounding else findings_of(optimum),
         without_outliers=_without(optimum, far),
     )

@@ -302,7 +302,10 @@ class Fit(Space):
                 rule = f"are not more than {free} parameters and {effects} effects of the series"
                 remedy = "measure more points, or leave group and drift out"
                 raise InputError(self.data.data.source, "group", f"{rows} rows", rule, remedy)
-            weighed = replace(self, noise=replace(noise, deviations=estimate(likelihood)))
+            deviations = estimate(likelihood)
+            if not np.isfinite([*deviations.values()]).all():
+                raise singular(self.data.data.source)
+            weighed = replace(self, noise=replace(noise, deviations=deviations))
             moved = weighed.minimise(point).point
             step = likelihood.slopes @ (moved - point)
             point = moved
@@ -326,6 +329,13 @@ class Fit(Space):
             fit = replace(self, loss=Loss(loss, max(TUNING * spread, 1e-12)))
             point = fit.minimise(point).point
         return fit
+
+
+def singular(source: str) -> InputError:
+    """Return the error of a fit whose information matrix is singular."""
+    rule = "do not determine the law and the noise together: the information matrix is singular"
+    remedy = "free fewer parameters, leave out --drift, --group or --load-error, or measure more"
+    return InputError(source, "readings", None, rule, remedy)
 
 
 def _norm(residuals: FloatArray) -> FloatArray:

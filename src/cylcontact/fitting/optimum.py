@@ -353,9 +353,13 @@ class Optimum:
         inner, outer = 0.0, min(1.0, max(1.1 * limit * float(error) / abs(reach), _FIRST_STEP))
         start: Coefficients = self.best
         last = start
+        # A refit from another start may end in another minimum, so each value is found once.
+        known = {0.0: -limit}
 
         def excess(share: float) -> float:
             nonlocal last, lowest
+            if share in known:
+                return known[share]
             # A descent that starts at a bound may stay there.
             origin = start if self._is_at_bound(last) else last
             fixed = {name: best + share * reach}
@@ -364,19 +368,14 @@ class Optimum:
                 ratio, last = self.ratio(fixed, start)
             lowest = min(lowest, ratio)
             # The square root of the ratio is nearly linear in the parameter.
-            return float(np.sqrt(max(ratio, 0.0))) - limit
+            known[share] = min(float(np.sqrt(max(ratio, 0.0))), _FAR * limit) - limit
+            return known[share]
 
         while excess(outer) <= 0:
             if outer == 1.0:
                 return bound, True, lowest
             inner, start, outer = outer, last, min(1.0, 2 * outer)
-        share = brentq(
-            lambda share: min(excess(share), (_FAR - 1) * limit),
-            inner,
-            outer,
-            rtol=_EDGE_PRECISION,
-            xtol=_EDGE_PRECISION * outer,
-        )
+        share = brentq(excess, inner, outer, rtol=_EDGE_PRECISION, xtol=_EDGE_PRECISION * outer)
         return best + float(share) * reach, False, lowest
 
     def _is_at_bound(self, coefficients: Coefficients) -> bool:

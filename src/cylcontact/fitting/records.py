@@ -192,6 +192,8 @@ class Uncertainty(Spec):
     # The residuals over the readings, and over the scatter from one reading to the next.
     missed: float | None = None
     missed_over_scatter: float | None = None
+    # Whether the readings of the penetration fall as the load rises.
+    falls: bool = False
     findings: list[Finding] = Field([])
     without_outliers: dict[str, float] = Field({})
 

@@ -133,12 +133,12 @@ class FitResult(Spec):
         with replacing(path) as temporary:
             self.write(temporary)
 
-    def write(self, path: Path) -> None:
+    def write(self, path: Path | str) -> None:
         """Write the result as JSON to a file that is not yet in its place."""
         contents = {"format": _FORMAT, **self.model_dump()}
         text = json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
         try:
-            path.write_text(text + "\n", encoding="utf-8")
+            Path(path).write_text(text + "\n", encoding="utf-8")
         except UnicodeEncodeError as error:
             source = f"fit result {self.name!r}"
             raise InputError(source, "", None, "is not text in UTF-8", "rename it") from error

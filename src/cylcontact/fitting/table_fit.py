@@ -13,6 +13,7 @@ from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants
 from cylcontact.files.journal import Journal
 from cylcontact.fitting.diagnose import uncertainty_of
+from cylcontact.fitting.measured import singular
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.records import MaxDifference, ObjectiveValue, SampleCounts
 from cylcontact.fitting.results import DataFit
@@ -51,6 +52,19 @@ def fit_table(
     InputError
         If the law is undefined for some of the data, or `checkpoint` belongs to another campaign.
     """
+    try:
+        return _fitted(campaign, jobs, progress, checkpoint, resume)
+    except np.linalg.LinAlgError as error:
+        raise singular(campaign.source) from error
+
+
+def _fitted(
+    campaign: TableCampaign,
+    jobs: Workers,
+    progress: Progress,
+    checkpoint: Path | None,
+    resume: bool,
+) -> DataFit:
     spec = campaign.spec
     if isinstance(jobs, int) and len(campaign.measurements) <= _FEW_ROWS:
         jobs = 1

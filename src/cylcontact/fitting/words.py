@@ -73,6 +73,11 @@ def _on_misfit(uncertainty: Uncertainty) -> str:
     how = _misfit(uncertainty)
     if not how:
         return ""
+    if uncertainty.falls:
+        return (
+            f"the law does not describe these readings ({how}): the penetration falls as the load "
+            "rises, so one of them has the opposite sign (--sign penetration, or --sign load)"
+        )
     causes = ("the units of the columns", "the materials", "the radii")
     listed = _causes(uncertainty, "and", *causes, "a kink (a seat that settles)", "a drift")
     return f"the law does not describe these readings ({how}): look at {listed}"
