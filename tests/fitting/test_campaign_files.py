@@ -126,8 +126,8 @@ BAD_INPUT = [
     ),
     ({"fixed.m": 1}, "fixed.m", None, "not a parameter of power for internal", "K_star, n"),
     # of 1.0.0rc1
-    ({"parameters.n": {"low": 1}}, "parameters", {"n": {"low": 1}}, "is gone", "write [bounds]"),
-    ({"optimizer": "cma"}, "optimizer", "cma", "is gone", "leave it out"),
+    ({"parameters.n": {"low": 1}}, "parameters", None, "is gone", "write [bounds]"),
+    ({"optimizer": "cma"}, "optimizer", None, "is gone", "leave it out"),
     *(
         ({"dataset": name}, "dataset", name, "no such file beside the campaign or above", "e.g.")
         for name in ("datasets/none.toml", "datasets", "a\0b")

@@ -55,7 +55,7 @@ def kept_rows(
         return np.flatnonzero(~zero)
     kept, other = (fall, rise) if branch == "unloading" else (rise, fall)
     if not kept.any():
-        rule, remedy = f"has no rows of {branch}, only the other branch", "leave it out"
+        rule, remedy = f"has no rows of {branch}", "leave it out"
         raise InputError(table.source, "branch", branch, rule, remedy)
     if other.any():
         name = "loading" if branch == "unloading" else "unloading"

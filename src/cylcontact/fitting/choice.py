@@ -1,8 +1,7 @@
 """Which law describes measurements: all that apply, ranked, and whether the data can tell.
 
 Each law is fitted as `cylcontact fit` does, with one parameter of stiffness, the offset and the
-compliance free and the constants of its shape held; penetrations are compared, unless an objective
-or a column says otherwise, also of a law of one's own. The compliance has either sign: what the
+compliance free and the constants of its shape held. The compliance has either sign: what the
 readings yield beyond the law's own datum, for the points between which they are taken, the housing
 and the rig. A law would else be ranked by its datum, not by its shape. If the housing is known,
 the laws that know it have no compliance; the others are fitted without the housing. Two criteria
@@ -34,7 +33,7 @@ import pandas as pd
 
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants, Indices
-from cylcontact.fitting.diagnose import uncertainty_of
+from cylcontact.fitting.diagnose import LEVEL, uncertainty_of
 from cylcontact.fitting.law_models import RIG_NAMES, is_user_law
 from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.noise import Covariance
@@ -286,7 +285,7 @@ def _unit(fit: Fit) -> str:
         return "%"
     if fit.noise is not None or fit.has_sigma:
         return "std. dev."
-    return "N/mm" if fit.of_load else "mm"
+    return "mm"
 
 
 def _with_error(factor: float, value: float, error: float) -> str:
@@ -343,7 +342,7 @@ def choose_law(
         errors = as_floats([squares[part].mean() for part in parts])
         ranked.append(RankedLaw(name, fitted[name], aicc[name], errors, sizes))
     with on_one_thread():
-        uncertainty = uncertainty_of(best)
+        uncertainty = uncertainty_of(best, spec.level or LEVEL)
     warnings = tuple(data_warnings(uncertainty))
     return Choice(table, tuple(ranked), left_out, words, warnings, describes(uncertainty))
 
@@ -394,7 +393,7 @@ def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Tabl
     if is_user_law(law) and {*spec.named} <= {*RIG_NAMES}:  # none of its own constants is searched
         freed.append("stiffness_factor")
     free = [name for name in freed if name not in spec.named]
-    return replace(table, spec=spec).campaign(law, free, "penetration")
+    return replace(table, spec=spec).campaign(law, free)
 
 
 def _parts(fit: Fit, seed: int) -> tuple[list[Indices], str]:
@@ -419,8 +418,8 @@ def _fitted(campaign: TableCampaign) -> Optimum:
 def _aicc(optimum: Optimum, source: str) -> float:
     likelihood = optimum.log_likelihood
     if likelihood is None:
-        rule, remedy = "leaves no likelihood to rank laws by", "compare them by least squares"
-        raise InputError(source, "loss", None, rule, remedy)
+        rule = "follow a law exactly, so that there is no likelihood to rank laws by"
+        raise InputError(source, "readings", None, rule, "fit that law")
     k, N = optimum.estimated, len(optimum.fit.data)
     return 2 * k - 2 * likelihood + 2 * k * (k + 1) / (N - k - 1)
 

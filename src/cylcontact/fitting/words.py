@@ -37,14 +37,11 @@ def noise_warnings(uncertainty: Uncertainty) -> list[str]:
 
 def data_warnings(uncertainty: Uncertainty) -> list[str]:
     """Return what the readings show against a law or the noise assumed, with the remedy."""
-    # Series that differ and a drift make residuals of the right law look like those of a wrong one.
-    is_explained = any(finding.test in ("series", "drift") for finding in uncertainty.findings)
     sentences = [
         _on_misfit(uncertainty),
         _on_chi_square(uncertainty),
         *_on_stiffness(uncertainty),
         *(finding.sentence for finding in uncertainty.findings),
-        "" if is_explained else _on_shape(uncertainty),
         _on_outliers(uncertainty),
     ]
     return [sentence for sentence in sentences if sentence]
@@ -141,8 +138,6 @@ def _on_outliers(uncertainty: Uncertainty) -> str:
     ]
     if changes:
         sentence += f"; without them {', '.join(changes)}"
-    if uncertainty.loss_scale is None and uncertainty.noise is None:
-        sentence += "; --loss huber reduces their influence"
     return sentence
 
 
@@ -167,12 +162,8 @@ def _on_noise(uncertainty: Uncertainty) -> str:
             f"freedom); intervals are at {100 * uncertainty.level:g} % and hold if the law is "
             "right and the noise independent"
         )
-    if uncertainty.chi_square_p is None:
-        return (
-            "measured data with given standard deviations: the bulk of the residuals scatters by "
-            f"{sigma:.3g} of them (a robust loss has no chi-square test)"
-        )
     p = uncertainty.chi_square_p
+    assert p is not None
     verdict = "as large as the given standard deviations allow"
     if p > 1 - SURPRISING:
         verdict = "smaller than the given standard deviations: those look too large"
@@ -225,16 +216,6 @@ def _on_deviations(noise: FittedDeviations, level: float) -> str:
     return f"measured data: {sizes}; intervals are at {100 * level:g} %"
 
 
-def _on_shape(uncertainty: Uncertainty) -> str:
-    p = uncertainty.runs_test_p
-    if p is None or p > SURPRISING or _is_exact(uncertainty):
-        return ""
-    return (
-        f"the residuals are not random along the load (runs test, p = {p:.2g}): the law has the "
-        "wrong shape somewhere, which the intervals do not cover"
-    )
-
-
 def _on_lack_of_determination(uncertainty: Uncertainty) -> list[str]:
     together = uncertainty.only_together
     if len(together) == 1:
@@ -285,11 +266,6 @@ def _on_rows(uncertainty: Uncertainty) -> list[str]:
         )
         more = ", …" if len(uncertainty.duplicates) > _LISTED else ""
         sentences.append(f"identical rows, each of them counted: lines {groups}{more}")
-    if uncertainty.loss_scale is not None:
-        sentences.append(
-            f"a robust loss of scale {uncertainty.loss_scale:.4g} was used: intervals are "
-            "asymptotic; check them with the bootstrap"
-        )
     return sentences
 
 
@@ -297,7 +273,7 @@ WIDTH = 100
 
 
 # The units of objectives that have one, if the residuals are not in given deviations.
-OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-load": "N/mm", "rms-standardised": "std. dev."}
+OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-standardised": "std. dev."}
 
 
 Rows = list[tuple[str, ...]]
