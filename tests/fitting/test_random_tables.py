@@ -126,7 +126,7 @@ def test_readings_of_the_opposite_sign_are_named():
     table["penetration_um"] *= -1
     settings = {"sign": "neither", "noise": "constant", "free": "offset", "starts": 2}
     result = cc.fit(table, "explicit", PAIRS["internal"], **settings)
-    assert "opposite sign (--sign penetration" in result.warnings[0]
+    assert 'opposite sign (sign="penetration"' in result.warnings[0]
 
 
 def test_a_law_with_a_singular_information_matrix_is_skipped(monkeypatch):

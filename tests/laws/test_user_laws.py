@@ -13,7 +13,7 @@ HEAD = "import sys\nimport numpy as np\n"
 BODIES = {
     "sys.exit(0)": "stopped with SystemExit: 0",
     "raise ValueError('two\\nlines')": "stopped with ValueError: two lines",
-    f"return -{POWER}": "lies outside the domain",
+    f"return -{POWER}": "is negative",
     "return K * penetration / (1 + (penetration / 1e-3)**2)": "decreases with the penetration at",
     "return K + 0 * penetration": "does not grow with the penetration at",
     f"return {POWER} - 50": "is negative",

@@ -47,7 +47,7 @@ from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Workers, call, collect
-from cylcontact.support.plain_text import brief
+from cylcontact.support.plain_text import advice, brief
 from cylcontact.support.progress import Progress, silent
 from cylcontact.support.text_tables import Table
 
@@ -61,6 +61,8 @@ _STARTS = 3
 _PARTS, _FEWEST_SERIES = 10, 3
 # A law is told apart by more than these.
 _AICC, _STANDARD_ERRORS = 7.0, 1.0
+# Columns of a report on a screen.
+_WIDTH = 80
 # Names that a sentence lists.
 _LISTED = 5
 # Laws that are compared if they are named, and those that are the same for a single pair.
@@ -209,30 +211,28 @@ class Choice:
 
     def __str__(self) -> str:
         unit = _unit(self.best.optimum.fit)
-        criteria = ("AICc", "behind", "weight", f"CV error, {unit}")
-        head = ("", "parameters", *criteria, "compliance, mm/(N/mm)", "verdict")
+        head = ("", "free", "AICc behind", "CV error", "compliance", "verdict")
         factor = 100 if unit == "%" else 1
         rows = [
             (
                 str(name),
                 str(row["parameters"]),
-                f"{row['aicc']:.1f}",
                 f"{row['aicc_behind']:.1f}",
-                f"{row['weight']:.2f}",
                 _with_error(factor, row["cv_error"], row["cv_standard_error"]),
-                _with_error(1, row["compliance"], row["compliance_error"]),
+                _with_error(1e6, row["compliance"], row["compliance_error"]),
                 str(row["verdict"]),
             )
             for name, row in self.table.iterrows()
         ]
         notes = [f"{'-' if self.describes else '!'} {self._conclusion()}"]
         notes += [f"! {self.best.law}: {warning}" for warning in self.warnings]
+        notes += [f"- the CV error is in {unit}, the compliance in 1e-6 mm/(N/mm)"]
         notes += [f"- {note}" for note in self._on_datum()]
         notes += [f"- {law}: {why}" for law, why in self.left_out.items()]
-        items = (item(note, "") for note in notes)
+        items = (item(note, "", _WIDTH) for note in notes)
         count = len(self.data.measurements)
         title = f"{brief(self.data.name)}: {len(self.laws)} laws fitted to {count:,} measurements"
-        read = (item(line, "") for line in self.data.measurements.read)
+        read = (item(line, "", _WIDTH) for line in self.data.measurements.read)
         return "\n".join([*read, title, "", str(Table(head, rows)), *items])
 
     def _conclusion(self) -> str:
@@ -274,7 +274,7 @@ class Choice:
         numbers = self.table.drop(columns=["compliance", "compliance_error"]).round(3)
         notes = (self._conclusion(), *self.warnings, *self._on_datum())
         read, below = (
-            "".join(f"<p>{escape(line)}</p>" for line in lines)
+            "".join(f"<p>{escape(advice(line))}</p>" for line in lines)
             for lines in (self.data.measurements.read, notes)
         )
         return f"{read}{numbers.to_html()}{below}"

@@ -28,7 +28,7 @@ class Published(Spec):
 
 
 class MaxDifference(Spec):
-    """Largest |Eq 9| over the data in percent; None where the law is undefined."""
+    """Largest difference of the penetration in percent; None where the law is undefined."""
 
     fitted: float | None
     published: float | None

@@ -46,6 +46,7 @@ from cylcontact.fitting.records import (
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
 from cylcontact.fitting.words import (
     OBJECTIVE_UNITS,
+    OBJECTIVE_WORDS,
     WIDTH,
     Rows,
     item,
@@ -58,7 +59,7 @@ from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import as_floats
 from cylcontact.support.errors import InputError, short
-from cylcontact.support.plain_text import as_label, brief
+from cylcontact.support.plain_text import advice, as_label, brief
 from cylcontact.support.text_tables import Table
 
 if TYPE_CHECKING:
@@ -198,6 +199,11 @@ class FitResult(Spec):
     def objective_unit(self) -> str:
         """The unit of the objective, empty if it is relative."""
         return OBJECTIVE_UNITS.get(self.objective.name, "")
+
+    @property
+    def objective_words(self) -> str:
+        """What the objective is."""
+        return OBJECTIVE_WORDS.get(self.objective.name, self.objective.name)
 
     @property
     def units(self) -> dict[str, str]:
@@ -341,7 +347,7 @@ class FitResult(Spec):
         status = f"<p>{escape(self.status)}</p>" if self.status else ""
         style = "border-left: 4px solid #D55E00; padding-left: 0.5em"
         warned = "".join(f'<p style="{style}">{escape(sentence)}</p>' for sentence in self.warnings)
-        read = "".join(f"<p>{escape(line)}</p>" for line in self._read)
+        read = "".join(f"<p>{escape(advice(line))}</p>" for line in self._read)
         return (
             f"{read}<p>{escape(self.headline)}</p>{status}{warned}"
             f"{Table(*self._table())._repr_html_()}<ul>{items}</ul>"
@@ -399,7 +405,7 @@ class LawFit(FitResult):
         """What was fitted to what."""
         return (
             f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, fitted to "
-            f"{self.reference} by {self.objective.name} on {self.counts.samples:,} samples "
+            f"{self.reference} by the {self.objective_words} on {self.counts.samples:,} samples "
             f"({self.counts.masked:,} masked by the reference's domain)"
         )
 
@@ -454,11 +460,11 @@ class LawFit(FitResult):
             rows.append((label, f"{value:.5g}", paper, penalty, interval, verdict))
         paper = f"{published.objective:.5g}" if published else "-"
         bound = f"bound {self.bound:.5g}" if self.bound is not None else ""
-        label = label_of(self.objective.name, self.objective_unit)
+        label = label_of(self.objective_words, self.objective_unit)
         rows.append((label, f"{optimum:.5g}", paper, "", bound, ""))
         worst = self.max_abs_diff_percent
         largest = (or_dash(worst.fitted, ".4g"), or_dash(worst.published))
-        return columns, [*rows, ("max |Eq 9|, %", *largest, "", "", "")]
+        return columns, [*rows, ("largest difference, %", *largest, "", "", "")]
 
     def _on_published(self) -> str:
         if self.published is None:
@@ -905,7 +911,7 @@ class DataFit(FitResult):
         """What was fitted to what."""
         return (
             f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, fitted to "
-            f"{self.counts.samples:,} measurements by {self.objective.name}"
+            f"{self.counts.samples:,} measurements by the {self.objective_words}"
         )
 
     @property
@@ -932,7 +938,8 @@ class DataFit(FitResult):
         bound or not determined, and fewer than half of the runs at the best.
         """
         disagreement = self._on_disagreement((), "--fix NAME=VALUE")
-        return [*noise_warnings(self.uncertainty), *disagreement]
+        sentences = map(advice, [*noise_warnings(self.uncertainty), *disagreement])
+        return [sentence.replace("runs=", "starts=") for sentence in sentences]
 
     @property
     def verdicts(self) -> list[str]:
@@ -946,7 +953,7 @@ class DataFit(FitResult):
             self._on_published(),
             *self._on_runs(),
         ]
-        return [sentence for sentence in sentences if sentence]
+        return [advice(sentence) for sentence in sentences if sentence]
 
     def _on_published(self) -> str:
         if self.published is None:
@@ -987,12 +994,12 @@ class DataFit(FitResult):
             rows.append((name, value, unit, error, interval, paper, self.identification(name)))
         paper = f"{published.objective:.5g}" if published else ""
         value = f"{self.objective.value:.5g}"
-        rows.append((self.objective.name, value, self.objective_unit, "", "", paper, ""))
+        rows.append((self.objective_words, value, self.objective_unit, "", "", paper, ""))
         if min(self.settings["measurements"]["numbers"]["penetration"]) > 0:
             # Of readings about zero a relative difference says nothing.
             worst = self.max_abs_diff_percent
             fitted, paper = or_dash(worst.fitted, ".4g"), or_dash(worst.published)
-            rows.append(("largest |Eq 9|", fitted, "%", "", "", paper, ""))
+            rows.append(("largest difference", fitted, "%", "", "", paper, ""))
         columns = ("", "fitted", "unit", "std. error", level, "published", "determined")
         if published:
             return columns, rows

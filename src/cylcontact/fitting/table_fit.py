@@ -105,7 +105,7 @@ def _fitted(
 
 
 def _largest_percent(campaign: TableCampaign, law: ContactLaw) -> float | None:
-    """Return the largest |Eq 9| against the measurements in percent; None if undefined."""
+    """Return the largest difference from the measurements in percent; None if undefined."""
     data = campaign.measurements
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.abs(law.penetration(data.load, data.pair) / data.penetration - 1)

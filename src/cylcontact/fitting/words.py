@@ -7,6 +7,7 @@ from textwrap import fill
 from cylcontact.fitting.diagnose import OUTLYING, STRONG_CORRELATION, SURPRISING
 from cylcontact.fitting.optimum import ROUNDING
 from cylcontact.fitting.records import FAIRLY, WELL, FittedDeviations, Uncertainty
+from cylcontact.support.plain_text import advice
 
 # A law that describes less than this share of the variance of readings is not theirs; nor is one
 # that misses them by more than a share of them, and by several times their scatter.
@@ -273,6 +274,16 @@ WIDTH = 100
 
 
 # The units of objectives that have one, if the residuals are not in given deviations.
+# What an objective is, in words.
+OBJECTIVE_WORDS = {
+    "rms-log-penetration": "relative scatter of the penetration",
+    "rms-penetration": "scatter of the penetration",
+    "rms-standardised": "scatter in standard deviations",
+    "rms-difference-percent": "scatter of the penetration in percent",
+    "max-difference-percent": "largest difference of the penetration in percent",
+    "rms-relative-force": "relative scatter of the load",
+    "max-relative-force-percent": "largest difference of the load in percent",
+}
 OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-standardised": "std. dev."}
 
 
@@ -284,9 +295,9 @@ def label_of(name: str, unit: str) -> str:
     return ", ".join(filter(None, (name, unit)))
 
 
-def item(sentence: str, mark: str = "- ") -> str:
-    """Return a sentence as an item of a list, wrapped."""
-    return fill(sentence, WIDTH, initial_indent=mark, subsequent_indent="  ")
+def item(sentence: str, mark: str = "- ", width: int = WIDTH) -> str:
+    """Return a sentence as an item of a list, wrapped, its options in the words of the reader."""
+    return fill(advice(sentence), width, initial_indent=mark, subsequent_indent="  ")
 
 
 def or_dash(value: float | None, style: str = ".5g", none: str = "-") -> str:
