@@ -46,7 +46,7 @@ LINES = f"""
 sample datasets/small.toml -o out.csv
 fit campaign.toml --seed 1 -j 1 -o out.json
 fit table.csv --bound n=1:1.5 --noise proportional {FIT}
-fit table.csv --fixed n=1.1 --columns load=load_N_per_mm --loss linear {FIT}
+fit table.csv --fixed n=1.1 --columns load=load_N_per_mm {FIT}
 compare good.json
 laws --E 207GPa --nu 0.3 --dR 0.05 --load 100
 export johnson --to c --contact internal -o out.c

@@ -223,10 +223,10 @@ def test_the_objective_follows_the_standard_deviations(tmp_path):
     of_load, of_depth = {"load_std_N_per_mm": [1] * 3}, {"penetration_std_um": [1] * 3}
     for added, settings, objective in (
         ({}, {}, "rms-log-penetration"),
-        ({}, own, "rms-log-load"),
-        (of_load, {}, "rms-load"),
+        ({}, own, "rms-log-penetration"),
+        (of_load, {}, STANDARDISED),
         (of_depth, own, "rms-penetration"),
-        ({}, {"objective": "rms-load"}, "rms-load"),
+        ({}, {"objective": "rms-penetration"}, "rms-penetration"),
         ({}, {"noise": "constant"}, "rms-penetration"),
         ({}, {"noise": "proportional"}, "rms-log-penetration"),
         (of_load | of_depth, {}, STANDARDISED),
@@ -238,8 +238,14 @@ def test_the_objective_follows_the_standard_deviations(tmp_path):
     ("added", "given", "noise", "said"),
     [
         ({}, "rms-difference-percent", None, "objective|is not an objective for measurements"),
-        (["load_std_N_per_mm"], "rms-log-load", None, "objective|leaves the column load_std"),
-        ({}, "rms-load", "constant", "noise|conflicts with objective, which says the same"),
+        ({}, "rms-log-load", None, "objective|is gone; leave it out"),
+        (
+            ["penetration_std_um"],
+            "rms-log-penetration",
+            None,
+            "objective|leaves the column penetration_std",
+        ),
+        ({}, "rms-penetration", "constant", "noise|conflicts with objective, which says the same"),
         (["penetration_std_um"], None, "constant", "noise|conflicts with penetration_std, which"),
     ],
 )
@@ -257,7 +263,7 @@ def test_readings_below_zero_need_a_free_offset_and_constant_noise(tmp_path):
     table.write_text("\n".join(map(",".join, rows)) + "\n")
     free = {"bounds": {"offset": [-0.01, 0.01]}}
     fixed = {"fixed": {"offset": -0.001}}
-    for objective, offset in (("rms-penetration", fixed), ("rms-log-load", free)):
+    for objective, offset in (("rms-penetration", fixed), ("rms-log-penetration", free)):
         settings = {"objective": objective, **offset}
         with pytest.raises(InputError) as caught:
             campaign_of_table(table, "johnson", "internal", CONSTANTS, **settings)

@@ -414,17 +414,3 @@ def test_each_group_and_pair_has_its_own_course():
     assert data.labels["branch"][::2] == data.labels["branch"][1::2] == one
     both = pd.concat([cycle(material="ceramics"), cycle(material="bronze")])
     assert read_measured(both, "internal", {"dR_um": 50.0}).labels["branch"] == one * 2
-
-
-def test_replicates_are_rows_of_the_same_load_and_pair():
-    frame = pd.DataFrame(
-        {
-            "load_N": [1, 2, 1, 1, 2, 3, 1],
-            "penetration_um": [1, 2, 3, 4, 5, 6, 7],
-            "dR_um": [50, 50, 50, 60, 50, 50, 50],
-        }
-    )
-    pair = {"E_GPa": 207.0, "nu": 0.3, "length_mm": 20.0}
-    actual = measurements_of(read_measured(frame, "internal", pair), "t")
-    assert sorted(rows.tolist() for rows in actual.replicates()) == [[0, 2, 6], [1, 4]]
-    assert actual.take(np.array([3, 5])).replicates() == []

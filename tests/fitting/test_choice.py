@@ -11,7 +11,6 @@ from cylcontact.fitting.choice import laws_for
 from cylcontact.support.choices import CHOICE_FILES
 from tests.support.measured_files import STEEL
 from tests.support.noisy_series import PAIR, readings
-from tests.support.spec_files import tree
 
 FEW = ("explicit", "persson", "johnson", "power")
 OPTIONS = [
@@ -220,13 +219,3 @@ def test_the_command_ranks_and_writes(tmp_path, run, frame):
     assert sorted(file.name for file in folder.iterdir()) == sorted(CHOICE_FILES)
     ranked = pd.read_csv(folder / "choice.csv")
     assert list(ranked["law"]) == ["explicit", "johnson"]
-
-
-def test_a_robust_loss_leaves_nothing_to_rank_by(tmp_path, run, frame):
-    frame.to_csv(tmp_path / "mine.csv", index=False)
-    before = tree(tmp_path)
-    arguments = (*OPTIONS, "--loss", "huber", "--law", "explicit")
-    code, said, errors = run("choose", tmp_path / "mine.csv", *arguments)
-    assert (code, said, len(errors.splitlines())) == (2, "", 1)
-    assert "leaves no likelihood to rank laws by" in errors
-    assert tree(tmp_path) == before

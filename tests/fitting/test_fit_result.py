@@ -1,5 +1,6 @@
 """What a fit to measurements gives: tables, predictions, laws, pictures and files."""
 
+import json
 import pickle
 
 import numpy as np
@@ -10,8 +11,8 @@ from scipy import stats
 
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
-from cylcontact.fitting import FitResult
-from tests.support.measured_files import CONSTANTS, STEEL, USER_LAW
+from cylcontact.fitting import DataFit, FitResult
+from tests.support.measured_files import CONSTANTS, STEEL, USER_LAW, write_measured
 from tests.support.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 
 EFFECTS = ("offset", "gain")
@@ -145,7 +146,7 @@ def test_a_prediction_is_the_law_with_the_textbook_bands(plain):
     frame, result = plain
     load = frame["load_N_per_mm"].to_numpy()
     at = np.array([20.0, 300.0, 2000.0])
-    table = result.predict(at, band=0.9)
+    table = result.predict(at, level=0.9)
     assert table["load_N_per_mm"].to_list() == at.tolist()
     assert table["penetration_mm"].to_numpy() == pytest.approx(fitted_reading(result, at))
     X, new = np.column_stack([np.ones(load.size), load]), np.column_stack([np.ones(3), at])
@@ -205,8 +206,8 @@ def test_a_total_load_has_no_prediction_for_rows_of_several_lengths(plain):
 
 @pytest.mark.parametrize("level", [0.0, 1.0, 95.0, np.nan])
 def test_a_band_has_a_level_between_zero_and_one(plain, level):
-    with pytest.raises(InputError, match=r"band = .*: must lie between 0 and 1; 0\.95 is common"):
-        plain[1].predict([1.0], band=level)
+    with pytest.raises(InputError, match=r"level = .*: must lie between 0 and 1; 0\.95 is common"):
+        plain[1].predict([1.0], level=level)
 
 
 def test_a_load_without_a_penetration_is_refused(plain):
@@ -306,13 +307,6 @@ def test_a_coefficient_without_a_profile_is_refused(plain, small_result):
             result.plot_profile("speed")
 
 
-def test_a_robust_fit_has_no_likelihood(plain):
-    frame, _ = plain
-    result = cc.fit(frame, "explicit", PAIR, loss="huber", starts=2)
-    with pytest.raises(InputError, match="log_likelihood: is for fits to measurements, by least"):
-        _ = result.bic
-
-
 # --- files ------------------------------------------------------------------------------------
 
 
@@ -346,3 +340,68 @@ def test_a_function_of_ones_own_is_drawn_in_memory_and_has_no_law_of_the_package
     assert result.plot().has_data()
     with pytest.raises(InputError, match="is a Python function of your own"):
         result.to_law()
+
+
+# --- levels and JSON --------------------------------------------------------------------------
+
+
+def test_the_level_of_a_fit_is_that_of_all_its_intervals(plain, tmp_path):
+    frame, _ = plain
+    settings = {"noise": "constant", "fixed": {"offset": 0.0}, "starts": 2}
+    usual = cc.fit(frame, "explicit", PAIR, **settings)
+    wide = cc.fit(frame, "explicit", PAIR, **settings, level=0.99)
+    degrees = usual.uncertainty.degrees_of_freedom
+    ratio = stats.t.ppf(0.995, degrees) / stats.t.ppf(0.975, degrees)
+    for name, estimate in wide.uncertainty.estimates.items():
+        error = usual.uncertainty.estimates[name].standard_error
+        reach = stats.t.ppf(0.995, degrees) * error
+        assert estimate.high - estimate.value == pytest.approx(reach, rel=1e-4)
+    assert "99 % interval" in str(wide)
+    stiffness = [fit.interval(lambda law: law.stiffness(1e-3, PAIR)) for fit in (wide, usual)]
+    width = [float((one["high"] - one["low"]).iloc[0]) for one in stiffness]
+    assert width[0] / width[1] == pytest.approx(ratio, rel=1e-4)
+    pd.testing.assert_frame_equal(
+        wide.predict([100.0]), usual.predict([100.0], level=0.99), rtol=1e-6
+    )
+    wide.save(tmp_path / "r.json")
+    assert DataFit.read(tmp_path / "r.json").level == 0.99
+
+
+def test_commands_print_json(run, tmp_path):
+    write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
+    of_pair = ("--contact", "internal", "--E", "207 GPa", "--nu", 0.3, "--Ri", 10)
+    code, said, _ = run("fit", tmp_path / "mine.csv", *of_pair, "--law", "johnson", "--json",
+                        "--level", 0.9)  # fmt: skip
+    result = tmp_path / "results" / "mine" / "result.json"
+    assert (code, json.loads(said)) == (0, json.loads(result.read_text("utf-8")))
+    assert json.loads(said)["uncertainty"]["level"] == 0.9
+    code, said, _ = run("predict", result, "--load", "50 N/mm", "--json")
+    told = json.loads(said)
+    row = DataFit.read(result).predict([50.0]).iloc[0]
+    assert (code, told["level"], told["rows"][0]["low_mm"]) == (
+        0,
+        0.9,
+        pytest.approx(row["low_mm"]),
+    )
+    code, said, _ = run("choose", tmp_path / "mine.csv", *of_pair, "--law", "johnson,power",
+                        "--json", "-j", 1)  # fmt: skip
+    assert (code, [row["law"] for row in json.loads(said)["rows"]]) == (0, ["johnson", "power"])
+
+
+def test_what_is_gone_says_what_to_use(run):
+    for arguments, rule in (
+        (("uncertainty", "r.json"), "is gone; `cylcontact fit` gives the standard errors"),
+        (("fit", "mine.csv", "--loss", "huber"), "--loss: is gone; leave it out"),
+    ):
+        code, said, errors = run(*arguments)
+        assert (code, said, len(errors.splitlines())) == (2, "", 1)
+        assert rule in errors
+
+
+def test_results_with_a_loss_of_before_are_read(plain, tmp_path):
+    plain[1].save(tmp_path / "r.json")
+    before = json.loads((tmp_path / "r.json").read_text("utf-8"))
+    before["settings"]["campaign"]["loss"] = "linear"
+    before["uncertainty"] |= {"loss_scale": None, "runs_test_p": 0.4}
+    (tmp_path / "r.json").write_text(json.dumps(before), "utf-8")
+    assert DataFit.read(tmp_path / "r.json").coefficients == plain[1].coefficients

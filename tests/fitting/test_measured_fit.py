@@ -12,7 +12,6 @@ from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import DataFit, FitResult, compare
 from cylcontact.fitting.comparison import verify
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.measured import LOSSES, Loss
 from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
@@ -50,9 +49,7 @@ def test_exact_points_of_a_law_give_its_coefficients_back(tmp_path, law, contact
     assert "no noise to estimate" in result.verdicts[0]
 
 
-@pytest.mark.parametrize(
-    "objective", ["rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load"]
-)
+@pytest.mark.parametrize("objective", ["rms-log-penetration", "rms-penetration"])
 def test_every_objective_finds_the_same_exact_law(tmp_path, objective):
     campaign = measured_campaign(tmp_path, objective=objective, starts=3)
     result = fit_table(campaign)
@@ -73,39 +70,6 @@ def test_the_result_does_not_depend_on_workers(tmp_path):
     campaign = measured_campaign(tmp_path, noise=0.02, starts=3)
     one, two = fit_table(campaign, 1), fit_table(campaign, 2)
     assert one.repeatable() == two.repeatable()
-
-
-@pytest.mark.slow
-def test_a_robust_loss_lessens_the_pull_of_outliers(tmp_path):
-    table = write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.01)
-    lines = table.read_text().splitlines()
-    for k in (1, 2, 3):
-        start, value = lines[k].rsplit(",", 1)
-        lines[k] = f"{start},{2 * float(value)!r}"
-    table.write_text("\n".join(lines))
-    truth = TRUTHS["johnson", "internal"]["kappa"]
-    errors = {}
-    for loss in LOSSES:
-        settings = {**all_free("johnson", "internal"), "loss": loss, "starts": 3}
-        result = fit_table(campaign_of_table(table, "johnson", "internal", CONSTANTS, **settings))
-        errors[loss] = abs(result.coefficients["kappa"] - truth)
-        outliers = result.uncertainty.outliers
-        assert {row.line for row in outliers if row.deviations > 3.5} >= {2, 3, 4}
-        assert any("lines 2 (+" in sentence for sentence in result.warnings)
-    assert all(errors[loss] < 0.5 * errors["linear"] for loss in LOSSES if loss != "linear")
-
-
-@pytest.mark.parametrize("name", LOSSES)
-def test_losses_are_scipys(name):
-    from scipy.optimize import least_squares
-
-    r = np.array([-7.0, -1.0, -0.2, 0.0, 0.3, 1.0, 2.0, 50.0])
-    actual = least_squares(lambda _: r, [0.0], loss=name, f_scale=1.5, max_nfev=1)
-    assert 0.5 * (Loss(name, 1.5).residual(r) ** 2).sum() == pytest.approx(actual.cost)
-    step = 1e-6
-    loss = Loss(name, 1.5)
-    slope = (loss.residual(r + step) ** 2 - loss.residual(r - step) ** 2) / (4 * step)
-    assert loss.psi(r) == pytest.approx(slope, abs=1e-6)
 
 
 def test_smaller_deviations_count_like_repeated_rows(tmp_path):
@@ -168,10 +132,10 @@ def test_a_held_constant_is_freed_with_its_default_bounds(tmp_path):
 # --- a law of the user's own ------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("objective", [None, "rms-log-penetration"])
+@pytest.mark.parametrize("objective", [None, "rms-penetration"])
 def test_a_function_of_ones_own_is_fitted_like_a_law(tmp_path, objective):
     campaign = user_campaign(tmp_path, objective=objective)
-    assert campaign.spec.objective == (objective or "rms-log-load")
+    assert campaign.spec.objective == (objective or "rms-log-penetration")
     result = fit_table(campaign, jobs=2)
     truth = {**TRUTHS["power", "internal"], "offset": 0.0}
     assert result.coefficients == pytest.approx(truth, rel=1e-6)
@@ -230,9 +194,9 @@ def test_the_shipped_example_finds_the_law_it_was_made_of(example):
         assert actual.estimates[name].profile.low < truth < actual.estimates[name].profile.high
     assert actual.duplicates == [[16, 17]]
     assert [row.line for row in actual.outliers] == [38]
-    assert actual.residual_sigma == pytest.approx(0.03, rel=0.3)
+    assert actual.without_outliers["kappa"] == pytest.approx(1.0, rel=0.03)
     text = str(example)
-    for part in ("61 measurements", "95 % interval", "lines 16 = 17", "E derived", "robust loss"):
+    for part in ("61 measurements", "95 % interval", "lines 16 = 17", "E derived"):
         assert part in text
     assert "<table>" in example._repr_html_()
     assert "fitted to a reference" not in text
@@ -322,7 +286,8 @@ BAD_CAMPAIGNS = [
     ({"law": "hooke"}, "law", "is not a law that can be fitted"),
     ({"law": "conformal", "contact": "external"}, "law", "is for internal contact only"),
     ({"law": "liu", "contact": "external"}, "law", "is for internal contact only"),
-    ({"loss_scale": 1.0}, "loss_scale", "is used only with a robust loss"),
+    ({"loss_scale": 1.0}, "loss_scale", "is gone"),
+    ({"loss": "huber"}, "loss", "is gone"),
     ({"objective": "rms-luck"}, "objective", "is not an objective for measurements"),
     ({"materials": "absent.csv"}, "materials", "no such file"),
     ({"bounds": {"K": [0.0, 1.0]}}, "bounds.K", "is not a parameter of"),
@@ -449,9 +414,7 @@ def write_readings(folder, law, offset, compliance, noise=0.0):
     return table
 
 
-@pytest.mark.parametrize(
-    "objective", ["rms-penetration", pytest.param("rms-load", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("objective", ["rms-penetration"])
 def test_a_rig_that_is_off_and_gives_way_is_found_with_the_law(tmp_path, objective):
     table = write_readings(tmp_path, "persson", 2e-3, 1.5e-6)
     campaign = campaign_of_table(

@@ -1,6 +1,5 @@
 """How sure: against NIST's certified values, iminuit, lmfit and 200 repeated experiments."""
 
-import json
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,22 +9,19 @@ from scipy import stats
 from cylcontact import CylinderPair, InputError
 from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.measured import Fit, Loss
+from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.optimum import Optimum, half_width
-from cylcontact.fitting.study import bootstrap, study_noise
 from cylcontact.fitting.table_campaign import campaign_of_table
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.fitting.words import noise_verdicts
 from cylcontact.laws.law import LawModel, Parameter
 from tests.support.measured_files import (
-    CONSTANTS,
     STEEL,
     TRUTHS,
     measured_campaign,
     user_campaign,
     write_measured,
 )
-from tests.support.programs import require_package
 from tests.support.spec_files import golden
 
 LEVEL = 0.95
@@ -65,14 +61,14 @@ NIST_MODELS = {
 
 @dataclass(frozen=True)
 class Curve:
-    """A law that only knows the load, at penetrations of any sign."""
+    """A law that only knows the penetration, at loads of any sign."""
 
     model: object
     values: dict
     name: str = "curve"
 
-    def load(self, penetration, _):
-        return self.model(penetration, **self.values)
+    def penetration(self, load, _):
+        return self.model(load, **self.values)
 
 
 def curve_problem(campaign, model, x, y, low, high):
@@ -82,8 +78,8 @@ def curve_problem(campaign, model, x, y, low, high):
     law = LawModel("curve", "internal", parameters, lambda actual: Curve(model, dict(actual)))
     x, y = np.array(x, dtype=float), np.array(y, dtype=float)
     data = campaign.measurements.take(np.zeros(x.size, dtype=int))
-    data = data.with_values(load=y, penetration=x)
-    return Fit(law, parameters, "rms-load", data)
+    data = data.with_values(load=x, penetration=y)
+    return Fit(law, parameters, "rms-penetration", data)
 
 
 @pytest.mark.parametrize("name", NIST_MODELS)
@@ -276,41 +272,11 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
     assert {e.verdict for e in actual.estimates.values()} == {"not"}
     assert actual.correlation == {}
     assert "c and Lambda_factor are not identifiable" in noise_verdicts(actual)[1]
-    assert "not identifiable" in str(study_noise(result))
+    assert "not identifiable" in str(result)
     noise = result.optimum
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
     with pytest.raises(InputError, match="are not identifiable one by one"):
         noise.band(pair, LEVEL, load=[1.0])
-
-
-# --- resampling -------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_the_bootstrap_agrees_with_the_covariance_and_not_with_the_workers(noisy):
-    one = bootstrap(noisy, "rows", 120, 1, LEVEL)
-    assert one == bootstrap(noisy, "rows", 120, 1, LEVEL, jobs=2)
-    assert one != bootstrap(noisy, "rows", 25, 2, LEVEL)
-    errors = np.sqrt(np.diag(noisy.covariance))
-    assert list(one.standard_errors.values()) == pytest.approx(errors, rel=0.25)
-    assert (one.undefined, set(one.intervals)) == (0, {"kappa", "c"})
-    assert bootstrap(noisy, "rows", 25, 2, LEVEL).intervals == {}
-    middle = bootstrap(noisy, "rows", 120, 1, 0.5).intervals  # half of a normal distribution
-    widths = np.array([ends.high - ends.low for ends in middle.values()])
-    assert widths == pytest.approx(1.35 * errors, rel=0.3)
-    over = bootstrap(noisy, "dR", 25, 1, LEVEL)
-    assert (over.groups, over.over) == (3, "dR")
-
-
-@pytest.mark.slow
-def test_refits_that_cannot_start_are_left_out_and_counted(noisy):
-    data = noisy.fit.data
-    load = data.load.copy()
-    load[0] = 1e9  # beyond the end of Johnson's law
-    broken = on_data(noisy.fit, data.with_values(load=load, penetration=data.penetration))
-    actual = bootstrap(Optimum.of(broken, noisy.best), "rows", 120, 1, LEVEL)
-    # A row is missing from a resample with probability (1 − 1/N)^N, near 1/e.
-    assert 120 - actual.undefined == pytest.approx(120 * (1 - 1 / 36) ** 36, abs=20)
 
 
 # --- bands ------------------------------------------------------------------------------------
@@ -326,15 +292,6 @@ def test_a_band_of_a_new_reading_is_that_of_students_t(noisy):
     assert np.log(band.new_high / band.value) == pytest.approx(
         reach * np.hypot(curve, noisy.sigma), rel=1e-9
     )
-
-
-def test_scatter_of_loads_is_that_of_readings_over_the_exponent(tmp_path):
-    noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective="rms-log-load"))
-    pair, load = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0), np.array([50.0])
-    depth = noise.law.penetration(load, pair)
-    n = noise.law.stiffness(depth, pair) * depth / load
-    spread = np.sqrt(noise.variance_of_reading(depth, load, pair)) / depth
-    assert spread == pytest.approx(noise.sigma / n, rel=1e-12)
 
 
 # --- what the noise says ----------------------------------------------------------------------
@@ -357,20 +314,19 @@ def test_given_deviations_are_held_against_the_residuals(noisy, size, words):
     degrees = actual.degrees_of_freedom
     expected = stats.chi2.sf(actual.residual_sigma**2 * degrees, degrees)
     assert actual.chi_square_p == pytest.approx(expected, rel=1e-6)
-    robust = on_data(known, given, loss=Loss("huber", 1.345))
-    assert descended(robust, known.point(noisy.best))[1].chi_square_p is None
 
 
 def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path):
-    noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective="rms-load"))
+    noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective="rms-penetration"))
     data, step = noise.fit.data, 1e-6
     before, after = (
-        johnson_of(noise.best | {"c": noise.best["c"] + sign * step}).load(
-            data.penetration, data.pair
+        johnson_of(noise.best | {"c": noise.best["c"] + sign * step}).penetration(
+            data.load, data.pair
         )
         for sign in (-1, 1)
     )
-    change = np.sqrt(np.mean((after - before) ** 2) / np.mean(data.load**2)) / (2 * step)
+    size = np.sqrt(np.mean(data.penetration**2))
+    change = np.sqrt(np.mean((after - before) ** 2)) / size / (2 * step)
     assert noise.per_unit == pytest.approx([1 / noise.best["kappa"], change], rel=1e-5)
 
 
@@ -385,128 +341,14 @@ def test_a_profile_says_when_it_finds_a_better_fit(noisy):
     assert not any("found a better fit" in note for note in uncertainty_of(noisy).notes)
 
 
-@pytest.mark.slow
-def test_a_law_of_the_wrong_shape_is_told_by_its_residuals(tmp_path):
-    right = measured_campaign(tmp_path, "explicit", noise=0.002)
-    table = tmp_path / "measured.csv"
-    wrong = campaign_of_table(table, "power", "internal", CONSTANTS, starts=2)
-    of_wrong, of_right = (fit_table(campaign) for campaign in (wrong, right))
-    runs = require_package("statsmodels.sandbox.stats.runs")
-    data, r = of_wrong.optimum.fit.data, of_wrong.optimum.r
-    along = r[np.lexsort((data.load, data.groups("pair")[1]))]
-    z, _ = runs.runstest_1samp(along, cutoff=0, correction=False)
-    assert of_wrong.uncertainty.runs_test_p == pytest.approx(stats.norm.cdf(z), rel=1e-9)
-    assert of_wrong.uncertainty.runs_test_p < 1e-3
-    assert any("wrong shape" in sentence for sentence in of_wrong.warnings)
-    assert of_right.uncertainty.runs_test_p > 0.01
-    assert not any("wrong shape" in sentence for sentence in of_right.warnings)
-
-
-CONTAMINATED = [("huber", 1.345), ("cauchy", 1.345), ("soft_l1", 1.345)]
-
-
-def contaminated(rng, size):
-    """ResidualModel of which a tenth has six times the spread."""
-    return NOISE * rng.normal(size=size) * np.where(rng.uniform(size=size) < 0.1, 6.0, 1.0)
-
-
-@pytest.mark.parametrize(("loss", "scale"), CONTAMINATED)
-def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scale):
-    # ln δ of a power law with n held is linear in ln K_star, so that an M-estimate of location
-    # is all there is to refit, and many experiments of a thousand rows are quick.
-    campaign = measured_campaign(tmp_path, "power")
-    truth = TRUTHS["power", "internal"]
-    problem = campaign.plain.fixing(n=truth["n"])
-    data = problem.data
-    data = data.take(np.tile(np.arange(len(data)), 28))
-    exact = campaign.model.build(truth).penetration(data.load, data.pair)
-    rng = np.random.default_rng(5)
-    robust = Loss(loss, scale * NOISE)
-    seen = contaminated(rng, len(data))
-    measured_again = data.with_values(penetration=exact * np.exp(seen))
-    again = on_data(problem, measured_again, loss=robust)
-    point, noise = descended(again, again.point(truth) * 1.2)
-    assert noise.r.size == 1008
-    # By the textbook for a location, ψ' written out rather than differenced.
-    r = residuals_at(again, point)
-    z = (r / robust.scale) ** 2
-    slope = {
-        "huber": np.where(z < 1, 1.0, 0.0),
-        "cauchy": (1 - z) / (1 + z) ** 2,
-        "soft_l1": (1 + z) ** -1.5,
-    }[loss]
-    textbook = np.sqrt((robust.psi(r) ** 2).sum() * 1008 / 1007) / slope.sum()
-    error = float(np.sqrt(noise.covariance[0, 0])) / (point[0] * truth["n"])
-    assert error == pytest.approx(textbook, rel=1e-5)
-    # The same estimate by Newton's method on ψ, a thousand experiments at once.
-    values = contaminated(rng, (1000, 1008))
-    places = np.median(values, axis=1)
-    for _ in range(30):
-        places += robust.psi(values - places[:, None]).mean(axis=1) / slope.mean()
-    assert error == pytest.approx(places.std(), rel=0.08)
-
-
-def test_a_loss_without_curvature_has_no_intervals(noisy):
-    problem, best = noisy.fit, noisy.best
-    far = problem.coefficients(problem.point(best) * 1.3)
-    robust = on_data(problem, problem.data, loss=Loss("cauchy", 0.01 * NOISE))
-    noise = Optimum(robust, robust.point(far))
-    assert noise.covariance is None
-    assert noise.blind == []
-    assert np.isnan(noise.unit)
-    actual = uncertainty_of(noise)
-    assert {e.verdict for e in actual.estimates.values()} == {"not"}
-    assert any("not positive definite" in sentence for sentence in noise_verdicts(actual))
-
-
-# --- the command ------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def saved(tmp_path):
-    result = fit_table(measured_campaign(tmp_path, noise=NOISE, loss="huber", starts=2))
-    result.save(tmp_path / "r.json")
-    return tmp_path / "r.json"
-
-
-@pytest.mark.slow
-def test_the_command_reports_noise(saved, tmp_path, run):
-    out = tmp_path / "study.json"
-    code, said, errors = run(
-        *("uncertainty", saved, "--bootstrap", 30, "--over", "dR"),
-        *("--level", 0.9, "--seed", 3, "-j", 1, "-o", out),
-    )
-    assert (code, errors) == (0, "")
-    few = "30 refits give standard errors, and 90 % intervals from 40"
-    for part in ("from the noise", "90 %, bootstrap", few, "3 are few"):
-        assert part in " ".join(said.split()), part
-    study = json.loads(out.read_text("utf-8"))
-    assert study["bootstrap"]["seed"] == 3
-    assert study["uncertainty"]["level"] == 0.9
-    said = run("uncertainty", saved, "--bootstrap", 40, "-j", 1)[1]
-    assert "40 refits are few for 95 % intervals, take 1000 or more" in " ".join(said.split())
+# --- a law of one's own -----------------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatch, run):
     fit_table(user_campaign(tmp_path)).save(tmp_path / "r.json")
     monkeypatch.chdir(tmp_path)
-    assert "not run because a result names it" in run("uncertainty", "r.json")[2]
-    assert run("uncertainty", "r.json", "--law", "mine:load")[0] == 0
-    assert "is not its law, mine:load" in run("uncertainty", "r.json", "--law", "mine:flat")[2]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("arguments", "rule"),
-    [
-        (("--level", 1.0), "must be from 0.5 to below 1"),
-        (("--over", "rows"), "is for the bootstrap"),
-        (("--bootstrap", 5, "--over", "moon"), "is unknown"),
-        (("--bootstrap", 5, "--over", "group"), "is not a column of the table"),
-    ],
-)
-def test_what_cannot_be_asked_is_refused(saved, run, arguments, rule):
-    code, said, errors = run("uncertainty", saved, *arguments)
-    assert (code, said, len(errors.splitlines())) == (2, "", 1)
-    assert rule in errors
+    load = ("predict", "r.json", "--load", "5 N/mm")
+    assert "not run because a result names it" in run(*load)[2]
+    assert run(*load, "--law", "mine:load")[0] == 0
+    assert "is not its law, mine:load" in run(*load, "--law", "mine:flat")[2]

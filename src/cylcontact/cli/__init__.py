@@ -22,6 +22,7 @@ from cylcontact.cli.gone import refuse_gone
 from cylcontact.cli.signals import stopped_by_signals
 from cylcontact.cli.terminal import say
 from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import in_shell
 
 __all__ = ["main"]
 
@@ -39,7 +40,7 @@ def main() -> None:
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
     warnings.filterwarnings("ignore", _NOT_FINITE, RuntimeWarning)
     try:
-        with stopped_by_signals():
+        with stopped_by_signals(), in_shell():
             status = _run(sys.argv[1:])
     except InputError as error:
         status = _fail(str(error))

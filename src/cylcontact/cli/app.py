@@ -39,7 +39,6 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         fit.sample: "sample datasets/internal.toml -o build/internal.parquet",
         fit.fit: "fit fitting/external-E1000.toml",
         fit.choose: "choose datasets/examples/pin-in-hole.csv --contact internal",
-        fit.uncertainty: "uncertainty build/data/result.json --bootstrap 500",
         fit.predict: 'predict build/data/result.json --load "4500 N"',
         fit.design: "design datasets/examples/specimens.csv --law explicit --candidates 5:400",
         fit.compare: "compare fitting/results/internal.json",

@@ -13,7 +13,6 @@ import typer
 from cylcontact.cli.options import (
     FORCE,
     JOBS,
-    LOSSES,
     NOISES,
     RESULTS,
     RESUME,
@@ -41,8 +40,8 @@ from cylcontact.cli.pair import (
     option_of,
 )
 from cylcontact.cli.terminal import progress_bars, resumable, say
-from cylcontact.files.reading import marked, plain_number, require_file
-from cylcontact.files.writing import replacing, require_suffix, require_writable
+from cylcontact.files.reading import plain_number, require_file
+from cylcontact.files.writing import require_suffix, require_writable
 from cylcontact.support.choices import (
     BRANCHES,
     CHOICE_FILES,
@@ -54,6 +53,8 @@ from cylcontact.support.choices import (
 from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from cylcontact.fitting import Campaign, FitResult, TableCampaign
     from cylcontact.fitting.table_campaign import MeasuredTable
 
@@ -64,7 +65,8 @@ DATA = argument("A table, .csv, .txt, .xlsx or .parquet.", metavar="TABLE")
 RESULT = argument("A fit, e.g. results/NAME/result.json.", metavar="RESULT")
 RUNS = count(1, "Runs, instead of the campaign's.")
 SEED = count(0, "Seed of the random numbers.")
-LEVEL = number("Level of the intervals.", default=0.95)
+LEVEL = number("Level of the intervals; 0.95, or that of the fit.")
+JSON = option("Print JSON, not the report.", "--json", default=False)
 OWN_LAW = option("The law, if it is your own function.", metavar="MODULE:FUNCTION")
 _PANEL: dict[str, Any] = {"rich_help_panel": "For a table"}
 
@@ -102,8 +104,7 @@ def _share(text: str) -> float:
 _COLUMN = _named(str, "load_N=Kraft")
 # By their names as settings of a fit.
 SETTINGS: Options = {
-    "objective": _text("rms-log-penetration, rms-load, ..."),
-    "loss": _text(f"{listed(LOSSES)}."),
+    "objective": _text("rms-log-penetration or rms-penetration."),
     "ignore": (list[str] | None,
                option("Column left out; may be repeated.", metavar="COLUMN", **_PANEL)),
     "columns": (list[str] | None,
@@ -120,6 +121,7 @@ SETTINGS: Options = {
     "drift": (bool | None, option("Allow for a drift of each series.", "--drift", **_PANEL)),
     "load_error": _text("Standard deviation of loads, as 1%.", "SHARE",
                         reader(_share, "is not a share; write 1% or 0.01")),
+    "level": (float | None, LEVEL),
     "free": _texts("Fit what is fixed by default.", "NAME"),
 }  # fmt: skip
 # By the names of the tables in a campaign file.
@@ -193,6 +195,7 @@ def fit(
     scheduler: Any = SCHEDULER,
     resume: bool = RESUME,
     force: bool = FORCE,
+    as_json: bool = JSON,
     law: str | None = option("Law; module:function of your own.", metavar="NAME", **_PANEL),
     settings: dict[str, Any],
     parameters: dict[str, Any],
@@ -236,6 +239,9 @@ def fit(
             write_fit(result, folder)
         else:
             result.save(target)
+    if as_json:
+        say(result.to_json())
+        return
     names = f": {', '.join(FIT_FILES)}" if folder else ""
     say(f"{result}\n\nwritten to {folder or target}{names}")
 
@@ -257,44 +263,6 @@ def _place(source: Path, law: str, out: Path | None) -> tuple[Path | None, Path]
     return folder, folder / FIT_FILES[0]
 
 
-def uncertainty(
-    result: Path = RESULT,
-    *,
-    out: Path | None = output("The study, .json."),
-    bootstrap: int | None = count(2, "Refit N times to resampled data."),
-    over: str | None = option(
-        "What to resample: rows (default), material, dR, pair or group.", metavar="WHAT"
-    ),
-    level: float = LEVEL,
-    law: str | None = OWN_LAW,
-    seed: int | None = SEED,
-    jobs: int = JOBS,
-    scheduler: Any = SCHEDULER,
-) -> None:
-    """Study how certain a fit to measurements is, by covariance, profile and bootstrap."""
-    from cylcontact.fitting import DataFit
-    from cylcontact.fitting.study import study_noise
-
-    source, where = str(result), scheduler or jobs
-    rule, remedy = "must be from 0.5 to below 1", "0.95 is common"
-    require(0.5 <= level < 1, source, "--level", level, rule, remedy)
-    rule, remedy = "is for the bootstrap", "add --bootstrap 500"
-    require(over is None or bootstrap is not None, source, "--over", over, rule, remedy)
-    require_output(out, ".json")
-    fitted = DataFit.read(result)
-    with progress_bars() as progress:
-        study = study_noise(
-            fitted, level=level, replicates=bootstrap, over=over or "rows", seed=seed, law=law,
-            jobs=where, progress=progress,
-        )  # fmt: skip
-    if out is not None:
-        contents = marked(study.model_dump(mode="json"))
-        text = json.dumps(contents, indent=1, ensure_ascii=False)
-        with replacing(out) as temporary:
-            temporary.write_text(text + "\n", encoding="utf-8")
-    say(f"{study}\n\nwritten to {out}" if out else str(study))
-
-
 @takes("settings", SETTINGS, listed=False)
 @takes("parameters", PARAMETERS, listed=False)
 @takes("pair", PAIR, listed=False)
@@ -303,6 +271,9 @@ def choose(
     *,
     law: list[str] | None = several("The laws to compare; all by default.", of=str, metavar="NAME"),
     out: Path | None = output("The folder; results/NAME beside the table."),
+    jobs: int = JOBS,
+    scheduler: Any = SCHEDULER,
+    as_json: bool = JSON,
     settings: dict[str, Any],
     parameters: dict[str, Any],
     pair: dict[str, Any],
@@ -320,8 +291,11 @@ def choose(
         data, {**pair, **settings, **parameters, "law": law[0] if law else "johnson"}
     )
     with progress_bars() as progress:
-        choice = choose_law(measured, law or (), progress)
+        choice = choose_law(measured, law or (), progress, scheduler or jobs)
     write_choice(choice, folder)
+    if as_json:
+        say(_rows_as_json(choice.table.reset_index(), left_out=choice.left_out))
+        return
     say(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
 
 
@@ -369,8 +343,9 @@ def predict(
     result: Path = RESULT,
     *,
     load: list[str] = option('A load with its unit, "4500 N"; may be repeated.', default=...),
-    level: float = LEVEL,
+    level: float | None = LEVEL,
     law: str | None = OWN_LAW,
+    as_json: bool = JSON,
 ) -> None:
     """Predict readings of the penetration with their bands."""
     from cylcontact.fitting import DataFit
@@ -378,6 +353,9 @@ def predict(
 
     fitted = DataFit.read(result)
     table = (fitted if law is None else fitted.with_law(law)).predict(load, level)
+    if as_json:
+        say(_rows_as_json(table, level=level or fitted.level))
+        return
     beyond = table.pop("beyond")
     # In the units of the table, which come last.
     starts = ("pair", "load", "penetration", "low", "high")
@@ -390,6 +368,12 @@ def predict(
         rows = ", ".join(str(row) for row, is_beyond in enumerate(beyond, start=1) if is_beyond)
         reach = f"reach from {loads.min():g} to {loads.max():g} N/mm"
         say(f"\n! beyond the readings, which {reach}: row {rows}")
+
+
+def _rows_as_json(table: pd.DataFrame, **others: object) -> str:
+    """Return the rows of a table as JSON, with null for what is not a number."""
+    rows = json.loads(table.to_json(orient="records", double_precision=15))
+    return json.dumps({**others, "rows": rows}, ensure_ascii=False, indent=1)
 
 
 def compare(

@@ -13,6 +13,7 @@ COMMANDS: dict[str, str] = {
     "--revolutions 40 -o build/sweep.csv`, whose table has the period of each run",
     "tolerances": "use `cylcontact simulate datasets/slider_crank.toml --tolerance 1e-9`, which "
     "prints the error of the energy",
+    "uncertainty": "`cylcontact fit` gives the standard errors and intervals, --level their level",
     "optimizers": "cylcontact fit searches with PyGAD, then descends from many points",
 }
 # By command and option.
@@ -30,6 +31,10 @@ OPTIONS: dict[tuple[str, str], str] = {
     ("sweep", "--method"): "leave it out; there is one method",
     ("sweep", "--resume"): "leave it out; a sweep starts anew",
     ("sweep", "--against"): "compare two runs with cylcontact.mechanism.horizon",
+    **dict.fromkeys(
+        ((command, "--loss") for command in ("fit", "choose", "design")),
+        "leave it out: the report lists outliers with the fit without them",
+    ),
     ("fit", "--optimizer"): "leave it out: the search is PyGAD's, with descents from many points",
 }
 

@@ -21,7 +21,6 @@ from cylcontact.support.errors import InputError
 
 RESULTS = Path("fitting/results")
 # Keys of tables of functions, which are slow to import; tests/cli/test_commands.py compares them.
-LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 NOISES = ("constant", "proportional", "both")
 WIDTHS = ("column", "page")
 

@@ -33,7 +33,7 @@ def kept_rows(
     codes = np.unique(labels.get("group", [""]), return_inverse=True)[1].astype(np.float64)
     keys = [codes, *(numbers[name] for name in PAIR_COLUMNS if name in numbers)]
     series = equal_rows([key for key in keys if key.size > 1], load.size)
-    falls, zero = is_unloading(load, series), load == 0
+    falls, zero = is_unloading(load, series, branch is not None), load == 0
     if zero.all():
         raise InputError(table.source, "load", 0.0, "is zero in all rows", "give loads above zero")
     if zero.any():
@@ -76,12 +76,13 @@ def equal_rows(columns: Sequence[FloatArray], size: int) -> IndexArray:
     return np.unique(np.column_stack(columns), axis=0, return_inverse=True)[1].reshape(-1)
 
 
-def is_unloading(load: FloatArray, series: IndexArray) -> BoolArray | None:
+def is_unloading(load: FloatArray, series: IndexArray, in_order: bool = False) -> BoolArray | None:
     """Return which rows belong to unloading.
 
     A turning point is where the load turns by more than 5 % of its range. The loads from a peak
     down to the next turning point are unloading, if there are at least two: one alone is where
-    the next loading starts. Where loads only fall, in all series, none is unloading.
+    the next loading starts. Where loads only fall, in all series, all are unloading if the rows are
+    certainly in the order of measurement, else none.
     """
     course = np.zeros(load.size, dtype=np.intp)
     order = np.argsort(series, kind="stable")
@@ -91,8 +92,8 @@ def is_unloading(load: FloatArray, series: IndexArray) -> BoolArray | None:
         if of_series is None:
             return None
         course[rows] = of_series
-    # A table in falling order of loads says nothing of unloading.
-    return (course < 0) & (course > 0).any()
+    # A table may be sorted by falling loads.
+    return (course < 0) & (in_order or (course > 0).any())
 
 
 def _course(load: FloatArray) -> IndexArray | None:

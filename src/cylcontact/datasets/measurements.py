@@ -28,7 +28,7 @@ from cylcontact.bodies.material import (
     shipped_materials,
 )
 from cylcontact.bodies.pair import Contact, CylinderPair, roles, unusual_lengths
-from cylcontact.datasets.branches import PAIR_COLUMNS, equal_rows, kept_rows
+from cylcontact.datasets.branches import equal_rows, kept_rows
 from cylcontact.datasets.columns import MEASURED, option_for
 from cylcontact.datasets.readings import Readings, TableSpec, read_readings
 from cylcontact.files.spec import Spec
@@ -181,10 +181,6 @@ class Measurements:
         """Return the positions of identical rows, one list for each group of them."""
         alike = sorted(self._alike(*self.columns), key=lambda rows: int(rows[0]))
         return [[self.line(k) for k in rows] for rows in alike]
-
-    def replicates(self) -> list[Indices]:
-        """Return the indices of rows of the same load and pair, two or more of them."""
-        return self._alike("load", *PAIR_COLUMNS)
 
     def _alike(self, *names: str) -> list[Indices]:
         """Return the indices of rows that are equal in some columns, two or more of them."""

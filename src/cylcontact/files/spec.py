@@ -50,6 +50,10 @@ GONE = dict.fromkeys(("ground", "bodies", "integration"), _MECHANISM) | {
     "alpha": "give axes.E, axes.nu, axes.dR and axes.load",
     "beta": "give axes.E, axes.nu, axes.dR and axes.load",
     "phi": "give axes.load with E = 0.002 GPa, nu = 0 and dR = 1 mm, where the load is phi",
+    **dict.fromkeys(
+        ("loss", "loss_scale"),
+        "leave it out: the report lists outliers with the fit without them",
+    ),
     "optimizer": "leave it out: a campaign searches with PyGAD, then descends from many points",
 }
 

@@ -1,8 +1,7 @@
 """Which law describes measurements: all that apply, ranked, and whether the data can tell.
 
 Each law is fitted as `cylcontact fit` does, with one parameter of stiffness, the offset and the
-compliance free and the constants of its shape held; penetrations are compared, unless an objective
-or a column says otherwise, also of a law of one's own. The compliance has either sign: what the
+compliance free and the constants of its shape held. The compliance has either sign: what the
 readings yield beyond the law's own datum, for the points between which they are taken, the housing
 and the rig. A law would else be ranked by its datum, not by its shape. If the housing is known,
 the laws that know it have no compliance; the others are fitted without the housing. Two criteria
@@ -34,7 +33,7 @@ import pandas as pd
 
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants, Indices
-from cylcontact.fitting.diagnose import uncertainty_of
+from cylcontact.fitting.diagnose import LEVEL, uncertainty_of
 from cylcontact.fitting.law_models import RIG_NAMES, is_user_law
 from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.noise import Covariance
@@ -47,7 +46,8 @@ from cylcontact.laws import LAW_TYPES
 from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.support.errors import InputError
-from cylcontact.support.plain_text import brief
+from cylcontact.support.parallel import Workers, call, collect
+from cylcontact.support.plain_text import advice, brief
 from cylcontact.support.progress import Progress, silent
 from cylcontact.support.text_tables import Table
 
@@ -61,6 +61,8 @@ _STARTS = 3
 _PARTS, _FEWEST_SERIES = 10, 3
 # A law is told apart by more than these.
 _AICC, _STANDARD_ERRORS = 7.0, 1.0
+# Columns of a report on a screen.
+_WIDTH = 80
 # Names that a sentence lists.
 _LISTED = 5
 # Laws that are compared if they are named, and those that are the same for a single pair.
@@ -209,30 +211,28 @@ class Choice:
 
     def __str__(self) -> str:
         unit = _unit(self.best.optimum.fit)
-        criteria = ("AICc", "behind", "weight", f"CV error, {unit}")
-        head = ("", "parameters", *criteria, "compliance, mm/(N/mm)", "verdict")
+        head = ("", "free", "AICc behind", "CV error", "compliance", "verdict")
         factor = 100 if unit == "%" else 1
         rows = [
             (
                 str(name),
                 str(row["parameters"]),
-                f"{row['aicc']:.1f}",
                 f"{row['aicc_behind']:.1f}",
-                f"{row['weight']:.2f}",
                 _with_error(factor, row["cv_error"], row["cv_standard_error"]),
-                _with_error(1, row["compliance"], row["compliance_error"]),
+                _with_error(1e6, row["compliance"], row["compliance_error"]),
                 str(row["verdict"]),
             )
             for name, row in self.table.iterrows()
         ]
         notes = [f"{'-' if self.describes else '!'} {self._conclusion()}"]
         notes += [f"! {self.best.law}: {warning}" for warning in self.warnings]
+        notes += [f"- the CV error is in {unit}, the compliance in 1e-6 mm/(N/mm)"]
         notes += [f"- {note}" for note in self._on_datum()]
         notes += [f"- {law}: {why}" for law, why in self.left_out.items()]
-        items = (item(note, "") for note in notes)
+        items = (item(note, "", _WIDTH) for note in notes)
         count = len(self.data.measurements)
         title = f"{brief(self.data.name)}: {len(self.laws)} laws fitted to {count:,} measurements"
-        read = (item(line, "") for line in self.data.measurements.read)
+        read = (item(line, "", _WIDTH) for line in self.data.measurements.read)
         return "\n".join([*read, title, "", str(Table(head, rows)), *items])
 
     def _conclusion(self) -> str:
@@ -274,7 +274,7 @@ class Choice:
         numbers = self.table.drop(columns=["compliance", "compliance_error"]).round(3)
         notes = (self._conclusion(), *self.warnings, *self._on_datum())
         read, below = (
-            "".join(f"<p>{escape(line)}</p>" for line in lines)
+            "".join(f"<p>{escape(advice(line))}</p>" for line in lines)
             for lines in (self.data.measurements.read, notes)
         )
         return f"{read}{numbers.to_html()}{below}"
@@ -285,7 +285,7 @@ def _unit(fit: Fit) -> str:
         return "%"
     if fit.noise is not None or fit.has_sigma:
         return "std. dev."
-    return "N/mm" if fit.of_load else "mm"
+    return "mm"
 
 
 def _with_error(factor: float, value: float, error: float) -> str:
@@ -306,41 +306,23 @@ def laws_for(contact: Contact, pairs: int) -> list[str]:
 
 
 def choose_law(
-    table: MeasuredTable, names: Iterable[str] = (), progress: Progress = silent
+    table: MeasuredTable, names: Iterable[str] = (), progress: Progress = silent, jobs: Workers = 1
 ) -> Choice:
     """Fit all laws that apply to measurements, and rank them."""
     data, spec = table.measurements, table.spec
-    chosen = list(names) or laws_for(data.contact, len(data.groups("pair")[0]))
-    if spec.housing is not None and not names:
+    named = list(names)
+    chosen = named or laws_for(data.contact, len(data.groups("pair")[0]))
+    if spec.housing is not None and not named:
         chosen = ["conformal", *(name for name in chosen if not takes_housing(name))]
-    fitted: dict[str, Optimum] = {}
-    left_out: dict[str, str] = {}
-    for number, name in enumerate(chosen):
-        progress("fitting", number, len(chosen))
-        try:
-            with on_one_thread():
-                optimum = _fitted(_campaign(table, name, starts=_STARTS))
-        except InputError as error:
-            if names:
-                raise
-            key = error.key
-            where = error.source.rpartition(", ")[2] if key.startswith("load, ") else key
-            left_out[name] = f"left out: {where}: {error.rule}".replace(": : ", ": ")
-            continue
-        k = optimum.estimated
-        if len(data) > k + 1:
-            fitted[name] = optimum
-        else:
-            left_out[name] = (
-                f"left out: {len(data)} readings are too few to rank it, which estimates {k} "
-                f"numbers; AICc needs {k + 2}"
-            )
-    progress("fitting", len(chosen), len(chosen))
+    calls = [call(_fit_or_reason, table, name, bool(named)) for name in chosen]
+    outcomes = dict(zip(chosen, collect(calls, jobs, progress, "fitting"), strict=True))
+    fitted = {name: end for name, end in outcomes.items() if isinstance(end, Optimum)}
+    left_out = {name: end for name, end in outcomes.items() if isinstance(end, str)}
     _require_some(fitted, left_out, table, "measure more, or hold some (--fix compliance=0)")
     aicc = {name: _aicc(optimum, table.source) for name, optimum in fitted.items()}
     parts, words = _parts(next(iter(fitted.values())).fit, spec.seed)
-    with on_one_thread():
-        missed = {name: _missed(optimum, parts) for name, optimum in fitted.items()}
+    calls = [call(_missed, optimum, parts) for optimum in fitted.values()]
+    missed = dict(zip(fitted, collect(calls, jobs, progress, "predicting"), strict=True))
     for name in [name for name in fitted if not np.isfinite(missed[name]).all()]:
         del fitted[name]
         left_out[name] = (
@@ -360,9 +342,32 @@ def choose_law(
         errors = as_floats([squares[part].mean() for part in parts])
         ranked.append(RankedLaw(name, fitted[name], aicc[name], errors, sizes))
     with on_one_thread():
-        uncertainty = uncertainty_of(best)
+        uncertainty = uncertainty_of(best, spec.level or LEVEL)
     warnings = tuple(data_warnings(uncertainty))
     return Choice(table, tuple(ranked), left_out, words, warnings, describes(uncertainty))
+
+
+def _fit_or_reason(table: MeasuredTable, name: str, is_named: bool) -> Optimum | str:
+    """Return the fit of a law, or why it is left out."""
+    try:
+        with on_one_thread():
+            optimum = _fitted(_campaign(table, name, starts=_STARTS))
+            _ = optimum.log_likelihood, optimum.covariance  # singular now, or never
+    except np.linalg.LinAlgError:
+        return "left out: its information matrix is singular"
+    except InputError as error:
+        if is_named:
+            raise
+        key = error.key
+        where = error.source.rpartition(", ")[2] if key.startswith("load, ") else key
+        return f"left out: {where}: {error.rule}".replace(": : ", ": ")
+    k, rows = optimum.estimated, len(table.measurements)
+    if rows > k + 1:
+        return optimum
+    return (
+        f"left out: {rows} readings are too few to rank it, which estimates {k} "
+        f"numbers; AICc needs {k + 2}"
+    )
 
 
 def _require_some(
@@ -388,7 +393,7 @@ def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Tabl
     if is_user_law(law) and {*spec.named} <= {*RIG_NAMES}:  # none of its own constants is searched
         freed.append("stiffness_factor")
     free = [name for name in freed if name not in spec.named]
-    return replace(table, spec=spec).campaign(law, free, "penetration")
+    return replace(table, spec=spec).campaign(law, free)
 
 
 def _parts(fit: Fit, seed: int) -> tuple[list[Indices], str]:
@@ -413,8 +418,8 @@ def _fitted(campaign: TableCampaign) -> Optimum:
 def _aicc(optimum: Optimum, source: str) -> float:
     likelihood = optimum.log_likelihood
     if likelihood is None:
-        rule, remedy = "leaves no likelihood to rank laws by", "compare them by least squares"
-        raise InputError(source, "loss", None, rule, remedy)
+        rule = "follow a law exactly, so that there is no likelihood to rank laws by"
+        raise InputError(source, "readings", None, rule, "fit that law")
     k, N = optimum.estimated, len(optimum.fit.data)
     return 2 * k - 2 * likelihood + 2 * k * (k + 1) / (N - k - 1)
 
@@ -422,14 +427,15 @@ def _aicc(optimum: Optimum, source: str) -> float:
 def _missed(optimum: Optimum, parts: Sequence[Indices]) -> FloatArray:
     """Return the misses of a fit without each reading's part, in mm with a noise model."""
     fit, missed = optimum.fit, np.empty(len(optimum.fit.data))
-    for part in parts:
-        rest = fit.take(np.setdiff1d(np.arange(missed.size), part))
-        point = rest.minimise(optimum.point, most=1).point
-        if fit.noise is None:
-            missed[part] = fit.raw(point[None, :])[0][part]
-        else:
-            difference = fit.differences(point[None, :])[0] + _of_series(rest, point, fit.noise)
-            missed[part] = difference[part]
+    with on_one_thread():
+        for part in parts:
+            rest = fit.take(np.setdiff1d(np.arange(missed.size), part))
+            point = rest.minimise(optimum.point, most=1).point
+            if fit.noise is None:
+                missed[part] = fit.raw(point[None, :])[0][part]
+            else:
+                added = _of_series(rest, point, fit.noise)
+                missed[part] = (fit.differences(point[None, :])[0] + added)[part]
     return missed
 
 
@@ -451,6 +457,7 @@ def choose(
     constants: Constants | None = None,
     laws: Sequence[str] | str = (),
     fixed: Mapping[str, float] | None = None,
+    jobs: Workers = 1,
     **settings: Any,
 ) -> Choice:
     """Fit all laws that apply to measurements, rank them, and say whether the data can tell.
@@ -463,6 +470,8 @@ def choose(
         The laws to compare; by default all for the contact.
     fixed : mapping of str to float, optional
         Values of offset or compliance, or of parameters that all these laws have, that are known.
+    jobs : int or Cluster, optional
+        Worker processes; the result does not depend on them.
     **settings
         As for `fit`.
 
@@ -488,4 +497,5 @@ def choose(
     """
     names = [laws] if isinstance(laws, str) else [*laws]
     first = names[0] if names else "johnson"
-    return choose_law(table_of(data, first, pair, contact, constants, fixed, **settings), names)
+    table = table_of(data, first, pair, contact, constants, fixed, **settings)
+    return choose_law(table, names, jobs=jobs)

@@ -27,8 +27,12 @@ NUMBERS: dict[str, tuple[str, str, Callable[[FitResult], float | None]]] = {
         lambda r: r.published.objective if r.published else None,
     ),
     "lower bound": ("  lower bound", ".5g", lambda r: getattr(r, "bound", None)),
-    "largest |Eq 9|, %": ("max |Eq 9|, %", ".4g", lambda r: r.max_abs_diff_percent.fitted),
-    "published largest |Eq 9|, %": (
+    "largest difference, %": (
+        "largest difference, %",
+        ".4g",
+        lambda r: r.max_abs_diff_percent.fitted,
+    ),
+    "published largest difference, %": (
         *("  published", ".5g"),
         lambda r: r.max_abs_diff_percent.published,
     ),
@@ -110,7 +114,7 @@ def _coefficients(result: FitResult) -> dict[str, str]:
 
 def _add_differences(rows: dict[str, list[str | None]], result: FitResult) -> None:
     """Move the numbers of the published coefficients to their column, and add the differences."""
-    for row in ("objective", "largest |Eq 9|, %"):
+    for row in ("objective", "largest difference, %"):
         rows[row][0] = rows.pop(f"published {row}")[1]
     differences = {}
     if result.published is not None:

@@ -192,7 +192,7 @@ class _Candidates:
         depth = as_floats(centre - optimum.best.get("offset", 0.0))
         shared, spread = np.empty((load.size, 0)), None
         if fit.noise is None:
-            variance = optimum.variance_of_reading(centre, load, pair)
+            variance = optimum.variance_of_reading(centre, load)
         else:
             variance = fit.noise.scatter_variance(depth, load)
             if fit.noise.model.effects:

@@ -36,10 +36,10 @@ SURPRISING = 0.01
 OUTLYING = 3.5
 # Rows that a test needs, and rows of a series that its trend needs.
 _FEWEST, _FEWEST_IN_SERIES = 12, 4
-# The normal approximation of the runs test needs this many residuals of either sign.
-_FEW_OF_A_SIGN = 8
 # Readings that differ relatively by less are equal.
 _ROUNDING = 1e-12
+# Load and penetration of a lower correlation of ranks have opposite signs.
+_OPPOSITE = -0.5
 # Readings whose scatter from one to the next can be told.
 _FEWEST_NEIGHBOURS = 8
 
@@ -48,16 +48,14 @@ def findings_of(optimum: Optimum) -> list[Finding]:
     """Return the tests of the noise that fail."""
     if optimum.r.size < _FEWEST + optimum.point.size:
         return []
-    tests = (_series, _drift, _sequence, _spread, _branches, _repeats)
+    tests = (_series, _drift, _sequence, _spread)
     with np.errstate(divide="ignore", invalid="ignore"):  # of readings or loads that are all equal
         findings = [finding for test in tests if (finding := test(optimum)) is not None]
-    p = {finding.test: finding.p for finding in findings}
-    # A series or a drift explains a sequence of like residuals. Branches look like a drift, and a
-    # drift like branches; the less likely one is left.
-    echoes = {"sequence"} if p.keys() & {"series", "pairs", "drift"} else set()
-    if p.keys() >= {"drift", "branches"}:
-        echoes.add(max("drift", "branches", key=lambda test: p[test]))
-    return [f for f in findings if f.test not in echoes]
+    names = {finding.test for finding in findings}
+    # A series or a drift explains a sequence of like residuals.
+    if names & {"series", "pairs", "drift"}:
+        findings = [finding for finding in findings if finding.test != "sequence"]
+    return findings
 
 
 def _failed(test: str, p: float | None, says: str, remedy: str) -> Finding | None:
@@ -70,7 +68,7 @@ def _failed(test: str, p: float | None, says: str, remedy: str) -> Finding | Non
 def _groups(optimum: Optimum, name: str) -> tuple[list[str], Indices] | None:
     """Return the groups of a grouping; None if the table has none or only one."""
     data = optimum.fit.data
-    if name in ("group", "branch") and name not in data.data.labels:
+    if name == "group" and name not in data.data.labels:
         return None
     names, index = data.groups(name)
     return (names, index) if len(names) > 1 else None
@@ -179,39 +177,6 @@ def _spread(optimum: Optimum) -> Finding | None:
     return _failed("spread", p, f"the scatter of the readings{relative} {grows} with them", remedy)
 
 
-def _branches(optimum: Optimum) -> Finding | None:
-    groups = _groups(optimum, "branch")
-    if groups is None:
-        return None
-    names, index = groups
-    return _failed(
-        "branches",
-        _f_test(optimum, as_floats(index[:, None] == np.arange(len(names)))[:, 1:]),
-        "loading and unloading differ, by friction in the rig or by plastic flow",
-        "fit one of them with --branch loading, and compare",
-    )
-
-
-def _repeats(optimum: Optimum) -> Finding | None:
-    """Test whether the law misses the means of repeated loads by more than they scatter."""
-    sets = optimum.fit.data.replicates()
-    r, degrees = optimum.r, sum(rows.size - 1 for rows in sets)
-    between = r.size - optimum.point.size - degrees
-    if degrees < _FEWEST_IN_SERIES or between < 1:
-        return None
-    pure = sum(float(((r[rows] - r[rows].mean()) ** 2).sum()) for rows in sets)
-    if pure <= 0:
-        return None
-    ratio = max(float((r**2).sum()) - pure, 0.0) / between / (pure / degrees)
-    series = "" if "offset" in _allowed(optimum) else ", or name the series with --group COLUMN"
-    return _failed(
-        "repeats",
-        float(special.fdtrc(between, degrees, ratio)),
-        "the law misses the means of repeated loads by more than their scatter",
-        f"try other laws with `cylcontact choose`{series}",
-    )
-
-
 def _f_test(optimum: Optimum, columns: FloatArray) -> float | None:
     """Return the probability of residuals that depend on columns so much; None if too few rows."""
     r = optimum.r
@@ -256,6 +221,14 @@ def r_squared(optimum: Optimum) -> float | None:
     return 1 - float((rest**2).sum()) / total
 
 
+def _falls(optimum: Optimum) -> bool:
+    """Return whether the penetration falls as the load rises, by Spearman's correlation."""
+    data = optimum.fit.data
+    if min(np.ptp(data.load), np.ptp(data.penetration)) == 0:
+        return False
+    return bool(np.corrcoef(_ranks(data.load), _ranks(data.penetration))[0, 1] < _OPPOSITE)
+
+
 def _less_series(optimum: Optimum) -> FloatArray:
     """Return the fitted less the measured values, without what the series add, shape (N,)."""
     added = optimum.series_in_mm
@@ -280,19 +253,6 @@ def missed(optimum: Optimum) -> tuple[float, float | None]:
     bends = np.diff(r[np.lexsort((fit.data.load, fit.data.groups(over)[1]))], 2)
     scatter = MEDIAN_TO_SIGMA * float(np.median(np.abs(bends))) / np.sqrt(6)
     return rms / size, rms / scatter if scatter > 0 else None
-
-
-def runs_test(optimum: Optimum) -> float | None:
-    """Return the probability of so few runs of one sign along the load (Wald, Wolfowitz 1940)."""
-    data = optimum.fit.data
-    positive = optimum.r[np.lexsort((data.load, data.groups("pair")[1]))] > 0
-    n, m = int(positive.sum()), int((~positive).sum())
-    if min(n, m) < _FEW_OF_A_SIGN:
-        return None
-    runs = 1 + int((positive[1:] != positive[:-1]).sum())
-    mean = 1 + 2 * n * m / (n + m)
-    variance = (mean - 1) * (mean - 2) / (n + m - 1)
-    return float(special.ndtr((runs - mean) / np.sqrt(variance)))
 
 
 # --- standard errors, intervals and verdicts ----------------------------------------------------
@@ -324,20 +284,19 @@ def uncertainty_of(optimum: Optimum, level: float = LEVEL, jobs: Workers = 1) ->
         residual_unit=_unit(fit),
         sigma_known=optimum.known,
         chi_square_p=optimum.chi_square_p,
-        runs_test_p=runs_test(optimum),
-        loss_scale=fit.loss.scale if optimum.robust else None,
         estimates=estimates,
         correlation=_correlation(optimum),
         only_together=optimum.blind,
         duplicates=data.duplicates(),
         outliers=[Outlier(line=data.line(row), deviations=far[row]) for row in far],
-        notes=[*optimum.notes, *better, *data.data.notes],
+        notes=[*better, *data.data.notes],
         noise=None if fit.noise is None else _deviations(optimum, fit.noise),
         log_likelihood=optimum.log_likelihood,
         estimated=optimum.estimated,
         r_squared=r_squared(optimum),
         missed=share_missed,
         missed_over_scatter=None if optimum.is_rounding else over_scatter,
+        falls=_falls(optimum),
         findings=[] if optimum.is_rounding else findings_of(optimum),
         without_outliers=_without(optimum, far),
     )
@@ -375,8 +334,8 @@ def _unit(fit: Fit) -> str:
     if fit.noise is not None:
         return "estimated standard deviations"
     if fit.is_log:
-        return f"share of the {'load' if fit.of_load else 'penetration'}"
-    return "N/mm" if fit.of_load else "mm"
+        return "share of the penetration"
+    return "mm"
 
 
 def _estimates(optimum: Optimum, level: float, jobs: Workers) -> dict[str, Estimate]:

@@ -3,12 +3,8 @@
 | objective | residual | for |
 |---|---|---|
 | rms-log-penetration | ln(δ_law(f)/δ) | noise proportional to δ |
-| rms-log-load | ln(f_law(δ)/f) | noise proportional to f |
 | rms-penetration | (δ_law(f) − δ)/σ, σ = 1 mm by default | constant noise, or σ |
-| rms-load | (f_law(δ) − f)/σ, σ = 1 N/mm by default | constant noise, or σ |
 | rms-standardised | V^(−½)·(δ_law(f) − δ), in standard deviations | a noise model (`noise`) |
-
-Weights multiply the squares, scaled to a mean of 1.
 """
 
 from __future__ import annotations
@@ -27,7 +23,7 @@ from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.support.errors import InputError
 
-OBJECTIVES = ("rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load")
+OBJECTIVES = ("rms-log-penetration", "rms-penetration")
 STANDARDISED = "rms-standardised"
 # From the median of |r| to a standard deviation of Gaussian residuals.
 MEDIAN_TO_SIGMA = 1.4826
@@ -39,59 +35,9 @@ _WIDE = 100.0
 _RELATIVE_STEP, _INTERVAL_STEP = 6e-6, 1e-9
 # Descents from the end of the one before; one that gains less, relatively, is the last.
 _MAX_RESTARTS, _MIN_GAIN, _PRECISION = 10, 1e-12, 1e-15
-# Iterations for the scale of a robust loss, and for the deviations of a noise model, which end when
-# the parameters move by less than this share of the residuals.
-_SCALE_ROUNDS, _ROUNDS, _SETTLED = 5, 60, 1e-9
-# C in standard deviations: with Huber's loss 1.345 keeps 95 % of the efficiency of least squares
-# (Huber 1981), and the other losses are similar.
-TUNING = 1.345
-_Curve = Callable[[FloatArray], FloatArray]
-# ρ and dρ/dz of each loss; 2(√(1+z) − 1) without its cancellation.
-_RHO: dict[str, tuple[_Curve, _Curve]] = {
-    "linear": (lambda z: z, np.ones_like),
-    "soft_l1": (lambda z: 2 * z / (np.sqrt(1 + z) + 1), lambda z: 1 / np.sqrt(1 + z)),
-    "huber": (
-        lambda z: np.where(z <= 1, z, 2 * np.sqrt(np.maximum(z, 1)) - 1),
-        lambda z: 1 / np.sqrt(np.maximum(z, 1)),
-    ),
-    "cauchy": (np.log1p, lambda z: 1 / (1 + z)),
-}
-LOSSES = tuple(_RHO)
-
-
-@dataclass(frozen=True)
-class Loss:
-    """A loss Σ C²·ρ((r/C)²) with a scale C in the units of the residuals, as scipy defines ρ."""
-
-    name: str = "linear"
-    scale: float = 1.0
-
-    @property
-    def is_linear(self) -> bool:
-        """Whether it is plain least squares."""
-        return self.name == "linear"
-
-    def residual(self, r: FloatArray) -> FloatArray:
-        """Return the residuals whose squares add up to the loss."""
-        if self.is_linear:
-            return r
-        rho, _ = _RHO[self.name]
-        return as_floats(np.sign(r) * self.scale * np.sqrt(rho((r / self.scale) ** 2)))
-
-    def psi(self, r: FloatArray) -> FloatArray:
-        """Return half the derivative of the loss; r for least squares."""
-        _, slope = _RHO[self.name]
-        return as_floats(r * slope((r / self.scale) ** 2))
-
-    def psi_slope(self, r: FloatArray) -> FloatArray:
-        """Return the derivative of `psi`; a central difference for robust losses."""
-        if self.is_linear:
-            return np.ones_like(r)
-        step = 1e-6 * self.scale
-        return as_floats((self.psi(r + step) - self.psi(r - step)) / (2 * step))
-
-
-_LEAST_SQUARES = Loss()
+# Iterations for the deviations of a noise model, which end when the parameters move by less than
+# this share of the residuals.
+_ROUNDS, _SETTLED = 60, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,13 +46,7 @@ class Fit(Space):
 
     objective: str
     data: Measurements
-    loss: Loss = _LEAST_SQUARES
     noise: Covariance | None = None
-
-    @property
-    def of_load(self) -> bool:
-        """Whether loads are compared at equal penetration."""
-        return self.objective.endswith("load")
 
     @property
     def is_log(self) -> bool:
@@ -118,21 +58,17 @@ class Fit(Space):
         """Whether the standard deviation of the noise is known."""
         if self.objective == STANDARDISED:
             return self.noise is not None and not self.noise.names
-        return not self.is_log and self._sigma_name in self.data.columns
+        return not self.is_log and "penetration_std" in self.data.columns
 
     @property
     def sigma(self) -> FloatArray:
-        """The standard deviations in mm or N/mm, shape (N,); 1 if they are not known."""
-        return self.data.columns.get(self._sigma_name, np.ones(len(self.data)))
-
-    @property
-    def _sigma_name(self) -> str:
-        return "load_std" if self.of_load else "penetration_std"
+        """The standard deviations in mm, shape (N,); 1 if they are not known."""
+        return self.data.columns.get("penetration_std", np.ones(len(self.data)))
 
     @property
     def observed(self) -> FloatArray:
-        """The measured loads in N/mm or penetrations in mm, shape (N,)."""
-        return self.data.load if self.of_load else self.data.penetration
+        """The measured penetrations in mm, shape (N,)."""
+        return self.data.penetration
 
     # --- the law and its residuals ------------------------------------------------------------
 
@@ -141,12 +77,12 @@ class Fit(Space):
         return law_of(self.model, self.complete(point[None, :])[0])
 
     def differences(self, points: FloatArray) -> FloatArray:
-        """Return the predicted less the measured values in mm or N/mm, shape (P, N)."""
+        """Return the predicted less the measured penetrations in mm, shape (P, N)."""
         laws = (law_of(self.model, values) for values in self.complete(points))
         return as_floats(np.array([self._predicted(law) for law in laws]) - self.observed)
 
     def raw(self, points: FloatArray) -> FloatArray:
-        """Return the residuals with weights and σ, before the loss, shape (P, N)."""
+        """Return the residuals with σ, shape (P, N)."""
         every = self.complete(points)
         return np.array([self._raw(law_of(self.model, values)) for values in every])
 
@@ -164,7 +100,7 @@ class Fit(Space):
         return float(_norm(self._scaled(self._raw(law)[None, :]))[0])
 
     def _scaled(self, raw: FloatArray) -> FloatArray:
-        return as_floats(self.loss.residual(raw) / np.sqrt(len(self.data)))
+        return as_floats(raw / np.sqrt(len(self.data)))
 
     def _raw(self, law: ContactLaw | None) -> FloatArray:
         """Return the residuals of one law, shape (N,); NaN outside its domain."""
@@ -180,8 +116,6 @@ class Fit(Space):
         if law is None:
             return np.full(len(data), np.nan)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            if self.of_load:
-                return law.load(data.penetration, data.pair)
             return law.penetration(data.load, data.pair)
 
     def jacobian(
@@ -302,7 +236,10 @@ class Fit(Space):
                 rule = f"are not more than {free} parameters and {effects} effects of the series"
                 remedy = "measure more points, or leave group and drift out"
                 raise InputError(self.data.data.source, "group", f"{rows} rows", rule, remedy)
-            weighed = replace(self, noise=replace(noise, deviations=estimate(likelihood)))
+            deviations = estimate(likelihood)
+            if not np.isfinite([*deviations.values()]).all():
+                raise singular(self.data.data.source)
+            weighed = replace(self, noise=replace(noise, deviations=deviations))
             moved = weighed.minimise(point).point
             step = likelihood.slopes @ (moved - point)
             point = moved
@@ -311,21 +248,12 @@ class Fit(Space):
                 break
         return weighed
 
-    def robust(self, loss: str, scale: float | None, start: Callable[[], FloatArray]) -> Fit:
-        """Return the fit with a robust loss and its scale.
 
-        A scale that is not given is 1.345 times the standard deviation if that is known, else
-        1.345 times the robust spread of the residuals, by a few iterations from `start`, a
-        least-squares fit.
-        """
-        if scale is not None or self.has_sigma:
-            return replace(self, loss=Loss(loss, scale or TUNING))
-        point, fit = start(), self
-        for _ in range(_SCALE_ROUNDS):
-            spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(self.raw(point[None, :])[0])))
-            fit = replace(self, loss=Loss(loss, max(TUNING * spread, 1e-12)))
-            point = fit.minimise(point).point
-        return fit
+def singular(source: str) -> InputError:
+    """Return the error of a fit whose information matrix is singular."""
+    rule = "do not determine the law and the noise together: the information matrix is singular"
+    remedy = "free fewer parameters, leave out --drift, --group or --load-error, or measure more"
+    return InputError(source, "readings", None, rule, remedy)
 
 
 def _norm(residuals: FloatArray) -> FloatArray:

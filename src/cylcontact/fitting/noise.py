@@ -289,11 +289,15 @@ class Likelihood:
     slopes: FloatArray
 
     def __call__(self, deviations: Mapping[str, float]) -> float:
-        """Return −2ℓ; inf if the covariance is singular."""
+        """Return −2ℓ; inf if the covariance or the information matrix is singular."""
         if not (self.covariance.variance(deviations) > 0).all():
             return np.inf
-        log_det, normal, rest = self._terms(deviations)
-        return float(log_det + np.linalg.slogdet(normal)[1] + rest)
+        try:
+            log_det, normal, rest = self._terms(deviations)
+        except np.linalg.LinAlgError:
+            return np.inf
+        value = float(log_det + np.linalg.slogdet(normal)[1] + rest)
+        return value if np.isfinite(value) else np.inf
 
     def log_likelihood(self, deviations: Mapping[str, float]) -> float:
         """Return ln L of the readings, not restricted, at the best parameters and fixed effects."""
@@ -345,7 +349,7 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
     """Return the deviations of largest restricted likelihood.
 
     "constant", "offset" and "drift" are in mm, "proportional" and "gain" relative; 0 where the
-    readings show none.
+    readings show none, NaN where the information matrix is singular at all deviations tried.
     """
     names = likelihood.covariance.names
     if not names:
@@ -374,7 +378,7 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
         without = best | {name: 0.0}
         if (reached := likelihood(without)) <= lowest + _NO_LOSS:
             best, lowest = without, min(lowest, reached)
-    return best
+    return best if np.isfinite(lowest) else dict.fromkeys(names, np.nan)
 
 
 def _scaled(

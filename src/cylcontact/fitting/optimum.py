@@ -3,10 +3,7 @@
 With residuals r and J their derivatives by the free parameters at the optimum, least squares has
 the covariance s²·(JᵀJ)⁻¹, where s² is 1 if the standard deviations are known and Σr²/(N − k) if
 not. With a noise model r are in standard deviations, s² is 1, and the degrees of freedom are
-Satterthwaite's (`noise`). With a robust loss it is the sandwich H⁻¹GH⁻¹ of H = Σψ'JJᵀ and
-G = N/(N − k)·Σψ²JJᵀ (Huber 1981), ψ being half the loss's derivative. ψ' is negative for large
-residuals of Cauchy's loss. If they are so many that H is not positive definite, there is no
-covariance.
+Satterthwaite's (`noise`).
 
 A profile fixes a parameter and refits the others. The likelihood ratio to the optimum is
 (S(θ) − S)/τ if the noise is Gaussian. An interval or region holds the values for which it stays
@@ -16,8 +13,7 @@ the covariance it follows the curvature of the law.
 Bands are from the delta method in ln f, and in ln δ if the noise is proportional, since contact
 laws are nearly linear there; in δ otherwise, where readings may be negative. The variance of the
 curve is gᵀCg with g the derivatives by the free parameters and C their covariance. A new reading
-adds the noise, with random effects that of a series not yet measured. Noise of a load becomes
-noise of the penetration through the local exponent n = d ln f/d ln δ.
+adds the noise, with random effects that of a series not yet measured.
 """
 
 from __future__ import annotations
@@ -33,7 +29,7 @@ from scipy import special
 from scipy.optimize import brentq
 
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.fitting.measured import MEDIAN_TO_SIGMA, Fit
+from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.noise import Degrees, Likelihood
 from cylcontact.fitting.records import Interval
 from cylcontact.laws.law import Coefficients, ContactLaw
@@ -47,12 +43,6 @@ BETTER = -1e-6
 # A direction with a smaller singular value, relative to the largest, is not identifiable; it
 # involves the parameters with at least this fraction of its largest component.
 _BLIND, _INVOLVED = 1e-7, 0.1
-# H, scaled to a diagonal of about 1, is positive definite if its smallest eigenvalue is larger.
-_POSITIVE = 1e-12
-_NOT_CURVED = (
-    "too many residuals are far out for this robust loss: its curvature is not positive definite, "
-    "and there is neither a covariance nor an interval; take a larger scale, or the Huber loss"
-)
 # Precision of an interval's ends relative to the distance from the optimum, the first step towards
 # an end relative to the distance to the bound, and the largest rise that counts.
 _EDGE_PRECISION, _FIRST_STEP, _FAR = 1e-4, 1e-6, 1e6
@@ -103,12 +93,12 @@ class Optimum:
 
     @cached_property
     def r(self) -> FloatArray:
-        """The residuals with weights and σ, before the loss, shape (N,)."""
+        """The residuals with σ, shape (N,)."""
         return as_floats(self.fit.raw(self.point[None, :])[0])
 
     @cached_property
     def differences(self) -> FloatArray:
-        """The fitted less the measured values in mm or N/mm, shape (N,)."""
+        """The fitted less the measured penetrations in mm, shape (N,)."""
         return as_floats(self.fit.differences(self.point[None, :])[0])
 
     @cached_property
@@ -122,26 +112,18 @@ class Optimum:
         return self.fit.has_sigma
 
     @property
-    def robust(self) -> bool:
-        """Whether the loss is robust."""
-        return not self.fit.loss.is_linear
-
-    @property
     def degrees(self) -> int:
         """Degrees of freedom, N − k."""
         return self.r.size - self.point.size
 
     @cached_property
     def sum_of_squares(self) -> float:
-        """The minimum S of the sum of squares, or of the robust loss."""
+        """The minimum S of the sum of squares."""
         return float(self.r.size * self.fit.value(self.point) ** 2)
 
     @cached_property
     def sigma(self) -> float:
-        """Standard deviation of r: √(Σr²/(N − k)), or from the median with a robust loss."""
-        if self.robust:  # that of rows other than outliers
-            spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(self.r)))
-            return spread * float(np.sqrt(self.r.size / self.degrees))
+        """Standard deviation of r, √(Σr²/(N − k))."""
         return float(np.sqrt((self.r**2).sum() / self.degrees))
 
     @property
@@ -151,8 +133,8 @@ class Optimum:
 
     @property
     def chi_square_p(self) -> float | None:
-        """The probability of residuals this large; None with a robust loss or an unknown σ."""
-        if not self.known or self.robust:
+        """The probability of residuals this large; None if σ is not known."""
+        if not self.known:
             return None
         return float(special.chdtrc(self.degrees, self.sum_of_squares))
 
@@ -211,42 +193,16 @@ class Optimum:
 
     @property
     def unit(self) -> float:
-        """τ, such that (S(θ) − S)/τ has a χ² or F distribution; NaN without curvature."""
+        """τ, such that (S(θ) − S)/τ has a χ² or F distribution."""
         return self._unit_and_covariance[0]
-
-    @property
-    def notes(self) -> list[str]:
-        """Warnings for the report."""
-        missing = self.robust and self.covariance is None and self._inverse[0] is not None
-        return [_NOT_CURVED] if missing else []
 
     @cached_property
     def _unit_and_covariance(self) -> tuple[float, FloatArray | None]:
         inverse, _ = self._inverse
         if self.satterthwaite is not None:
             return 1.0, None if inverse is None else self.satterthwaite.covariance
-        if self.robust:
-            return self._sandwich(inverse)
         unit = 1.0 if self.known else self.sigma**2
         return unit, None if inverse is None else as_floats(inverse * unit)
-
-    def _sandwich(self, inverse: FloatArray | None) -> tuple[float, FloatArray | None]:
-        """Return τ and H⁻¹GH⁻¹ of a robust loss; NaN and None without curvature."""
-        loss, r = self.fit.loss, self.r
-        psi, psi_slope = loss.psi(r), loss.psi_slope(r)
-        mean_slope = float(psi_slope.mean())
-        unit = float((psi**2).sum() / self.degrees / mean_slope) if mean_slope > 0 else np.nan
-        if inverse is None:
-            return unit, None
-        # Orthonormal columns scale H well, whatever the units of the parameters.
-        root = np.linalg.cholesky(inverse)
-        columns = self.slopes @ root
-        curvature = (columns * psi_slope[:, None]).T @ columns
-        if mean_slope <= 0 or np.linalg.eigvalsh(curvature)[0] <= _POSITIVE:
-            return np.nan, None
-        weighted = columns * psi[:, None]
-        half = root @ np.linalg.inv(curvature)
-        return unit, as_floats(half @ (weighted.T @ weighted) @ half.T * (r.size / self.degrees))
 
     @property
     def errors(self) -> FloatArray:
@@ -292,14 +248,12 @@ class Optimum:
 
     @property
     def log_likelihood(self) -> float | None:
-        """ln L of the readings in mm or N/mm; None with a robust loss.
+        """ln L of the readings in mm; None if all residuals are zero.
 
         They are readings whatever the residuals, so that fits with different noise can be compared.
         A standard deviation that is estimated has its value of largest likelihood, √(Σr²/N).
         """
         fit, r = self.fit, self.r
-        if self.robust:
-            return None
         if self.likelihood is not None and fit.noise is not None:
             return self.likelihood.log_likelihood(fit.noise.deviations)
         # From the residual to the reading: |dr/dy| = 1/y for logarithms, else 1/σ.
@@ -353,9 +307,13 @@ class Optimum:
         inner, outer = 0.0, min(1.0, max(1.1 * limit * float(error) / abs(reach), _FIRST_STEP))
         start: Coefficients = self.best
         last = start
+        # A refit from another start may end in another minimum, so each value is found once.
+        known = {0.0: -limit}
 
         def excess(share: float) -> float:
             nonlocal last, lowest
+            if share in known:
+                return known[share]
             # A descent that starts at a bound may stay there.
             origin = start if self._is_at_bound(last) else last
             fixed = {name: best + share * reach}
@@ -364,19 +322,14 @@ class Optimum:
                 ratio, last = self.ratio(fixed, start)
             lowest = min(lowest, ratio)
             # The square root of the ratio is nearly linear in the parameter.
-            return float(np.sqrt(max(ratio, 0.0))) - limit
+            known[share] = min(float(np.sqrt(max(ratio, 0.0))), _FAR * limit) - limit
+            return known[share]
 
         while excess(outer) <= 0:
             if outer == 1.0:
                 return bound, True, lowest
             inner, start, outer = outer, last, min(1.0, 2 * outer)
-        share = brentq(
-            lambda share: min(excess(share), (_FAR - 1) * limit),
-            inner,
-            outer,
-            rtol=_EDGE_PRECISION,
-            xtol=_EDGE_PRECISION * outer,
-        )
+        share = brentq(excess, inner, outer, rtol=_EDGE_PRECISION, xtol=_EDGE_PRECISION * outer)
         return best + float(share) * reach, False, lowest
 
     def _is_at_bound(self, coefficients: Coefficients) -> bool:
@@ -428,7 +381,7 @@ class Optimum:
         """Return m numbers, their variances by the delta method, and half-widths in errors."""
         if self.covariance is None:
             rule = "are not identifiable one by one, so that there is no band"
-            remedy = "fix one of them (--fix NAME=VALUE), or choose a wider loss, and fit again"
+            remedy = "fix one of them (--fix NAME=VALUE), and fit again"
             blamed = self.blind or list(self.best)
             raise InputError("prediction", "parameters", blamed, rule, remedy)
         centre, slopes = self.slopes_of(evaluate)
@@ -451,16 +404,14 @@ class Optimum:
             raise InputError("prediction", "load in N/mm", outside, rule, "stay within it")
         depth = self.law.penetration(force, pair)
         depth = as_floats(np.where(depth == 0, _NO_DEPTH, depth))
-        added = self.variance_of_reading(depth, force, pair)
+        added = self.variance_of_reading(depth, force)
         if is_log:
             added = as_floats(added / depth**2)
         spread, wider = reach * np.sqrt(variance), reach * np.sqrt(variance + added)
         ends = (centre, centre - spread, centre + spread, centre - wider, centre + wider)
         return Band(*(as_floats(np.exp(end)) if is_log else as_floats(end) for end in ends))
 
-    def variance_of_reading(
-        self, depth: FloatArray, force: FloatArray, pair: CylinderPair
-    ) -> FloatArray:
+    def variance_of_reading(self, depth: FloatArray, force: FloatArray) -> FloatArray:
         """Return the variance of new readings of the penetration in mm².
 
         With given standard deviations, a new reading has their median, or with a noise model that
@@ -470,12 +421,10 @@ class Optimum:
         sigma = 1.0 if self.known else self.sigma
         if fit.noise is not None:
             return fit.noise.new_variance(depth - self.best.get("offset", 0.0), force)
-        # Relative to f or δ.
+        # Relative to δ.
         size = np.full_like(force, sigma)
         if not fit.is_log:
-            size = sigma * float(np.median(fit.sigma)) / (force if fit.of_load else depth)
-        if fit.of_load:
-            size = size / (self.law.stiffness(depth, pair) * depth / force)
+            size = sigma * float(np.median(fit.sigma)) / depth
         return as_floats((size * depth) ** 2)
 
 

@@ -28,7 +28,7 @@ class Published(Spec):
 
 
 class MaxDifference(Spec):
-    """Largest |Eq 9| over the data in percent; None where the law is undefined."""
+    """Largest difference of the penetration in percent; None where the law is undefined."""
 
     fitted: float | None
     published: float | None
@@ -148,7 +148,7 @@ class Outlier(Spec):
 
 
 class Finding(Spec):
-    """A test of the noise that fails: series, pairs, drift, sequence, spread, branches, repeats."""
+    """A test of the noise that fails: series, pairs, drift, sequence or spread."""
 
     test: str
     # The probability of such residuals if the noise were as assumed.
@@ -171,11 +171,8 @@ class Uncertainty(Spec):
     residual_sigma: float
     residual_unit: str
     sigma_known: bool
-    # The probability of residuals this large where their size is known, and of so few changes of
-    # their sign along the load.
+    # The probability of residuals this large where their size is known.
     chi_square_p: float | None
-    runs_test_p: float | None
-    loss_scale: float | None
     estimates: dict[str, Estimate]
     correlation: dict[str, dict[str, float]]
     # Parameters of which only a combination is identifiable.
@@ -192,21 +189,10 @@ class Uncertainty(Spec):
     # The residuals over the readings, and over the scatter from one reading to the next.
     missed: float | None = None
     missed_over_scatter: float | None = None
+    # Whether the readings of the penetration fall as the load rises.
+    falls: bool = False
     findings: list[Finding] = Field([])
     without_outliers: dict[str, float] = Field({})
-
-
-class Bootstrap(Spec):
-    """Refits to resampled rows or groups: standard errors, and if they are many, intervals."""
-
-    over: str
-    groups: int
-    replicates: int
-    # Refits that did not count: the law was undefined at the start.
-    undefined: int = 0
-    seed: int
-    intervals: dict[str, Interval]
-    standard_errors: dict[str, float]
 
 
 # Runs whose objectives are this close, relatively, ended in the same basin.

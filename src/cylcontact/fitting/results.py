@@ -25,7 +25,7 @@ from cylcontact.files.writing import replacing
 from cylcontact.fitting.campaign import CampaignBase
 from cylcontact.fitting.design import Design, design
 from cylcontact.fitting.law_models import fitted_law, units_of, user_model, with_rig
-from cylcontact.fitting.measured import Fit, Loss
+from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.records import (
     FAIRLY,
@@ -46,6 +46,7 @@ from cylcontact.fitting.records import (
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
 from cylcontact.fitting.words import (
     OBJECTIVE_UNITS,
+    OBJECTIVE_WORDS,
     WIDTH,
     Rows,
     item,
@@ -58,7 +59,7 @@ from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import as_floats
 from cylcontact.support.errors import InputError, short
-from cylcontact.support.plain_text import as_label, brief
+from cylcontact.support.plain_text import advice, as_label, brief
 from cylcontact.support.text_tables import Table
 
 if TYPE_CHECKING:
@@ -119,7 +120,7 @@ class FitResult(Spec):
         kind: type[FitResult] = LawFit
         settings = data.get("settings")
         if isinstance(settings, dict) and "measurements" in settings:
-            kind, data = DataFit, {k: v for k, v in data.items() if k not in _FORMER}
+            kind, data = DataFit, _without_gone(data)
         result = parse_spec(kind, _of_this_format(data, source), source)
         if not isinstance(result, cls):
             what = "readings" if cls is DataFit else "a law"
@@ -133,12 +134,15 @@ class FitResult(Spec):
         with replacing(path) as temporary:
             self.write(temporary)
 
-    def write(self, path: Path) -> None:
-        """Write the result as JSON to a file that is not yet in its place."""
+    def to_json(self) -> str:
+        """Return the result as JSON, as `save` writes it."""
         contents = {"format": _FORMAT, **self.model_dump()}
-        text = json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
+        return json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
+
+    def write(self, path: Path | str) -> None:
+        """Write the result as JSON to a file that is not yet in its place."""
         try:
-            path.write_text(text + "\n", encoding="utf-8")
+            Path(path).write_text(self.to_json() + "\n", encoding="utf-8")
         except UnicodeEncodeError as error:
             source = f"fit result {self.name!r}"
             raise InputError(source, "", None, "is not text in UTF-8", "rename it") from error
@@ -195,6 +199,11 @@ class FitResult(Spec):
     def objective_unit(self) -> str:
         """The unit of the objective, empty if it is relative."""
         return OBJECTIVE_UNITS.get(self.objective.name, "")
+
+    @property
+    def objective_words(self) -> str:
+        """What the objective is."""
+        return OBJECTIVE_WORDS.get(self.objective.name, self.objective.name)
 
     @property
     def units(self) -> dict[str, str]:
@@ -338,7 +347,7 @@ class FitResult(Spec):
         status = f"<p>{escape(self.status)}</p>" if self.status else ""
         style = "border-left: 4px solid #D55E00; padding-left: 0.5em"
         warned = "".join(f'<p style="{style}">{escape(sentence)}</p>' for sentence in self.warnings)
-        read = "".join(f"<p>{escape(line)}</p>" for line in self._read)
+        read = "".join(f"<p>{escape(advice(line))}</p>" for line in self._read)
         return (
             f"{read}<p>{escape(self.headline)}</p>{status}{warned}"
             f"{Table(*self._table())._repr_html_()}<ul>{items}</ul>"
@@ -396,7 +405,7 @@ class LawFit(FitResult):
         """What was fitted to what."""
         return (
             f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, fitted to "
-            f"{self.reference} by {self.objective.name} on {self.counts.samples:,} samples "
+            f"{self.reference} by the {self.objective_words} on {self.counts.samples:,} samples "
             f"({self.counts.masked:,} masked by the reference's domain)"
         )
 
@@ -451,11 +460,11 @@ class LawFit(FitResult):
             rows.append((label, f"{value:.5g}", paper, penalty, interval, verdict))
         paper = f"{published.objective:.5g}" if published else "-"
         bound = f"bound {self.bound:.5g}" if self.bound is not None else ""
-        label = label_of(self.objective.name, self.objective_unit)
+        label = label_of(self.objective_words, self.objective_unit)
         rows.append((label, f"{optimum:.5g}", paper, "", bound, ""))
         worst = self.max_abs_diff_percent
         largest = (or_dash(worst.fitted, ".4g"), or_dash(worst.published))
-        return columns, [*rows, ("max |Eq 9|, %", *largest, "", "", "")]
+        return columns, [*rows, ("largest difference, %", *largest, "", "", "")]
 
     def _on_published(self) -> str:
         if self.published is None:
@@ -557,8 +566,6 @@ class DataFit(FitResult):
         if campaign.noise is not None and self.uncertainty.noise is not None:
             deviations = self.uncertainty.noise.deviations
             fit = fit.with_noise(campaign.noise, self.coefficients, deviations)
-        if self.uncertainty.loss_scale is not None:
-            fit = replace(fit, loss=Loss(campaign.spec.loss, self.uncertainty.loss_scale))
         if not np.isfinite(fit.value_of(self.coefficients)):
             rule = "leave the law undefined for some of the data"
             raise InputError(source, "coefficients", self.coefficients, rule, "redo the fit")
@@ -581,13 +588,12 @@ class DataFit(FitResult):
     def residuals(self) -> pd.DataFrame:
         """The data beside the fit, a row for each measurement.
 
-        Columns line, the labels of the table, load_N_per_mm, penetration_mm, fitted_mm (or
-        fitted_N_per_mm if loads were compared), residual_mm (measured less fitted), standardised
-        (in standard deviations), and with series series_mm, what the series adds to the law.
+        Columns line, the labels of the table, load_N_per_mm, penetration_mm, fitted_mm, residual_mm
+        (measured less fitted), standardised (in standard deviations), and with series series_mm,
+        what the series adds to the law.
         """
         optimum = self.optimum
         fit, data = optimum.fit, optimum.fit.data
-        unit = "N_per_mm" if fit.of_load else "mm"
         size = 1.0 if optimum.known or fit.noise is not None else optimum.sigma
         columns: dict[str, object] = {"line": [data.line(k) for k in range(len(data))]}
         for name, words in data.data.labels.items():
@@ -595,8 +601,8 @@ class DataFit(FitResult):
         columns |= {
             "load_N_per_mm": data.load,
             "penetration_mm": data.penetration,
-            f"fitted_{unit}": fit.observed + optimum.differences,
-            f"residual_{unit}": -optimum.differences,
+            "fitted_mm": fit.observed + optimum.differences,
+            "residual_mm": -optimum.differences,
             "standardised": -optimum.r / size if size > 0 else np.zeros(len(data)),
         }
         if optimum.series_in_mm is not None:
@@ -606,7 +612,7 @@ class DataFit(FitResult):
     def predict(
         self,
         load: ArrayLike | str | Sequence[str],
-        band: float = 0.95,
+        level: float | None = None,
         pair: CylinderPair | None = None,
     ) -> pd.DataFrame:
         """Return what the fitted law predicts for readings, with bands.
@@ -615,8 +621,8 @@ class DataFit(FitResult):
         ----------
         load : array_like, str or sequence of str
             Loads in N/mm, or with their unit, such as "4500 N".
-        band : float
-            Level of the bands.
+        level : float, optional
+            Of the bands, between 0 and 1; by default that of the fit.
         pair : CylinderPair, optional
             Any pair of the same contact; by default those of the data.
 
@@ -634,9 +640,7 @@ class DataFit(FitResult):
         InputError
             If the coefficients have no covariance, or the law is undefined at a load.
         """
-        if not 0 < band < 1:
-            rule, remedy = "must lie between 0 and 1", "0.95 is common"
-            raise InputError("prediction", "band", band, rule, remedy)
+        level = self._level(level)
         if pair is not None and pair.contact != self.contact:
             rule, remedy = f"is not {self.contact}, as the fit is", "give a pair of its contact"
             raise InputError("prediction", "pair.contact", pair.contact, rule, remedy)
@@ -644,7 +648,7 @@ class DataFit(FitResult):
         if pair is None:
             names, groups = data.groups("pair")
             rows = [np.flatnonzero(groups == k) for k in range(len(names))]
-            tables = [self.predict(load, band, _pair_of(data.take(own))) for own in rows]
+            tables = [self.predict(load, level, _pair_of(data.take(own))) for own in rows]
             named = [table.assign(pair=name) for name, table in zip(names, tables, strict=True)]
             return tables[0] if len(names) == 1 else pd.concat(named, ignore_index=True)
         texts = [load] if isinstance(load, str) else load
@@ -652,7 +656,7 @@ class DataFit(FitResult):
             length = None if pair.length is None else float(np.ravel(pair.length)[0])
             texts = [load_in_N_per_mm(str(text), length) for text in texts]
         loads = np.atleast_1d(as_floats(texts))
-        ends = self.optimum.band(pair, band, load=loads)
+        ends = self.optimum.band(pair, level, load=loads)
         table = pd.DataFrame(
             {
                 "load_N_per_mm": loads,
@@ -681,7 +685,7 @@ class DataFit(FitResult):
         return columns
 
     def interval(
-        self, function: Callable[[ContactLaw], ArrayLike], level: float = 0.95
+        self, function: Callable[[ContactLaw], ArrayLike], level: float | None = None
     ) -> pd.DataFrame:
         """Return the interval of any number that follows from the fitted law.
 
@@ -690,8 +694,8 @@ class DataFit(FitResult):
         function : callable
             From the law of the contact, without the rig, to a number or to m of them, such as a
             stiffness at a load or the penetration at the peak of a joint.
-        level : float
-            Of the interval.
+        level : float, optional
+            Of the interval, between 0 and 1; by default that of the fit.
 
         Returns
         -------
@@ -720,7 +724,7 @@ class DataFit(FitResult):
         def of_contact(law: ContactLaw) -> ArrayLike:
             return function(law.base if isinstance(law, RigCompliance) else law)
 
-        value, variance, reach = self.optimum.propagated(of_contact, level)
+        value, variance, reach = self.optimum.propagated(of_contact, self._level(level))
         error = np.sqrt(variance)
         columns = {"value": value, "standard_error": error}
         return pd.DataFrame(
@@ -734,7 +738,7 @@ class DataFit(FitResult):
         *,
         dR: ArrayLike | None = None,
         parameter: str | None = None,
-        level: float = 0.95,
+        level: float | None = None,
     ) -> Design:
         """Return which further readings would narrow the intervals most.
 
@@ -748,8 +752,8 @@ class DataFit(FitResult):
             Clearances in mm at which they can be taken; by default that of the first reading.
         parameter : str, optional
             The parameter whose interval counts; by default all together.
-        level : float
-            Of the intervals.
+        level : float, optional
+            Of the intervals, between 0 and 1; by default that of the fit.
 
         Raises
         ------
@@ -773,7 +777,7 @@ class DataFit(FitResult):
         """
         loads = np.atleast_1d(as_floats(candidates))
         clearances = None if dR is None else np.atleast_1d(as_floats(dR))
-        return design(self.optimum, loads, clearances, add, parameter, level)
+        return design(self.optimum, loads, clearances, add, parameter, self._level(level))
 
     @property
     def correlation(self) -> pd.DataFrame:
@@ -796,6 +800,14 @@ class DataFit(FitResult):
         """Share of the variance of the readings that the law describes."""
         return self._of_uncertainty("r_squared")
 
+    def _level(self, level: float | None) -> float:
+        """Return a level that was asked for, or that of the fit."""
+        level = self.level if level is None else level
+        if not 0 < level < 1:
+            rule, remedy = "must lie between 0 and 1", "0.95 is common"
+            raise InputError(f"fit result {self.name!r}", "level", level, rule, remedy)
+        return level
+
     @property
     def level(self) -> float:
         """The level of the intervals."""
@@ -804,7 +816,9 @@ class DataFit(FitResult):
     def _of_uncertainty(self, name: str) -> float:
         value = getattr(self.uncertainty, name)
         if value is None:
-            rule = "is for fits to measurements, by least squares, of this version"
+            rule = (
+                "is not there, as the data follow the law exactly or an older version fitted them"
+            )
             raise InputError(f"fit result {self.name!r}", name, None, rule, "fit the data again")
         return float(value)
 
@@ -897,7 +911,7 @@ class DataFit(FitResult):
         """What was fitted to what."""
         return (
             f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, fitted to "
-            f"{self.counts.samples:,} measurements by {self.objective.name}"
+            f"{self.counts.samples:,} measurements by the {self.objective_words}"
         )
 
     @property
@@ -924,7 +938,8 @@ class DataFit(FitResult):
         bound or not determined, and fewer than half of the runs at the best.
         """
         disagreement = self._on_disagreement((), "--fix NAME=VALUE")
-        return [*noise_warnings(self.uncertainty), *disagreement]
+        sentences = map(advice, [*noise_warnings(self.uncertainty), *disagreement])
+        return [sentence.replace("runs=", "starts=") for sentence in sentences]
 
     @property
     def verdicts(self) -> list[str]:
@@ -938,7 +953,7 @@ class DataFit(FitResult):
             self._on_published(),
             *self._on_runs(),
         ]
-        return [sentence for sentence in sentences if sentence]
+        return [advice(sentence) for sentence in sentences if sentence]
 
     def _on_published(self) -> str:
         if self.published is None:
@@ -979,12 +994,12 @@ class DataFit(FitResult):
             rows.append((name, value, unit, error, interval, paper, self.identification(name)))
         paper = f"{published.objective:.5g}" if published else ""
         value = f"{self.objective.value:.5g}"
-        rows.append((self.objective.name, value, self.objective_unit, "", "", paper, ""))
+        rows.append((self.objective_words, value, self.objective_unit, "", "", paper, ""))
         if min(self.settings["measurements"]["numbers"]["penetration"]) > 0:
             # Of readings about zero a relative difference says nothing.
             worst = self.max_abs_diff_percent
             fitted, paper = or_dash(worst.fitted, ".4g"), or_dash(worst.published)
-            rows.append(("largest |Eq 9|", fitted, "%", "", "", paper, ""))
+            rows.append(("largest difference", fitted, "%", "", "", paper, ""))
         columns = ("", "fitted", "unit", "std. error", level, "published", "determined")
         if published:
             return columns, rows
@@ -1014,6 +1029,21 @@ def _of_this_format(data: dict[str, Any], source: str) -> dict[str, Any]:
         "ties": campaign.get("ties") or {},
     }
     return {**contents, "settings": {**settings, "campaign": new}}
+
+
+def _without_gone(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the contents of a fit to readings without the keys that are gone."""
+    data = {key: value for key, value in data.items() if key not in _FORMER}
+    settings, uncertainty = data["settings"], data.get("uncertainty")
+    if isinstance(uncertainty, dict) and uncertainty.get("loss_scale") is None:
+        gone = ("loss_scale", "runs_test_p")
+        kept = {key: value for key, value in uncertainty.items() if key not in gone}
+        data |= {"uncertainty": kept}
+    campaign = settings.get("campaign")
+    if isinstance(campaign, dict) and campaign.get("loss") in (None, "linear"):
+        kept = {key: v for key, v in campaign.items() if key not in ("loss", "loss_scale")}
+        data |= {"settings": {**settings, "campaign": kept}}
+    return data
 
 
 def _pair_of(data: Measurements) -> CylinderPair:

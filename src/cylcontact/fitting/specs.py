@@ -13,7 +13,6 @@ from pydantic import AfterValidator, Field, model_validator
 from cylcontact.bodies.pair import Contact
 from cylcontact.datasets.readings import TableSpec
 from cylcontact.files.spec import Spec, broken
-from cylcontact.fitting.measured import LOSSES
 from cylcontact.fitting.noise import NOISES
 from cylcontact.fitting.reference import OBJECTIVES
 from cylcontact.fitting.search import CROSSOVERS
@@ -34,7 +33,6 @@ def _known(kind: str, names: Collection[str], name: str) -> str:
 
 _Objective = Annotated[str, AfterValidator(partial(_known, "objective", OBJECTIVES))]
 _Noise = Annotated[str, AfterValidator(partial(_known, "noise", NOISES))]
-_LossName = Annotated[str, AfterValidator(partial(_known, "loss", LOSSES))]
 
 
 class ParametersSpec(Spec):
@@ -127,13 +125,12 @@ class MeasuredSpec(ParametersSpec, TableSpec):
     noise: _Noise | None = Field(
         None, description=f"how the scatter of the readings grows, one of {', '.join(NOISES)}"
     )
+    level: float | None = Field(
+        None, gt=0, lt=1, description="the level of intervals, between 0 and 1, e.g. 0.95"
+    )
     drift: bool | None = Field(None, description="true if readings drift along a series")
     load_error: float | None = Field(
         None, gt=0, lt=1, description="standard deviation of the loads relative to them, 0 to 1"
-    )
-    loss: _LossName = Field("linear", description=f"one of {', '.join(LOSSES)}")
-    loss_scale: float | None = Field(
-        None, gt=0, description="the residual beyond which a point counts less, a positive number"
     )
     seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
     starts: int = Field(12, ge=1, le=1000, description="the starts, an integer from 1 to 1000")
@@ -147,14 +144,6 @@ class MeasuredSpec(ParametersSpec, TableSpec):
     free: tuple[str, ...] | None = Field(
         None, strict=False, description="a list of parameters to free with their default bounds"
     )
-
-    @model_validator(mode="after")
-    def _check(self) -> MeasuredSpec:
-        if self.loss == "linear" and self.loss_scale is not None:
-            rule = "is used only with a robust loss"
-            remedy = "leave it out, or choose loss = soft_l1, huber or cauchy"
-            raise broken("loss_scale", self.loss_scale, rule, remedy)
-        return self
 
 
 _SpecType = TypeVar("_SpecType", bound=ParametersSpec)

@@ -49,6 +49,12 @@ _ZERO_REMEDY = (
     "correct the row, or remove it; readings that are not zeroed need a free offset "
     "(--free offset, or offset in [bounds]) and --noise constant"
 )
+# Objectives of 1.0.0rc1, with what to use instead. Kept for one release.
+_GONE = dict.fromkeys(
+    ("rms-load", "rms-log-load"),
+    "leave it out: penetrations are compared; a column load_std, or --load-error, gives the errors "
+    "of loads",
+)
 # Points evaluated before data are refused as outside a law's domain.
 _TRIALS = 256
 # Penetrations at which a function of the user's own is looked at.
@@ -108,7 +114,7 @@ class TableCampaign(CampaignBase):
         return self.plain.starts(self.nominal, self.spec.starts, self.spec.seed)
 
     def fit(self) -> Fit:
-        """Return the fit with its noise or robust loss.
+        """Return the fit with its noise.
 
         Raises
         ------
@@ -116,15 +122,10 @@ class TableCampaign(CampaignBase):
             If the law is undefined for some row at all coefficients tried.
         """
         self._require_defined()
-
-        def best() -> FloatArray:
-            return min(map(self.plain.minimise, self.starts), key=lambda end: end.value).point
-
-        if self.noise is not None:
-            return self.plain.estimating(self.noise, best())
-        if self.spec.loss == "linear":
+        if self.noise is None:
             return self.plain
-        return self.plain.robust(self.spec.loss, self.spec.loss_scale, best)
+        ends = map(self.plain.minimise, self.starts)
+        return self.plain.estimating(self.noise, min(ends, key=lambda end: end.value).point)
 
     def _require_defined(self) -> None:
         """Refuse data that no coefficients within the bounds can describe, and name the row."""
@@ -139,6 +140,7 @@ class TableCampaign(CampaignBase):
             if inside.all():
                 return
             defined += inside
+        require_increasing(fit, fit.coefficients(points[0]))  # says more of a law of one's own
         row = int(np.argmin(defined))
         tried = f"{len(points) - defined[row]} of {len(points)} sets of" if defined[row] else "all"
         where = f"{self.source}, {data.data.row_word} {data.line(row)}"
@@ -187,19 +189,13 @@ class MeasuredTable:
     folder: Path
     source: str
 
-    def campaign(
-        self, law: str, free: Sequence[str] = (), compared: str | None = None
-    ) -> TableCampaign:
-        """Return the campaign that fits a law, with further parameters free.
-
-        Without an objective residuals are of what is `compared`, by default the penetration, or
-        the load for a law of one's own, which is explicit in it.
-        """
+    def campaign(self, law: str, free: Sequence[str] = ()) -> TableCampaign:
+        """Return the campaign that fits a law, with further parameters free."""
         model = _law_model(law, self.spec, self.folder, self.source)
         wanted = tuple(dict.fromkeys((*(self.spec.free or ()), *free))) or None
         spec = self.spec.model_copy(update={"law": law, "free": wanted})
         model = _freed(model, spec, self.measurements, self.source)
-        return _on_table(self.name, spec, self.measurements, model, self.source, compared)
+        return _on_table(self.name, spec, self.measurements, model, self.source)
 
 
 def campaign_of_table(
@@ -364,7 +360,6 @@ def _on_table(
     measured: Measurements,
     model: LawModel,
     source: str,
-    compared: str | None = None,
 ) -> TableCampaign:
     model = with_rig(model, spec.named)
     rig = f"; the rig's: {', '.join(RIG_NAMES)}"
@@ -375,8 +370,7 @@ def _on_table(
         remedy = "measure more points, or fix parameters: [fixed] in a file, --fix NAME=VALUE"
         raise InputError(source, "data", f"{len(measured)} rows", rule, remedy)
     noise = _noise_of(spec, measured, parameters, source)
-    compared = compared or ("load" if is_user_law(spec.law) else "penetration")
-    objective = STANDARDISED if noise else _objective_of(spec, measured, source, compared)
+    objective = STANDARDISED if noise else _objective_of(spec, measured, source)
     if "log" in objective or not any(p.is_free for p in parameters if p.name == "offset"):
         named = Path(source).name == measured.data.source
         where = source if named else f"{source}, {measured.data.source}"
@@ -397,20 +391,17 @@ def _noise_of(
     # Scatter in proportion to the penetration is not in proportion to a reading with an offset.
     if spec.noise == "both" or (spec.noise == "proportional" and has_offset):
         chosen.append("noise")
-    if not chosen and len(given) < 2:
+    if not chosen and "load" not in given:
         return None
     key = chosen[0] if chosen else "load_std"
     if spec.objective not in (None, STANDARDISED):
         rule, remedy = f"conflicts with {key}, which has a likelihood of its own", "keep one"
         raise InputError(source, "objective", spec.objective, rule, remedy)
-    if spec.loss != "linear":
-        rule, remedy = f"conflicts with {key}, whose noise is Gaussian", "keep one of them"
-        raise InputError(source, "loss", spec.loss, rule, remedy)
     if spec.noise is not None and "penetration" in given:
         rule = "conflicts with the column penetration_std, which gives the noise"
         raise InputError(source, "noise", spec.noise, rule, "keep one of them")
     return NoiseModel(
-        noise=None if "penetration" in given else spec.noise or "both",
+        noise=spec.noise or ("both" if chosen and "penetration" not in given else None),
         over="group" if spec.group is not None else None,
         drift=bool(spec.drift),
         load_error=spec.load_error or 0.0,
@@ -418,29 +409,30 @@ def _noise_of(
     )
 
 
-def _objective_of(spec: MeasuredSpec, data: Measurements, source: str, compared: str) -> str:
+def _objective_of(spec: MeasuredSpec, data: Measurements, source: str) -> str:
     """Return the objective of a campaign without a noise model, or the default for its data."""
 
     def refused(key: str, value: object, rule: str, remedy: str = "keep one of them") -> InputError:
         return InputError(source, key, value, rule, remedy)
 
     given, noise = spec.objective, spec.noise
-    sigmas = [q for q in ("load", "penetration") if f"{q}_std" in data.columns]
+    has_sigma = "penetration_std" in data.columns
     if noise is not None:
-        said = [*(["objective"] if given else []), *(f"{name}_std" for name in sigmas)]
+        said = [*(["objective"] if given else []), *(["penetration_std"] if has_sigma else [])]
         if said:
             raise refused("noise", noise, f"conflicts with {said[0]}, which says the same")
         return "rms-penetration" if noise == "constant" else "rms-log-penetration"
     if given is None:
-        if (data.penetration <= 0).any() and not sigmas:
-            return "rms-penetration"
-        return f"rms-{sigmas[0]}" if sigmas else f"rms-log-{compared}"
+        is_absolute = has_sigma or (data.penetration <= 0).any()
+        return "rms-penetration" if is_absolute else "rms-log-penetration"
+    if given in _GONE:
+        raise refused("objective", given, "is gone", _GONE[given])
     if given not in OBJECTIVES:
         rule = "is not an objective for measurements"
         raise refused("objective", given, rule, f"choose {', '.join(OBJECTIVES)}")
-    if sigmas and given != f"rms-{sigmas[0]}":
-        remedy = f"choose rms-{sigmas[0]}, or list the column under ignore"
-        raise refused("objective", given, f"leaves the column {sigmas[0]}_std unused", remedy)
+    if has_sigma and given != "rms-penetration":
+        remedy = "choose rms-penetration, or list the column under ignore"
+        raise refused("objective", given, "leaves the column penetration_std unused", remedy)
     return given
 
 

@@ -12,7 +12,8 @@ import pandas as pd
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants
 from cylcontact.files.journal import Journal
-from cylcontact.fitting.diagnose import uncertainty_of
+from cylcontact.fitting.diagnose import LEVEL, uncertainty_of
+from cylcontact.fitting.measured import singular
 from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.records import MaxDifference, ObjectiveValue, SampleCounts
 from cylcontact.fitting.results import DataFit
@@ -51,6 +52,19 @@ def fit_table(
     InputError
         If the law is undefined for some of the data, or `checkpoint` belongs to another campaign.
     """
+    try:
+        return _fitted(campaign, jobs, progress, checkpoint, resume)
+    except np.linalg.LinAlgError as error:
+        raise singular(campaign.source) from error
+
+
+def _fitted(
+    campaign: TableCampaign,
+    jobs: Workers,
+    progress: Progress,
+    checkpoint: Path | None,
+    resume: bool,
+) -> DataFit:
     spec = campaign.spec
     if isinstance(jobs, int) and len(campaign.measurements) <= _FEW_ROWS:
         jobs = 1
@@ -65,7 +79,7 @@ def fit_table(
     require_increasing(fit, best.coefficients)
     optimum = Optimum.of(fit, best.coefficients)
     progress("profiling", 0, 1)
-    uncertainty = uncertainty_of(optimum, jobs=jobs)
+    uncertainty = uncertainty_of(optimum, spec.level or LEVEL, jobs)
     progress("profiling", 1, 1)
     law_of = campaign.model.build
     return DataFit(
@@ -91,7 +105,7 @@ def fit_table(
 
 
 def _largest_percent(campaign: TableCampaign, law: ContactLaw) -> float | None:
-    """Return the largest |Eq 9| against the measurements in percent; None if undefined."""
+    """Return the largest difference from the measurements in percent; None if undefined."""
     data = campaign.measurements
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.abs(law.penetration(data.load, data.pair) / data.penetration - 1)
@@ -110,6 +124,7 @@ def fit(
     fixed: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     ties: Mapping[str, str] | None = None,
+    level: float = LEVEL,
     jobs: Workers = 1,
     **settings: Any,
 ) -> DataFit:
@@ -137,10 +152,12 @@ def fit(
         Parameters to search between two values.
     ties : mapping of str to str, optional
         Parameters to set by an expression of others, such as "a/10".
+    level : float, optional
+        The level of the intervals, between 0 and 1.
     jobs : int or Cluster, optional
         Worker processes; the result does not depend on them.
     **settings
-        Other keys of a campaign file: noise, group, drift, load_error, loss, columns, branch,
+        Other keys of a campaign file: noise, group, drift, load_error, columns, branch,
         ignore, sheet, header, decimal, loads, sign, objective, materials, starts, seed, name.
 
     Returns
@@ -166,5 +183,6 @@ def fit(
     """
     settings["free"] = ((free,) if isinstance(free, str) else tuple(free)) or None
     settings["ties"] = dict(ties) if ties else None
+    settings["level"] = level
     table = table_of(data, law, pair, contact, constants, fixed, bounds, **settings)
     return fit_table(table.campaign(law), jobs)

@@ -7,6 +7,7 @@ from textwrap import fill
 from cylcontact.fitting.diagnose import OUTLYING, STRONG_CORRELATION, SURPRISING
 from cylcontact.fitting.optimum import ROUNDING
 from cylcontact.fitting.records import FAIRLY, WELL, FittedDeviations, Uncertainty
+from cylcontact.support.plain_text import advice
 
 # A law that describes less than this share of the variance of readings is not theirs; nor is one
 # that misses them by more than a share of them, and by several times their scatter.
@@ -37,14 +38,11 @@ def noise_warnings(uncertainty: Uncertainty) -> list[str]:
 
 def data_warnings(uncertainty: Uncertainty) -> list[str]:
     """Return what the readings show against a law or the noise assumed, with the remedy."""
-    # Series that differ and a drift make residuals of the right law look like those of a wrong one.
-    is_explained = any(finding.test in ("series", "drift") for finding in uncertainty.findings)
     sentences = [
         _on_misfit(uncertainty),
         _on_chi_square(uncertainty),
         *_on_stiffness(uncertainty),
         *(finding.sentence for finding in uncertainty.findings),
-        "" if is_explained else _on_shape(uncertainty),
         _on_outliers(uncertainty),
     ]
     return [sentence for sentence in sentences if sentence]
@@ -73,6 +71,11 @@ def _on_misfit(uncertainty: Uncertainty) -> str:
     how = _misfit(uncertainty)
     if not how:
         return ""
+    if uncertainty.falls:
+        return (
+            f"the law does not describe these readings ({how}): the penetration falls as the load "
+            "rises, so one of them has the opposite sign (--sign penetration, or --sign load)"
+        )
     causes = ("the units of the columns", "the materials", "the radii")
     listed = _causes(uncertainty, "and", *causes, "a kink (a seat that settles)", "a drift")
     return f"the law does not describe these readings ({how}): look at {listed}"
@@ -136,8 +139,6 @@ def _on_outliers(uncertainty: Uncertainty) -> str:
     ]
     if changes:
         sentence += f"; without them {', '.join(changes)}"
-    if uncertainty.loss_scale is None and uncertainty.noise is None:
-        sentence += "; --loss huber reduces their influence"
     return sentence
 
 
@@ -162,12 +163,8 @@ def _on_noise(uncertainty: Uncertainty) -> str:
             f"freedom); intervals are at {100 * uncertainty.level:g} % and hold if the law is "
             "right and the noise independent"
         )
-    if uncertainty.chi_square_p is None:
-        return (
-            "measured data with given standard deviations: the bulk of the residuals scatters by "
-            f"{sigma:.3g} of them (a robust loss has no chi-square test)"
-        )
     p = uncertainty.chi_square_p
+    assert p is not None
     verdict = "as large as the given standard deviations allow"
     if p > 1 - SURPRISING:
         verdict = "smaller than the given standard deviations: those look too large"
@@ -220,16 +217,6 @@ def _on_deviations(noise: FittedDeviations, level: float) -> str:
     return f"measured data: {sizes}; intervals are at {100 * level:g} %"
 
 
-def _on_shape(uncertainty: Uncertainty) -> str:
-    p = uncertainty.runs_test_p
-    if p is None or p > SURPRISING or _is_exact(uncertainty):
-        return ""
-    return (
-        f"the residuals are not random along the load (runs test, p = {p:.2g}): the law has the "
-        "wrong shape somewhere, which the intervals do not cover"
-    )
-
-
 def _on_lack_of_determination(uncertainty: Uncertainty) -> list[str]:
     together = uncertainty.only_together
     if len(together) == 1:
@@ -280,11 +267,6 @@ def _on_rows(uncertainty: Uncertainty) -> list[str]:
         )
         more = ", …" if len(uncertainty.duplicates) > _LISTED else ""
         sentences.append(f"identical rows, each of them counted: lines {groups}{more}")
-    if uncertainty.loss_scale is not None:
-        sentences.append(
-            f"a robust loss of scale {uncertainty.loss_scale:.4g} was used: intervals are "
-            "asymptotic; check them with the bootstrap"
-        )
     return sentences
 
 
@@ -292,7 +274,17 @@ WIDTH = 100
 
 
 # The units of objectives that have one, if the residuals are not in given deviations.
-OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-load": "N/mm", "rms-standardised": "std. dev."}
+# What an objective is, in words.
+OBJECTIVE_WORDS = {
+    "rms-log-penetration": "relative scatter of the penetration",
+    "rms-penetration": "scatter of the penetration",
+    "rms-standardised": "scatter in standard deviations",
+    "rms-difference-percent": "scatter of the penetration in percent",
+    "max-difference-percent": "largest difference of the penetration in percent",
+    "rms-relative-force": "relative scatter of the load",
+    "max-relative-force-percent": "largest difference of the load in percent",
+}
+OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-standardised": "std. dev."}
 
 
 Rows = list[tuple[str, ...]]
@@ -303,9 +295,9 @@ def label_of(name: str, unit: str) -> str:
     return ", ".join(filter(None, (name, unit)))
 
 
-def item(sentence: str, mark: str = "- ") -> str:
-    """Return a sentence as an item of a list, wrapped."""
-    return fill(sentence, WIDTH, initial_indent=mark, subsequent_indent="  ")
+def item(sentence: str, mark: str = "- ", width: int = WIDTH) -> str:
+    """Return a sentence as an item of a list, wrapped, its options in the words of the reader."""
+    return fill(advice(sentence), width, initial_indent=mark, subsequent_indent="  ")
 
 
 def or_dash(value: float | None, style: str = ".5g", none: str = "-") -> str:

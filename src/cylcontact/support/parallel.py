@@ -16,7 +16,7 @@ import time
 import warnings
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing
+from contextlib import closing, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -102,7 +102,8 @@ def _on_this_machine(
         if workers > 1:  # left from an earlier call, they may be in another folder
             calls = [call(_in_folder, Path.cwd(), *deferred) for deferred in calls]
     in_order = "generator" if ordered else "generator_unordered"
-    with joblib.parallel_config(**where):
+    waits = _interruption_waits() if workers > 1 and not threads else nullcontext()
+    with joblib.parallel_config(**where), waits:
         results = joblib.Parallel(workers, return_as=in_order)(calls)
     try:
         for result in results:  # noqa: UP028 - `yield from` would close it before `finally` does
@@ -114,6 +115,22 @@ def _on_this_machine(
     finally:
         with warnings.catch_warnings(action="ignore"):  # of pending calls
             results.close()
+
+
+@contextmanager
+def _interruption_waits() -> Generator[None]:
+    """Keep Ctrl-C until the workers have started, which never get it: they inherit this mask."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    from joblib.externals.loky.backend import resource_tracker
+
+    resource_tracker.ensure_running()  # now, as its start would let Ctrl-C through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _in_folder(folder: Path, function: Callable[..., Any], arguments: Any, named: Any) -> Any:

@@ -3,11 +3,54 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from keyword import kwlist
 from unicodedata import category
 
 # The most characters of a name within a sentence or a cell, and in a figure.
 _NAME, _LABEL = 100, 60
+
+
+# Whether a command prints, so that advice names options, not arguments of Python.
+_IN_SHELL = ContextVar("in_shell", default=False)
+# Options in advice, and the same in Python.
+_IN_PYTHON = [
+    (re.compile(pattern), python)
+    for pattern, python in (
+        (r"--(free|noise|group|sign|branch|loads|decimal|sheet) ([^\s,;)]+)", r'\1="\2"'),
+        (r"--drift\b", "drift=True"),
+        (r"--load-error 1%", "load_error=0.01"),
+        (r"--fix (\w+)=([\w.+-]+)", r'fixed={"\1": \2}'),
+        (r"--runs (\d+)", r"runs=\1"),
+        (r"`cylcontact choose`", "`cylcontact.choose`"),
+    )
+]
+
+
+@contextmanager
+def in_shell() -> Iterator[None]:
+    """Keep the options of the command line in what the block prints."""
+    token = _IN_SHELL.set(True)
+    try:
+        yield
+    finally:
+        _IN_SHELL.reset(token)
+
+
+def advice(text: str) -> str:
+    """Return a sentence with its options as arguments of Python, unless a command prints it.
+
+    Examples
+    --------
+    >>> advice("allow for it with --group COLUMN, or --fix n=1.1")
+    'allow for it with group="COLUMN", or fixed={"n": 1.1}'
+    """
+    if not _IN_SHELL.get():
+        for option, argument in _IN_PYTHON:
+            text = option.sub(argument, text)
+    return text
 
 
 def visible(text: str, keep: str = "") -> str:
