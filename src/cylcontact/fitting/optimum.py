@@ -308,7 +308,7 @@ class Optimum:
         start: Coefficients = self.best
         last = start
         # A refit from another start may end in another minimum, so each value is found once.
-        known = {0.0: -limit}
+        known: dict[float, float] = {}
 
         def excess(share: float) -> float:
             nonlocal last, lowest
@@ -329,6 +329,9 @@ class Optimum:
             if outer == 1.0:
                 return bound, True, lowest
             inner, start, outer = outer, last, min(1.0, 2 * outer)
+        if inner == 0.0:  # a refit here says whether the fit is a minimum at all
+            excess(inner)
+            known[inner] = -limit
         share = brentq(excess, inner, outer, rtol=_EDGE_PRECISION, xtol=_EDGE_PRECISION * outer)
         return best + float(share) * reach, False, lowest
 
