@@ -18,6 +18,7 @@ from cylcontact.mechanism.slider_crank import SliderCrank, mechanism_from, read_
 from cylcontact.mechanism.statistics import Statistics
 from cylcontact.mechanism.study import Case, Interrupted, cases, horizon, long_run, sweep
 from cylcontact.mechanism.trajectory import Trajectory, simulate
+from cylcontact.support.errors import refuse_gone_name
 
 __all__ = [
     "Case",
@@ -58,9 +59,7 @@ _GONE = {
 
 
 def __getattr__(name: str) -> Any:
-    if name in _GONE:
-        # Of an AttributeError, `from cylcontact.mechanism import` would not show the text.
-        raise ImportError(f"cylcontact.mechanism.{name} is gone: {_GONE[name]}")
+    refuse_gone_name(__name__, name, _GONE)
     raise AttributeError(f"module 'cylcontact.mechanism' has no attribute {name!r}")
 
 

@@ -3,6 +3,8 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from cylcontact.support.errors import refuse_gone_name
+
 if TYPE_CHECKING:
     from cylcontact.reports.claims import Claim, claim, claims_of
     from cylcontact.reports.figures import draw, write_figures
@@ -45,9 +47,7 @@ _GONE = {
 
 
 def __getattr__(name: str) -> Any:
-    if name in _GONE:
-        # Of an AttributeError, `from cylcontact.reports import` would not show the text.
-        raise ImportError(f"cylcontact.reports.{name} is gone: {_GONE[name]}")
+    refuse_gone_name(__name__, name, _GONE)
     if name in _IN:
         return getattr(import_module(f"cylcontact.reports.{_IN[name]}"), name)
     raise AttributeError(f"module 'cylcontact.reports' has no attribute {name!r}")
