@@ -78,10 +78,11 @@ def laws(
     from cylcontact.bodies.pair import unusual_lengths
     from cylcontact.files.units import load_in_N_per_mm
     from cylcontact.limits import yield_warning
-    from cylcontact.reports import laws_compared
 
     contact = pair.get("contact", "internal")
     if listing or accuracy:
+        from cylcontact.reports import laws_compared
+
         require(contact in CONTACTS, "laws", "--contact", contact, "is unknown", listed(CONTACTS))
         table = laws_compared.listing if listing else laws_compared.accuracy_text
         say(table(contact))
@@ -102,6 +103,8 @@ def laws(
         _find(find, warm(cylinders), force, stiffness, penetration, around)
         return
     if every:
+        from cylcontact.reports import laws_compared
+
         law = None
         if own is not None:
             from cylcontact.laws.user import user_law

@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from cylcontact.bodies.material import material_in_MPa
 from cylcontact.bodies.pair import CylinderPair
@@ -113,6 +112,8 @@ def find(
         of = "mm" if stiffness is None else "N/mm" if unknown == "length" else "N/mm²"
         rule += f", which give {reach} {of}" if reach else f", where {law.name} has no value"
         raise InputError(_SOURCE, key, target, rule, "change the load, the materials or the target")
+    from scipy.optimize import brentq  # which takes longer to import than the package
+
     k = crossings[-1]  # of several that of the smallest f/(E*·ΔR): others are next to a law's end
     low, high = (float(np.log(end)) for end in grid[known][[k, k + 1]])
 

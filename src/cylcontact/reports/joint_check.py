@@ -8,7 +8,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from cylcontact.bodies.fits import Fit
 from cylcontact.bodies.material import Material
@@ -257,6 +256,8 @@ def _band(
     warm: Callable[[CylinderPair], CylinderPair],
 ) -> tuple[dict[str, Numbers], float]:
     """Return the numbers over a fit, and the share of pairs without clearance."""
+    from scipy.interpolate import PchipInterpolator  # which only a fit needs
+
     low, high = fit.clearance
 
     def solve(share: float) -> Numbers:
