@@ -23,9 +23,8 @@ TARGETS = {
     "matlab": ".m",
     "python": ".py",
     "jax": ".py",
-    "fmu": ".fmu",
 }
-JOINT_TARGETS = {name: suffix for name, suffix in TARGETS.items() if name != "jax"}
+JOINT_TARGETS = {"c": ".c", "fortran": ".f90", "matlab": ".m", "fmu": ".fmu"}
 # Multibody codes with a contact of their own, whose parameters `contact_parameters` fits.
 CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
 # What the folder of a fit to a table holds.
