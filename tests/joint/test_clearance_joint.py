@@ -61,7 +61,7 @@ def elastic_force(joint, penetration):
     return _elastic_force(penetration, joint.block, joint.kernel.parameters)
 
 
-_elastic_force = numba.njit(contact.elastic_force)
+_elastic_force = numba.njit(contact.piece_force)
 
 
 def rows_of(run, relative=True):

@@ -272,7 +272,7 @@ def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) 
     """Write a law, conformal contact that of one pair, to a file or to standard output."""
     from cylcontact.export import export as exported
     from cylcontact.export import header, law_named
-    from cylcontact.export.language import require_callable
+    from cylcontact.export.notation import require_callable
     from cylcontact.laws.housing_spec import in_housing
 
     if out is not None:

@@ -222,14 +222,13 @@ def export_joint(
         not stem or re.fullmatch(r"[\w+-][\w.+ -]*", stem, re.ASCII) is not None, "export", "--out",
         stem, "is not plain text", "name the file with ASCII letters, digits, spaces, - and _",
     )  # fmt: skip
-    from cylcontact.export import element, fmu, spatial
-    from cylcontact.export.joint import element_of
-    from cylcontact.mechanism import SpatialJoint
+    from cylcontact.export.joint import Element
 
-    chosen = spatial.element_of(joint) if isinstance(joint, SpatialJoint) else element_of(joint)
     if target == "fmu":
-        return fmu.joint_source(chosen, stem)
-    return element.source(chosen, target, stem)
+        from cylcontact.export.fmu import joint_fmu
+
+        return joint_fmu(Element(joint), stem)
+    return Element(joint).source(target, stem)
 
 
 def _of_result(path: str, contact: str | None) -> tuple[ContactLaw, Contact, str]:

@@ -179,7 +179,7 @@ class ExportedLaw:
 
 def source(law: ExportedLaw, target: str) -> str:
     """Return a law as the text of a file in a language."""
-    program = Program({}, {branch_distance: branch_distance_of_number})
+    program = Program({}, instead={branch_distance: branch_distance_of_number})
     texts = law.texts()
     names: dict[str, Any] = {"nan": float("nan"), "inf": float("inf")}
     names |= {f"table_{n}": v for n, v in law.constants.items() if np.ndim(v)}

@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from cylcontact.export.plain import Constant, Function, Program, Vector, fields_of
+from cylcontact.support.arrays import require
 
 Node = Any  # of a syntax tree, with what `plain` adds to it
 WIDTH = 96
@@ -155,12 +156,8 @@ class C:
         return "\n".join([*about, *self._framed(f)])
 
     def _framed(self, f: Function) -> Iterator[str]:
-        given = [self._argument(name, kind) for name, kind in self._arguments(f)]
         name = self.public.get(f.name)
-        kind = "void" if f.returns is None else self.type_name(f.returns)
-        yield self.wrapped(
-            f"{'' if name else 'static '}{kind} {name or f.name}({', '.join(given)})"
-        )
+        yield self.head(f)
         yield "{"
         self.starts: dict[int, list[str]] = {}
         loops: list[Node] = [n for n in _walk(f.body) if isinstance(n, ast.For)]
@@ -172,6 +169,14 @@ class C:
             yield f"    {work} *const {self.scratch} = &scratch;"
         yield from (self.wrapped(f"    {line}") if line else "" for line in self.lines(f.body))
         yield "}"
+
+    def head(self, f: Function) -> str:
+        """Return the head of a function, as in its declaration."""
+        self.f = f
+        given = ", ".join(self._argument(name, kind) for name, kind in self._arguments(f))
+        name, scope = (self.public[f.name], "") if f.name in self.public else (f.name, "static ")
+        kind = "void" if f.returns is None else self.type_name(f.returns)
+        return self.wrapped(f"{scope}{kind} {name}({given})")
 
     def _arguments(self, f: Function) -> list[tuple[str, Any]]:
         """Return the arguments that are passed."""
@@ -757,7 +762,20 @@ def plain_ascii(text: str) -> str:
     return text.encode("ascii", "ignore").decode()
 
 
-# --- templates ---
+# --- files ---
+
+# Words of MATLAB that cannot name a function.
+_MATLAB = """
+break case catch classdef continue else elseif end for function global if otherwise parfor
+persistent return spmd switch try while
+"""
+
+
+def require_callable(target: str, stem: str) -> None:
+    """Refuse the name of a file that MATLAB calls by that name, and cannot."""
+    good = stem.isascii() and stem.isidentifier() and stem[0] != "_" and stem not in _MATLAB.split()
+    rule, remedy = "cannot be called by its name", "name it with letters, digits and underscores"
+    require(good or target != "matlab", "export", "--out", stem, rule, remedy)
 
 
 def filled_template(name: str, parts: Mapping[str, str]) -> str:

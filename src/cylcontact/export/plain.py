@@ -100,10 +100,12 @@ _SYNTAX = (*_STATEMENTS, *_EXPRESSIONS, *_OPERATORS, ast.Load, ast.Store)
 class Program:
     """Functions in the order in which they call each other, with their types and constants.
 
-    `constants` are the fields of `joint` and `law`; `instead` replaces functions by others.
+    `constants` are the fields of `joint` and `law`, `records` the types of those of the two that
+    are passed all the same; `instead` replaces functions by others.
     """
 
     constants: Mapping[str, Mapping[str, Constant]]
+    records: Mapping[str, Any] = field(default_factory=dict)
     instead: dict[Any, Any] = field(default_factory=dict)
     functions: dict[Any, Function] = field(default_factory=dict)
     types: list[Any] = field(default_factory=list)
@@ -142,11 +144,12 @@ class Program:
         a = tree.args
         if a.vararg or a.kwarg or a.kwonlyargs or a.posonlyargs:
             where.refuse(tree, "takes other than plain arguments", "name each", f"def {tree.name}")
-        kinds = {arg.arg: kind_of((hints or {}).get(arg.arg, float)) for arg in a.args}
+        hints = {**(hints or {}), **self.records}
+        kinds = {arg.arg: kind_of(hints.get(arg.arg, float)) for arg in a.args}
         about = (ast.get_docstring(tree) or "").partition("\n\n")[0].replace("\n", " ")
         if about:
             del tree.body[0]
-        read = Function(tree.name, kinds, kind_of((hints or {}).get("return", float)), about=about)
+        read = Function(tree.name, kinds, kind_of(hints.get("return", float)), about=about)
         _add_remarks(tree, text, first)
         _Reader(self, read, names, where).read_body(tree.body)
         known = sorted({**read.arguments, **read.locals}, key=str.lower)

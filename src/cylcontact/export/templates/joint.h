@@ -1,6 +1,6 @@
 $comment
 //
-// To use it, include this file and link with -lm:
+// To use it, include this file, in C or C++, and link with -lm:
 //
 //   ${name}_state state;
 //   ${name}_wrench wrench;
@@ -15,12 +15,16 @@ $comment
 extern "C" {
 #endif
 
-$records
+typedef struct {
+    $state; // 0: not in contact
+} ${name}_state;
+
+typedef struct {
+    $wrench
+} ${name}_wrench;
 
 void ${name}_start(${name}_state *state);
-void ${name}_evaluate(const ${name}_state *state, const double bearing[$size],
-    const double pin[$size], ${name}_wrench *wrench);
-void ${name}_accept(${name}_state *state, const double bearing[$size], const double pin[$size]);
+$heads
 
 #ifdef __cplusplus
 }
