@@ -17,20 +17,19 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.export.exported_law import MEANINGS, paragraph, safe_names
 from cylcontact.export.language import (
     LANGUAGES,
     WIDTH,
     filled_template,
     require_callable,
-    statements_of,
 )
+from cylcontact.export.law import MEANINGS, paragraph
 from cylcontact.export.program import Program
 from cylcontact.laws.conformal.curve import FAR_STEP, make
 from cylcontact.laws.conformal.law import Conformal
-from cylcontact.laws.formula import FUNCTIONS, flat, names_in, needed, renamed
-from cylcontact.laws.kernels import CURVE, TABLE, Kernel
-from cylcontact.laws.law import ContactLaw, Law
+from cylcontact.laws.kernels import CURVE, EXPLICIT, LIU, LOGARITHMIC, POWER, TABLE, Kernel
+from cylcontact.laws.lambert import A, B, C, D
+from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import require
 from cylcontact.support.choices import JOINT_TARGETS
 from cylcontact.support.plain_text import comment
@@ -129,12 +128,37 @@ def law(penetration: float) -> float:
     bend = curve_2[low] + part * curve_3[low]
     return curve_factor * penetration / (curve_0[low] + part * (curve_1[low] + part * bend))
 """
-_FORMULA = """
-def law(penetration: float) -> float:
-    if penetration <= 0.0:
-        return 0.0
-    return f
-"""
+# The laws of formulas, with the names of their numbers.
+_FORMULAS = {
+    POWER: (("factor", "n"), "return law_factor * penetration ** law_n"),
+    LIU: (
+        ("E_star", "dR"),
+        "share = penetration / (2.0 * (law_dR + penetration))\n"
+        f"    return {math.pi / 2!r} * law_E_star * penetration * math.sqrt(share)",
+    ),
+    EXPLICIT: (
+        ("E_star", "dR", "c", "A", "B"),
+        """d = penetration / law_dR
+    ratio = law_A / d
+    first = math.log(law_B / d)
+    second = law_c + math.log1p(ratio * first)
+    third = law_c + math.log1p(ratio * second)"""
+        f"\n    return {math.pi!r} * law_E_star * penetration / third",
+    ),
+    LOGARITHMIC: (
+        ("f_max", "deepest"),
+        f"""p = penetration / law_deepest
+    inner = p if p < 1.0 else 0.5
+    g = -math.log(inner)
+    r = math.sqrt(g)
+    u = 1.0 + r * ({A} + r * ({B} + {C} * r)) / (1.0 + {D} * r)
+    start = u - 1.0
+    t = (start - math.log(u) - g) / (start * start)
+    w = start - t * start * u * (1.0 + t * (0.5 + t * (0.5 + start / 3.0)))
+    w = w if p < 1.0 else 0.0
+    return law_f_max * (p / (1.0 + w))""",
+    ),
+}
 
 
 def law_function(
@@ -159,22 +183,12 @@ def law_function(
         (tree,) = ast.parse(_TABLE.format(last=parts.shape[1] - 1)).body
         assert isinstance(tree, ast.FunctionDef)
         return tree, dict(zip(("table_x", "table_y", "table_s"), parts, strict=True))
-    assert isinstance(law, Law)
-    formula = law.formula_at(pair)
-    assert formula is not None
-    steps = needed(formula.scalar_steps, "f")
-    numbers: dict[str, Any] = {"pi": math.pi, **law.numbers_at(pair)}
-    used = set().union(*(names_in(step.value) for step in flat(steps)))
-    own = {name: float(value) for name, value in numbers.items() if name in used}
-    names = {
-        **safe_names(steps, ()),
-        **{name: f"law_{name}" for name in own},
-        **{name: f"math.{name}" for name in ("nan", "inf", *FUNCTIONS) if name != "max"},
-    }
-    (tree,) = ast.parse(_FORMULA).body
+    names, body = _FORMULAS[kernel.kind]
+    text = "def law(penetration: float) -> float:\n    if penetration <= 0.0:\n        return 0.0\n"
+    (tree,) = ast.parse(f"{text}    {body}\n").body
     assert isinstance(tree, ast.FunctionDef)
-    tree.body[1:1] = statements_of(renamed(step, names) for step in steps)
-    return tree, {names[name]: value for name, value in own.items()}
+    numbers = zip(names, map(float, kernel.parameters), strict=True)
+    return tree, {f"law_{name}": value for name, value in numbers}
 
 
 @dataclass(frozen=True)

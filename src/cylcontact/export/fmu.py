@@ -1,4 +1,4 @@
-"""FMUs by FMI 2.0, of a law and of an element, around their C: archive, library and description."""
+"""An FMU by FMI 2.0 of an element, around their C: archive, library and description."""
 
 from __future__ import annotations
 
@@ -18,8 +18,6 @@ from xml.sax.saxutils import quoteattr
 
 from cylcontact.export.element import BODIES, UNITS, Element
 from cylcontact.export.element import source as element_text
-from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw
-from cylcontact.export.exported_law import source as law_text
 from cylcontact.export.language import Language, filled_template
 from cylcontact.impact import IMPACT_RATE_FLOOR
 from cylcontact.support.errors import InputError
@@ -182,38 +180,6 @@ def _archive(files: Mapping[str, bytes]) -> bytes:
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             archive.writestr(entry, content)
     return out.getvalue()
-
-
-# --- of a law ---
-
-# Where nothing else is given, a steel pin in a hole of 10 mm.
-_LAW_START = {"E_star": 113736.26, "dR": 0.05, "R_i": 10.0, "R_j": 9.95, "length": 10.0}
-_LAW_UNITS = {
-    "mm": {"m": 1, "factor": 1e-3},
-    "MPa": {"kg": 1, "m": -1, "s": -2, "factor": 1e6},
-    "N/mm": {"kg": 1, "s": -2, "factor": 1e3},
-    "N/mm2": {"kg": 1, "m": -1, "s": -2, "factor": 1e6},
-}
-
-
-def source(law: ExportedLaw) -> bytes:
-    """Return the FMU: the penetration is its input, the pair's arguments are its parameters."""
-    kinds = {law.arguments[0]: "input", "load": "output", "stiffness": "output"}
-    rows = {**{name: MEANINGS[name] for name in law.arguments}, **RESULTS}
-    variables = [
-        Variable(
-            name, unit.replace("^", ""), kinds.get(name, "parameter"), meaning,
-            _LAW_START.get(name, 0.0),
-        )
-        for name, (unit, meaning) in rows.items()
-    ]  # fmt: skip
-    parts = {
-        "parameters": ", ".join(f"double {name}" for name in law.arguments),
-        "given": ", ".join(f"all[{k}]" for k in range(len(law.arguments))),
-    }
-    text = f"The contact law '{comment(law.law.name)}': load and stiffness per unit of length"
-    model = Model(law.name, law.name, text, variables, _LAW_UNITS)
-    return model.fmu({f"{law.name}.c": law_text(law, "c")}, parts)
 
 
 # --- of an element ---

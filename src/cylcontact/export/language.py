@@ -1,7 +1,6 @@
 """The notation of each language, for Python's syntax: expressions, statements and functions.
 
-A law comes as steps (`cylcontact.laws.formula`), a joint as functions of the package that numba
-compiles (`cylcontact.export.program`).
+They are functions of the package that numba compiles (`cylcontact.export.program`).
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from cylcontact.laws.formula import Step, lines_of
 from cylcontact.support.arrays import require
 from cylcontact.support.plain_text import RESERVED
 
@@ -87,17 +85,6 @@ class Language:
 
     def _digits(self, value: float) -> str:
         return repr(value)
-
-    # --- a law ---
-
-    def statements(self, steps: Iterable[Step]) -> str:
-        """Return the steps of a law, one a line."""
-        return "\n".join(map(self.wrapped, self._lines(statements_of(steps))))
-
-    def declared(self, steps: Iterable[Step]) -> str:
-        """Return the declaration of the variables that the steps of a law assign."""
-        self._learn(statements_of(steps))
-        return "\n".join(map(self.wrapped, self._declared()))
 
     def constants(self, numbers: Mapping[str, Any]) -> str:
         """Return constants, one a line."""
@@ -584,11 +571,6 @@ LANGUAGES: Mapping[str, type[Language]] = {
 
 
 # --- syntax ---
-
-
-def statements_of(steps: Iterable[Step]) -> list[ast.stmt]:
-    """Return the steps of a law as statements."""
-    return [_Floats().visit(node) for node in ast.parse("\n".join(lines_of(steps))).body]
 
 
 class _Floats(ast.NodeTransformer):

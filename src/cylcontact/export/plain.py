@@ -36,6 +36,7 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 
 from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import RESERVED
 
 Node = Any  # of a syntax tree, with what `_Reader` adds to it
 
@@ -124,6 +125,9 @@ class Program:
                 text = textwrap.dedent("".join(lines))
                 names = _names_in(function)
                 read = self.read_text(text, names, hints, function.__code__.co_filename, first)
+                if any(read.name.lower() == each.name.lower() for each in self.functions.values()):
+                    rule, remedy = "has the name of another function", "rename one of them"
+                    _Place(read.name, function.__module__).refuse(ast.Name(read.name), rule, remedy)
                 self.functions[function] = read
         return self.functions[function]
 
@@ -150,6 +154,11 @@ class Program:
             if one.lower() == other.lower():
                 rule = "differ by case alone, which Fortran ignores"
                 where.refuse(tree, rule, "rename one", f"{one}, {other}")
+        for name in (tree.name, *known):
+            if not name.isascii() or name in RESERVED:
+                where.refuse(tree, "is not a name in other languages", "rename it", name)
+        if tree.name.lower() in map(str.lower, known):
+            where.refuse(tree, "has a variable of its own name", "rename it", tree.name)
         self.see(*kinds.values(), read.returns)
         return read
 
