@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cylcontact.export.exported_law import exported, require_contact_law
+from cylcontact.export.in_housing import InHousing, law_in_housing
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.bodies.material import material_in_MPa
 from cylcontact.export import EXPORTABLE, export, export_named
-from cylcontact.export.exported_law import exported, require_contact_law
-from cylcontact.export.in_housing import InHousing, law_in_housing
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws.adapters import ScaledLaw

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from cylcontact.export.in_housing import law_in_housing
 
 from cylcontact import CylinderPair, Material, laws
-from cylcontact.export.in_housing import law_in_housing
 from cylcontact.laws import Housing, Sector
 
 STEEL, BRONZE = Material("steel", 207e3, 0.3), Material("bronze", 110e3, 0.34)

@@ -8,8 +8,8 @@ import numpy as np
 
 from cylcontact import CylinderPair, Material
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of_table
-from cylcontact.laws.law import Parameter
 
 USER_LAW = """\
 import numpy as np

@@ -5,6 +5,7 @@ Both are `evaluate` and `accept` of `cylcontact.joint`, translated with what the
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,10 +13,11 @@ from functools import cached_property
 from importlib.metadata import version
 from textwrap import wrap
 from types import ModuleType
-from typing import Annotated, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from cylcontact.export import conformal
 from cylcontact.export.notation import (
     WIDTH,
     C,
@@ -35,11 +37,12 @@ from cylcontact.joint import (
     spatial_forces,
 )
 from cylcontact.joint.contact import DEEPEST_SHARE
-from cylcontact.laws.conformal.curve import FAR_STEP, make
-from cylcontact.laws.conformal.law import Conformal
-from cylcontact.laws.formula import flat, lines_of, names_in, needed, renamed
+from cylcontact.laws import Conformal
+from cylcontact.laws.formula import Formula
 from cylcontact.laws.kernels import TABLE
-from cylcontact.support.arrays import FloatArray, require
+from cylcontact.laws.lambert import branch_distance, branch_distance_of_number
+from cylcontact.laws.tabulated import load_of_table
+from cylcontact.support.arrays import require
 from cylcontact.support.plain_text import comment
 
 LANGUAGES: dict[str, type[C]] = {"c": C, "fortran": Fortran, "matlab": Matlab}
@@ -153,12 +156,22 @@ class Element:
     @cached_property
     def program(self) -> Program:
         """`evaluate` and `accept`, with what they call."""
-        text, names, law = law_of(self.planar)
-        program = Program({"joint": self.constants, "law": law})
-        program.instead[contact.load_at] = program.read_text(text, names)
-        program.read(self.module.evaluate)
-        program.read(self.module.accept)
+        program = Program({"joint": self.constants, "law": self.law.numbers})
+        self.read(program, "evaluate", "accept")
         return program
+
+    @cached_property
+    def law(self) -> Law:
+        """The law at the pair."""
+        return law_of(self.planar)
+
+    def read(self, program: Program, *functions: str) -> None:
+        """Read functions of the module into a program, after the law that they call."""
+        text = _LOAD.format(call=self.law.call)
+        program.instead[branch_distance] = branch_distance_of_number
+        program.instead[contact.load_at] = program.read_text(text, self.law.names)
+        for name in functions:
+            program.read(getattr(self.module, name))
 
     def source(self, target: str, stem: str = "") -> dict[str, str]:
         """Return the texts of the files by their names."""
@@ -219,6 +232,11 @@ class Element:
             parts["nan_module"] = "use, intrinsic :: ieee_arithmetic" if uses else ""
         else:
             functions = {f.name: f for f in language.program.functions.values()}
+            records = language.program.records
+            parts["records"] = "\n\n".join(
+                language.record(k, fields_of(k)) for k in records.values()
+            )
+            parts["more"] = "".join(f", &{record}" for record in records)
             parts["heads"] = "\n".join(
                 f"{language.head(f)};" for f in functions.values() if f.name in language.public
             )
@@ -234,7 +252,7 @@ class Element:
             "",
             f"Units: lengths in {u}, times in s, angles in rad, forces in N, moments in N {u}, "
             f"powers in N {u}/s.",
-            f"Law: '{comment(joint.law.name)}', {form_of(joint)}{origin}.",
+            f"Law: '{comment(joint.law.name)}', {self.law.form}{origin}.",
         ]
         radii = map(float, pair.radii("the joint"))
         for name, body, R in zip(
@@ -295,121 +313,75 @@ def _rows(numbers: Mapping[str, Any]) -> list[str]:
 
 # --- the law in a file ---
 
-Nodes = Annotated[FloatArray, 0]
-# Of a curve in a file: step, its end, far end, and the error that it may have.
-_COARSE = 1 / 32, 12.0, 32.0, 1e-8
+# Of the curve of conformal contact: step, its end, far end, and the error that it may have.
+_CURVE = 1 / 32, 12.0, 32.0, 1e-8
 
 
-def load_of_table(penetration: float, x: Nodes, y: Nodes, slopes: Nodes, nodes: int) -> float:
-    """Return a load from ln of penetration and load and their slopes, by cubics."""
-    at = math.log(penetration)
-    if at <= x[0]:
-        return math.exp(y[0] + slopes[0] * (at - x[0]))
-    low = 0
-    high = nodes - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if x[middle] <= at:
-            low = middle
-        else:
-            high = middle
-    width = x[high] - x[low]
-    rise = (y[high] - y[low]) / width
-    part = (at - x[low]) / width
-    rest = 1.0 - part
-    bend = rest * (slopes[low] - rise) - part * (slopes[high] - rise)
-    return math.exp(y[low] + width * part * (rise + rest * bend))
+class Law(NamedTuple):
+    """A law at a pair in a file, as text of plain Python.
+
+    `call` is the load at `depth` in mm, from `numbers`, which are those of `law`; `names` are what
+    the text calls. `tune` sets the numbers for a clearance `dR` in mm, empty if that has no
+    formula, and `end` is the largest penetration.
+    """
+
+    call: str
+    names: dict[str, Any]
+    numbers: dict[str, Constant]
+    form: str
+    tune: tuple[str, ...] = ()
+    end: str = "inf"
 
 
-def load_of_curve(
-    penetration: float, factor: float, scale: float, first: float, step: float, near: float,
-    near_count: int, far_step: float, last: int, values: Nodes, slopes: Nodes,
-) -> float:  # fmt: skip
-    """Return a load factor*penetration/L, L by cubics over s = ln(1 + scale/penetration)."""
-    s = math.log(1.0 + scale / penetration)
-    width = step if s < near else far_step
-    place = (s - first) / step if s < near else near_count + (s - near) / far_step
-    k = int(min(place, last - 1.0))
-    part = place - k
-    before = width * slopes[k]
-    after = width * slopes[k + 1]
-    rise = values[k + 1] - values[k]
-    bend = 3.0 * rise - 2.0 * before - after + part * (before + after - 2.0 * rise)
-    return factor * penetration / (values[k] + part * (before + part * bend))
-
-
-_LAW = '''
+_LOAD = """
 def load_at(depth, joint, law):
-    """Return the load in N/mm at a penetration in mm; NaN beyond the end of the law."""
+    '''Return the load in N/mm at a penetration in mm, NaN at NaN.'''
     if depth <= 0.0:
         return 0.0
-    if not depth <= {end}:
-        return nan
-{lines}
-'''
+    if not depth > 0.0:
+        return depth
+    return {call}
+"""
 
 
-def law_of(joint: ClearanceJoint) -> tuple[str, dict[str, Any], dict[str, Constant]]:
-    """Return a law as the text of a plain function, what its names mean, and its constants."""
-    law, pair = joint.law, joint.pair
+def law_of(joint: ClearanceJoint) -> Law:
+    """Return the law of a joint at its pair."""
+    law: Any = joint.law
+    pair, form = joint.pair, "its formula at this pair"
     if isinstance(law, Conformal):
-        curve = make(law.curve(pair).bodies, *_COARSE).L
-        nodes, (c0, c1, c2, c3) = curve.nodes, curve.terms
-        widths, n = np.diff(nodes.s), nodes.near_count
-        values = np.append(c0, c0[-1] + c1[-1] + c2[-1] + c3[-1])
-        slopes = np.append(c1 / widths, (c1[-1] + 2 * c2[-1] + 3 * c3[-1]) / widths[-1])
-        numbers = {
-            "factor": math.pi * float(pair.E_star), "scale": nodes.scale * joint.radial,
-            "first": nodes.first, "step": nodes.step, "near": nodes.near, "near_count": n,
-            "far_step": FAR_STEP, "last": values.size - 1,
-        }  # fmt: skip
-        given = [f"law.{name}" for name in numbers]
-        # Twelve digits are more than the curve has.
-        values, slopes = (np.array([float(f"{x:.12g}") for x in y]) for y in (values, slopes))
-        arrays = {"curve_values": values, "curve_slopes": slopes}
-        call = f"load_of_curve(depth, {', '.join([*given, *arrays])})"
-        names, end = {"load_of_curve": load_of_curve, **arrays}, joint.kernel.max_penetration
+        formula, constants = (
+            Formula(conformal.load),
+            conformal.constants_of(law.curve(pair), *_CURVE),
+        )
+        form = f"a curve, within {_CURVE[-1]:g} of its load"
     elif joint.kernel.kind == TABLE:
         x, y, slopes = np.reshape(joint.kernel.parameters[1:], (3, -1))
         arrays = {"table_x": x, "table_y": y, "table_slopes": slopes}
         call = f"load_of_table(depth, {', '.join([*arrays, str(x.size)])})"
-        names, end = {"load_of_table": load_of_table, **arrays}, joint.kernel.max_penetration
-        numbers = {}
+        return Law(call, {"load_of_table": load_of_table, **arrays}, {}, "a table of ln f by ln d")
     else:
-        return _law_of_formula(joint)
-    lines = f"    return {call}"
-    constants = {
-        name: Constant(int if isinstance(value, int) else float, value)
-        for name, value in numbers.items()
-    }
-    return (
-        _LAW.format(lines=lines, end=repr(float(end))),
-        {**names, "nan": math.nan, "inf": math.inf},
-        constants,
-    )
-
-
-def _law_of_formula(joint: ClearanceJoint) -> tuple[str, dict[str, Any], dict[str, Constant]]:
-    formula: Any = joint.law.formula_at(joint.pair)  # type: ignore[attr-defined]
-    steps = needed(formula.scalar_steps, "f")
-    used = set().union(*(names_in(step.value) for step in flat(steps)))
-    numbers = {n: float(v) for n, v in joint.law.numbers_at(joint.pair).items() if n in used}  # type: ignore[attr-defined]
-    names = {name: f"law.{name}" for name in numbers} | {"penetration": "depth"}
-    lines = [f"    {line}" for line in lines_of(renamed(step, names) for step in steps)]
-    text = _LAW.format(
-        lines="\n".join([*lines, "    return f"]), end=repr(joint.kernel.max_penetration)
-    )
-    return (
-        text,
-        vars(math) | {"max": max, "min": min, "abs": abs, "range": range, "int": int},
-        {n: Constant(float, v) for n, v in numbers.items()},
-    )
-
-
-def form_of(joint: ClearanceJoint) -> str:
-    """Return in words how a file states a joint's law."""
-    if isinstance(joint.law, Conformal):
-        return f"a curve, within {_COARSE[-1]:g} of its load"
-    if joint.kernel.kind == TABLE:
-        return "a table, cubic in ln f over ln d"
-    return "its formula at this pair"
+        formula, constants = law.formula_for("internal"), law.constants_at(pair)
+    given = {name: getattr(pair, name) for name in formula.of_pair} | {**constants}
+    asked = {n: v if np.ndim(v) or isinstance(v, int) else float(v) for n, v in given.items()}
+    wanted = list(inspect.signature(formula.load).parameters)[1:]
+    values = dict(zip(wanted, formula.numbers_of(**asked), strict=True))
+    arrays = {f"table_{name}": value for name, value in values.items() if np.ndim(value)}
+    named = [f"table_{name}" if np.ndim(values[name]) else f"law.{name}" for name in wanted]
+    numbers = {
+        name: Constant(int, value) if isinstance(value, int) else Constant(float, float(value))
+        for name, value in values.items() if not np.ndim(value)
+    }  # fmt: skip
+    tuned = {"dR": "dR", "R_j": f"{asked.get('R_i')!r} - dR"}
+    if formula.numbers is None:
+        tune = [f"law.{name} = {text}" for name, text in tuned.items() if name in numbers]
+    else:
+        at = ", ".join(tuned.get(name, repr(asked[name])) for name in formula.asked)
+        tune = [f"at = numbers({at})", *(f"law.{name} = at.{name}" for name in wanted)]
+    end = "inf"
+    if formula.end is not None:
+        end = f"end({', '.join(named)})"
+    elif math.isfinite(constants.get("largest", math.inf)):
+        end = "law.largest * dR"
+    functions = {n: f for n in ("load", "numbers", "end") if (f := getattr(formula, n)) is not None}
+    names = {**functions, **arrays, "inf": math.inf}
+    return Law(f"load(depth, {', '.join(named)})", names, numbers, form, tuple(tune), end)

@@ -36,6 +36,7 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 
 from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import RESERVED
 
 Node = Any  # of a syntax tree, with what `_Reader` adds to it
 
@@ -66,6 +67,7 @@ class Function:
     about: str = ""
     locals: dict[str, Any] = field(default_factory=dict)
     changes: list[str] = field(default_factory=list)  # the records that it changes
+    unused: set[str] = field(default_factory=set)  # records of the program that it does not use
 
 
 # Functions that every language has or that `notation` adds, by their names in C.
@@ -104,12 +106,12 @@ class Program:
     """
 
     constants: Mapping[str, Mapping[str, Constant]]
-    records: Mapping[str, Any] = field(default_factory=dict)
     instead: dict[Any, Any] = field(default_factory=dict)
     functions: dict[Any, Function] = field(default_factory=dict)
     types: list[Any] = field(default_factory=list)
     numbers: dict[str, Any] = field(default_factory=dict)
     used: set[tuple[str, str]] = field(default_factory=set)
+    records: Mapping[str, Any] = field(default_factory=dict)
 
     def read(self, function: Any) -> Function:
         """Return a function of the package, after those that it calls."""
@@ -126,6 +128,9 @@ class Program:
                 text = textwrap.dedent("".join(lines))
                 names = _names_in(function)
                 read = self.read_text(text, names, hints, function.__code__.co_filename, first)
+                if any(read.name.lower() == each.name.lower() for each in self.functions.values()):
+                    rule, remedy = "has the name of another function", "rename one of them"
+                    _Place(read.name, function.__module__).refuse(ast.Name(read.name), rule, remedy)
                 self.functions[function] = read
         return self.functions[function]
 
@@ -148,11 +153,18 @@ class Program:
         read = Function(tree.name, kinds, kind_of(hints.get("return", float)), about=about)
         _add_remarks(tree, text, first)
         _Reader(self, read, names, where).read_body(tree.body)
+        used = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
+        read.unused = {name for name in kinds if name in self.records and name not in used}
         known = sorted({**read.arguments, **read.locals}, key=str.lower)
         for one, other in pairwise(known):
             if one.lower() == other.lower():
                 rule = "differ by case alone, which Fortran ignores"
                 where.refuse(tree, rule, "rename one", f"{one}, {other}")
+        for name in (tree.name, *known):
+            if not name.isascii() or name in RESERVED:
+                where.refuse(tree, "is not a name in other languages", "rename it", name)
+        if tree.name.lower() in map(str.lower, known):
+            where.refuse(tree, "has a variable of its own name", "rename it", tree.name)
         self.see(*kinds.values(), read.returns)
         return read
 
