@@ -15,13 +15,15 @@ import numpy as np
 from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import Conformal, Housing, Persson, Sector
-from cylcontact.laws.conformal.curve import FAR_STEP, Curve, make
+from cylcontact.laws.conformal.curve import FAR_STEP, make
 from cylcontact.laws.formula import Formula, choose
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.errors import InputError
 
-# Step, end of the close nodes and of all nodes in s; about 96 nodes.
-_STEP, _NEAR, _FAR = 1 / 8, 8.0, 20.5
+# Step, end of the close nodes and of all nodes in s, and the error of L, for `curve.make`: about 96
+# nodes for a law, more for a joint.
+COARSE = 1 / 8, 8.0, 20.0, inf
+FINE = 1 / 32, 12.0, 32.0, 1e-8
 # The loads f/(E*·ΔR) for which a file states its error.
 _LOADS = np.geomspace(1e-9, 1e6, 601)
 _EQUATION = "f = pi*E_star*penetration/L, L a cubic between nodes in s = ln(1 + D*dR/penetration)"
@@ -38,86 +40,78 @@ class Line(NamedTuple):
 
 
 def line_at(
-    penetration, dR, D, first, near, per_s, near_count: int, per_far, last: int,
+    penetration, dR, D, first, step, near, near_count: int, far_step, last: int,
     values: Nodes, slopes: Nodes,
 ) -> Line:  # fmt: skip
     """Return L at a penetration, a cubic between nodes."""
     s = log(1 + D * dR / penetration)
-    # How many intervals after the first node that is.
-    place = choose(s <= near, (s - first) * per_s, near_count + (s - near) * per_far)
+    width = choose(s < near, step, far_step)
+    place = choose(s < near, (s - first) / step, near_count + (s - near) / far_step)
     k = int(min(place, last - 1.0))
     part = min(place - k, 1.0)
     rise = values[k + 1] - values[k]
-    start = slopes[k]
-    # Slopes are those over the interval after the node.
-    stop = slopes[k + 1] * choose(k + 1 == near_count, per_far / per_s, 1.0)
+    start = width * slopes[k]
+    stop = width * slopes[k + 1]
     two = 3 * rise - 2 * start - stop
     three = start + stop - 2 * rise
-    slope = start + part * (2 * two + part * 3 * three)
     # Beyond the last node L is straight.
     L = values[k] + part * (start + part * (two + part * three)) + stop * max(place - last, 0.0)
-    return Line(L, slope * choose(k < near_count, per_s, per_far))
+    return Line(L, (start + part * (2 * two + part * 3 * three)) / width)
 
 
 def load(
-    penetration, E_star, dR, largest, D, first, near, per_s, near_count: int, per_far, last: int,
+    penetration, E_star, dR, largest, D, first, step, near, near_count: int, far_step, last: int,
     values: Nodes, slopes: Nodes,
 ):  # fmt: skip
     """Return f = π·E*·δ/L."""
-    at = line_at(penetration, dR, D, first, near, per_s, near_count, per_far, last, values, slopes)
+    at = line_at(penetration, dR, D, first, step, near, near_count, far_step, last, values, slopes)
     return choose(penetration <= largest * dR, pi * E_star * penetration / at.L, nan)
 
 
 def stiffness(
-    penetration, E_star, dR, largest, D, first, near, per_s, near_count: int, per_far, last: int,
+    penetration, E_star, dR, largest, D, first, step, near, near_count: int, far_step, last: int,
     values: Nodes, slopes: Nodes,
 ):  # fmt: skip
     """Return df/dδ = π·E*·(1 − dln L/dln δ)/L."""
-    at = line_at(penetration, dR, D, first, near, per_s, near_count, per_far, last, values, slopes)
+    at = line_at(penetration, dR, D, first, step, near, near_count, far_step, last, values, slopes)
     fall = at.slope * D * dR / ((D * dR + penetration) * at.L)
     return choose(penetration <= largest * dR, pi * E_star * (1 + fall) / at.L, nan)
 
 
-def table_of(law: Conformal, pair: CylinderPair | None) -> tuple[Formula, dict[str, Any]]:
+def table_of(
+    law: Conformal, pair: CylinderPair | None, nodes: tuple[float, ...] = COARSE
+) -> tuple[Formula, dict[str, Any]]:
     """Return conformal contact at a pair as a formula, and its constants."""
     if pair is None:
         if not isinstance(law, Persson):
             rule = "depends on the materials, and on the radius in a housing"
-            remedy = (
-                "give a pair, e.g. --pin steel --hole bronze --Ri 10 --Rj 9.95; or export persson"
-            )
+            remedy = "give them, e.g. --E 207GPa --nu 0.3 --Ri 10 --Rj 9.95, or export persson"
             raise InputError("export", "law", law.name, rule, remedy)
         pair = CylinderPair.from_dR("internal", 1.0, _ANY)
     curve = law.curve(pair)
-    constants = constants_of(curve)
+    table = make(curve.bodies, *nodes).L
+    terms, last = table.terms, table.terms[:, -1]
+    widths = np.diff(table.nodes.s)
+    values = np.append(terms[0], last.sum())
+    slopes = np.append(terms[1] / widths, (last[1] + 2 * last[2] + 3 * last[3]) / widths[-1])
+    constants: dict[str, Any] = {
+        "largest": curve.end[1], "D": table.nodes.scale, "first": table.nodes.first,
+        "step": table.nodes.step, "near": table.nodes.near, "near_count": table.nodes.near_count,
+        "far_step": FAR_STEP, "last": widths.size,
+        # Twelve digits are more than the curve has.
+        "values": np.array([float(f"{x:.12g}") for x in values]),
+        "slopes": np.array([float(f"{x:.12g}") for x in slopes]),
+    }  # fmt: skip
     phi = _LOADS[_LOADS < 0.999 * curve.end[0]]
     error = max(
         abs(load(d, 1.0, 1.0, **constants) / exact - 1)
         for d, exact in zip(curve.penetration(phi).tolist(), phi.tolist(), strict=True)
     )
     remark = (
-        f"{_about(law, pair)}. {len(constants['values'])} nodes; "
-        f"the load is within {error:.0e} of the series "
+        f"{_about(law, pair)}. {values.size} nodes; the load is within {error:.0e} of the series "
         "for f/(E_star*dR) from 1e-9 to 1e6"
     )
     return Formula(load, stiffness, equation=_EQUATION, remark=remark), constants
-
-
-def constants_of(
-    curve: Curve, step: float = _STEP, near: float = _NEAR, far: float = _FAR, error: float = inf
-) -> dict[str, Any]:
-    """Return the constants of `load`: nodes with a step in s up to `near`, wider up to `far`."""
-    table = make(curve.bodies, step, near, far, error).L
-    nodes, terms = table.nodes, table.terms
-    values = [*terms[0], terms[:, -1].sum()]
-    slopes = [*terms[1], terms[1, -1] + 2 * terms[2, -1] + 3 * terms[3, -1]]
-    return {
-        "largest": curve.end[1], "D": nodes.scale, "first": nodes.first, "near": nodes.near,
-        "per_s": 1 / nodes.step, "near_count": nodes.near_count, "per_far": 1 / FAR_STEP,
-        "last": len(terms[0]),
-        "values": np.array([float(f"{x:.12g}") for x in values]),
-        "slopes": np.array([float(f"{x:.12g}") for x in slopes]),
-    }  # fmt: skip
 
 
 def _about(law: Conformal, pair: CylinderPair) -> str:

@@ -38,7 +38,6 @@ from cylcontact.joint import (
 )
 from cylcontact.joint.contact import DEEPEST_SHARE
 from cylcontact.laws import Conformal
-from cylcontact.laws.formula import Formula
 from cylcontact.laws.kernels import TABLE
 from cylcontact.laws.lambert import branch_distance, branch_distance_of_number
 from cylcontact.laws.tabulated import load_of_table
@@ -313,9 +312,6 @@ def _rows(numbers: Mapping[str, Any]) -> list[str]:
 
 # --- the law in a file ---
 
-# Of the curve of conformal contact: step, its end, far end, and the error that it may have.
-_CURVE = 1 / 32, 12.0, 32.0, 1e-8
-
 
 class Law(NamedTuple):
     """A law at a pair in a file, as text of plain Python.
@@ -349,11 +345,8 @@ def law_of(joint: ClearanceJoint) -> Law:
     law: Any = joint.law
     pair, form = joint.pair, "its formula at this pair"
     if isinstance(law, Conformal):
-        formula, constants = (
-            Formula(conformal.load),
-            conformal.constants_of(law.curve(pair), *_CURVE),
-        )
-        form = f"a curve, within {_CURVE[-1]:g} of its load"
+        formula, constants = conformal.table_of(law, pair, conformal.FINE)
+        form = f"a curve, within {conformal.FINE[-1]:g} of its load"
     elif joint.kernel.kind == TABLE:
         x, y, slopes = np.reshape(joint.kernel.parameters[1:], (3, -1))
         arrays = {"table_x": x, "table_y": y, "table_slopes": slopes}

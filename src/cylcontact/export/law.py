@@ -179,7 +179,7 @@ class ExportedLaw:
 
 def source(law: ExportedLaw, target: str) -> str:
     """Return a law as the text of a file in a language."""
-    program = Program({}, {branch_distance: branch_distance_of_number})
+    program = Program({}, instead={branch_distance: branch_distance_of_number})
     texts = law.texts()
     names: dict[str, Any] = {"nan": float("nan"), "inf": float("inf")}
     names |= {f"table_{n}": v for n, v in law.constants.items() if np.ndim(v)}
@@ -232,7 +232,7 @@ def exported(
         load_factor *= base.load_factor
         penetration_factor *= base.penetration_factor
         base = base.base
-    contacts = getattr(base, "contacts", ())
+    contacts: tuple[Contact, ...] = getattr(base, "contacts", ())
     if contact not in (None, *contacts):
         rule, remedy = f"the law '{law.name}' is for a pin in a hole", "or export johnson"
         raise InputError("export", "--contact", contact, rule, f"give --contact internal, {remedy}")
