@@ -13,7 +13,7 @@ from cylcontact import InputError
 from cylcontact.export import export_joint
 from cylcontact.mechanism import SpatialJoint
 from tests.support.fmu_masters import Cosim, export_fmu, started
-from tests.support.joint_runners import RUNNERS, module_of
+from tests.support.joint_runners import RUNNERS
 from tests.support.programs import require_package
 from tests.support.spatial_cases import FIXED, body, joint_for, motions, run_library
 

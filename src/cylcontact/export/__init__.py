@@ -48,7 +48,7 @@ EXPORTABLE = tuple(LAWS)
 # What 1.0.0rc1 could write and this release cannot, with what to use instead.
 _GONE = {
     "cpp": 'choose c: it compiles as C++, and its header has extern "C"',
-    "python": "install cylcontact and call cylcontact.laws",
+    "python": "install cylcontact and call a law's load, or a joint's evaluate and accept",
     "jax": "install cylcontact and call cylcontact.laws",
     "fmu": "export a joint with this law as an FMU: --joint JOINT --to fmu",
 }
@@ -209,7 +209,7 @@ def export_joint(
     ------
     InputError
         If the target is unknown, the file's name is not one that the language can import, the
-        joint's name is taken in its Fortran or C++, or an FMU finds no C compiler.
+        joint's name is taken in its Fortran, or an FMU finds no C compiler.
 
     Examples
     --------
@@ -250,7 +250,7 @@ def _of_result(path: str, contact: str | None) -> tuple[ContactLaw, Contact, str
 
 
 def _require_target(target: str, targets: Collection[str]) -> None:
-    if targets is TARGETS and target in _GONE:
-        raise InputError("export", "--to", target, "is gone for a law", _GONE[target])
+    if target in _GONE and target not in targets:
+        raise InputError("export", "--to", target, "is gone", _GONE[target])
     rule, remedy = "is not a known target", f"choose {listed(targets)}"
     require(target in targets, "export", "--to", target, rule, remedy)

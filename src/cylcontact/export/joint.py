@@ -13,11 +13,11 @@ from functools import cached_property
 from importlib.metadata import version
 from textwrap import wrap
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from cylcontact.export.conformal import FINE, table_of
+from cylcontact.export import conformal
 from cylcontact.export.notation import (
     WIDTH,
     C,
@@ -37,10 +37,9 @@ from cylcontact.joint import (
     spatial_forces,
 )
 from cylcontact.joint.contact import DEEPEST_SHARE
-from cylcontact.laws.conformal.law import Conformal
+from cylcontact.laws import Conformal
 from cylcontact.laws.kernels import TABLE
 from cylcontact.laws.lambert import branch_distance, branch_distance_of_number
-from cylcontact.laws.law import has_formula
 from cylcontact.laws.tabulated import load_of_table
 from cylcontact.support.arrays import require
 from cylcontact.support.plain_text import comment
@@ -156,13 +155,22 @@ class Element:
     @cached_property
     def program(self) -> Program:
         """`evaluate` and `accept`, with what they call."""
-        text, names, law = law_of(self.planar)
-        program = Program({"joint": self.constants, "law": law})
-        program.instead[branch_distance] = branch_distance_of_number
-        program.instead[contact.load_at] = program.read_text(text, names)
-        program.read(self.module.evaluate)
-        program.read(self.module.accept)
+        program = Program({"joint": self.constants, "law": self.law.numbers})
+        self.read(program, "evaluate", "accept")
         return program
+
+    @cached_property
+    def law(self) -> Law:
+        """The law at the pair."""
+        return law_of(self.planar)
+
+    def read(self, program: Program, *functions: str) -> None:
+        """Read functions of the module into a program, after the law that they call."""
+        text = _LOAD.format(call=self.law.call)
+        program.instead[branch_distance] = branch_distance_of_number
+        program.instead[contact.load_at] = program.read_text(text, self.law.names)
+        for name in functions:
+            program.read(getattr(self.module, name))
 
     def source(self, target: str, stem: str = "") -> dict[str, str]:
         """Return the texts of the files by their names."""
@@ -223,6 +231,11 @@ class Element:
             parts["nan_module"] = "use, intrinsic :: ieee_arithmetic" if uses else ""
         else:
             functions = {f.name: f for f in language.program.functions.values()}
+            records = language.program.records
+            parts["records"] = "\n\n".join(
+                language.record(k, fields_of(k)) for k in records.values()
+            )
+            parts["more"] = "".join(f", &{record}" for record in records)
             parts["heads"] = "\n".join(
                 f"{language.head(f)};" for f in functions.values() if f.name in language.public
             )
@@ -238,7 +251,7 @@ class Element:
             "",
             f"Units: lengths in {u}, times in s, angles in rad, forces in N, moments in N {u}, "
             f"powers in N {u}/s.",
-            f"Law: '{comment(joint.law.name)}', {form_of(joint)}{origin}.",
+            f"Law: '{comment(joint.law.name)}', {self.law.form}{origin}.",
         ]
         radii = map(float, pair.radii("the joint"))
         for name, body, R in zip(
@@ -299,46 +312,69 @@ def _rows(numbers: Mapping[str, Any]) -> list[str]:
 
 # --- the law in a file ---
 
-_LAW = '''
+
+class Law(NamedTuple):
+    """A law at a pair in a file, as text of plain Python.
+
+    `call` is the load at `depth` in mm, from `numbers`, which are those of `law`; `names` are what
+    the text calls. `tune` sets the numbers for a clearance `dR` in mm, empty if that has no
+    formula, and `end` is the largest penetration.
+    """
+
+    call: str
+    names: dict[str, Any]
+    numbers: dict[str, Constant]
+    form: str
+    tune: tuple[str, ...] = ()
+    end: str = "inf"
+
+
+_LOAD = """
 def load_at(depth, joint, law):
-    """Return the load in N/mm at a penetration in mm; NaN beyond the end of the law."""
+    '''Return the load in N/mm at a penetration in mm, NaN at NaN.'''
     if depth <= 0.0:
         return 0.0
-    if not depth <= {end}:
-        return nan
-    return load(depth, {given})
-'''
+    if not depth > 0.0:
+        return depth
+    return {call}
+"""
 
 
-def law_of(joint: ClearanceJoint) -> tuple[str, dict[str, Any], dict[str, Constant]]:
-    """Return a law as the text of a plain function, what its names mean, and its constants."""
-    law, pair = joint.law, joint.pair
+def law_of(joint: ClearanceJoint) -> Law:
+    """Return the law of a joint at its pair."""
+    law: Any = joint.law
+    pair, form = joint.pair, "its formula at this pair"
     if isinstance(law, Conformal):
-        formula, numbers = table_of(law, pair, FINE)
-        numbers = {"E_star": float(pair.E_star), "dR": float(pair.dR), **numbers}
-        load: Any = formula.load
+        formula, constants = conformal.table_of(law, pair, conformal.FINE)
+        form = f"a curve, within {conformal.FINE[-1]:g} of its load"
     elif joint.kernel.kind == TABLE:
         x, y, slopes = np.reshape(joint.kernel.parameters[1:], (3, -1))
-        load, numbers = load_of_table, {"x": x, "y": y, "slopes": slopes, "nodes": x.size}
-    elif has_formula(law):
-        load = law.formula_for("internal").load
-        names = list(inspect.signature(load).parameters)[1:]
-        numbers = dict(zip(names, map(float, law.numbers_at(pair)), strict=True))
-    tables = {f"table_{name}": value for name, value in numbers.items() if np.ndim(value)}
-    wanted = list(inspect.signature(load).parameters)[1:]
-    given = [f"table_{name}" if np.ndim(numbers[name]) else f"law.{name}" for name in wanted]
-    constants = {
-        name: Constant(int if isinstance(value, int) else float, value)
-        for name, value in numbers.items() if not np.ndim(value)
+        arrays = {"table_x": x, "table_y": y, "table_slopes": slopes}
+        call = f"load_of_table(depth, {', '.join([*arrays, str(x.size)])})"
+        return Law(call, {"load_of_table": load_of_table, **arrays}, {}, "a table of ln f by ln d")
+    else:
+        formula, constants = law.formula_for("internal"), law.constants_at(pair)
+    given = {name: getattr(pair, name) for name in formula.of_pair} | {**constants}
+    asked = {n: v if np.ndim(v) or isinstance(v, int) else float(v) for n, v in given.items()}
+    wanted = list(inspect.signature(formula.load).parameters)[1:]
+    values = dict(zip(wanted, formula.numbers_of(**asked), strict=True))
+    arrays = {f"table_{name}": value for name, value in values.items() if np.ndim(value)}
+    named = [f"table_{name}" if np.ndim(values[name]) else f"law.{name}" for name in wanted]
+    numbers = {
+        name: Constant(int, value) if isinstance(value, int) else Constant(float, float(value))
+        for name, value in values.items() if not np.ndim(value)
     }  # fmt: skip
-    text = _LAW.format(end=repr(float(joint.kernel.max_penetration)), given=", ".join(given))
-    return text, {"load": load, "nan": math.nan, "inf": math.inf, **tables}, constants
-
-
-def form_of(joint: ClearanceJoint) -> str:
-    """Return in words how a file states a joint's law."""
-    if isinstance(joint.law, Conformal):
-        return f"a curve, within {FINE[-1]:g} of its load"
-    if joint.kernel.kind == TABLE:
-        return "a table, cubic in ln f over ln d"
-    return "its formula at this pair"
+    tuned = {"dR": "dR", "R_j": f"{asked.get('R_i')!r} - dR"}
+    if formula.numbers is None:
+        tune = [f"law.{name} = {text}" for name, text in tuned.items() if name in numbers]
+    else:
+        at = ", ".join(tuned.get(name, repr(asked[name])) for name in formula.asked)
+        tune = [f"at = numbers({at})", *(f"law.{name} = at.{name}" for name in wanted)]
+    end = "inf"
+    if formula.end is not None:
+        end = f"end({', '.join(named)})"
+    elif math.isfinite(constants.get("largest", math.inf)):
+        end = "law.largest * dR"
+    functions = {n: f for n in ("load", "numbers", "end") if (f := getattr(formula, n)) is not None}
+    names = {**functions, **arrays, "inf": math.inf}
+    return Law(f"load(depth, {', '.join(named)})", names, numbers, form, tuple(tune), end)

@@ -181,7 +181,7 @@ class C:
     def _arguments(self, f: Function) -> list[tuple[str, Any]]:
         """Return the arguments that are passed."""
         dropped = {*self.program.constants} if not self.passes_constants else set()
-        dropped |= {self.scratch} if f.name in self.public else set()
+        dropped |= f.unused | ({self.scratch} if f.name in self.public else set())
         return [(name, kind) for name, kind in f.arguments.items() if name not in dropped]
 
     def _argument(self, name: str, kind: Any) -> str:
@@ -378,10 +378,13 @@ class C:
         return f"{name}({', '.join(self._given(node))})"
 
     def _given(self, node: Node) -> list[str]:
+        called = getattr(node, "called", None)
         constants = () if self.passes_constants else self.program.constants
+        names = called.arguments if isinstance(called, Function) else [""] * len(node.args)
+        unused = called.unused if isinstance(called, Function) else ()
         return [
-            self.text(each) for each in node.args
-            if not (isinstance(each, ast.Name) and each.id in constants)
+            self.text(each) for name, each in zip(names, node.args, strict=True)
+            if name not in unused and not (isinstance(each, ast.Name) and each.id in constants)
         ]  # fmt: skip
 
     def _made(self, kind: Any, values: Sequence[str]) -> str:

@@ -67,6 +67,7 @@ class Function:
     about: str = ""
     locals: dict[str, Any] = field(default_factory=dict)
     changes: list[str] = field(default_factory=list)  # the records that it changes
+    unused: set[str] = field(default_factory=set)  # records of the program that it does not use
 
 
 # Functions that every language has or that `notation` adds, by their names in C.
@@ -105,12 +106,12 @@ class Program:
     """
 
     constants: Mapping[str, Mapping[str, Constant]]
-    records: Mapping[str, Any] = field(default_factory=dict)
     instead: dict[Any, Any] = field(default_factory=dict)
     functions: dict[Any, Function] = field(default_factory=dict)
     types: list[Any] = field(default_factory=list)
     numbers: dict[str, Any] = field(default_factory=dict)
     used: set[tuple[str, str]] = field(default_factory=set)
+    records: Mapping[str, Any] = field(default_factory=dict)
 
     def read(self, function: Any) -> Function:
         """Return a function of the package, after those that it calls."""
@@ -152,6 +153,8 @@ class Program:
         read = Function(tree.name, kinds, kind_of(hints.get("return", float)), about=about)
         _add_remarks(tree, text, first)
         _Reader(self, read, names, where).read_body(tree.body)
+        used = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
+        read.unused = {name for name in kinds if name in self.records and name not in used}
         known = sorted({**read.arguments, **read.locals}, key=str.lower)
         for one, other in pairwise(known):
             if one.lower() == other.lower():

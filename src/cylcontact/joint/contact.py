@@ -158,7 +158,7 @@ def bounded_ratio(ratio: float) -> float:
 @inlined
 def normal_force(elastic: float, rate: float, impact_rate: float, joint: Joint) -> float:
     """Return the elastic force with its damping, never negative."""
-    return max(elastic * (1.0 + joint.chi * bounded_ratio(rate / impact_rate)), 0.0)
+    return float(max(elastic * (1.0 + joint.chi * bounded_ratio(rate / impact_rate)), 0.0))
 
 
 @inlined
@@ -295,8 +295,8 @@ def piece_share(v_t: float, joint: Joint) -> float:
     if joint.branch == ANY:
         return friction_share(v_t, joint)
     if abs(joint.branch) == 1:
-        return (v_t - joint.branch * joint.v0) / (joint.v1 - joint.v0)
-    return 0.5 * joint.branch
+        return float((v_t - joint.branch * joint.v0) / (joint.v1 - joint.v0))
+    return float(0.5 * joint.branch)
 
 
 @compiled

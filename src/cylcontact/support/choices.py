@@ -17,7 +17,7 @@ BEYOND: tuple[Beyond, ...] = get_args(Beyond)
 FORMATS: tuple[Format, ...] = get_args(Format)
 # Languages of laws and of joints, with the suffix of the file.
 TARGETS = {"c": ".c", "fortran": ".f90", "matlab": ".m"}
-JOINT_TARGETS = {"c": ".c", "fortran": ".f90", "matlab": ".m", "fmu": ".fmu"}
+JOINT_TARGETS = {**TARGETS, "fmu": ".fmu"}
 # Multibody codes with a contact of their own, whose parameters `contact_parameters` fits.
 CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
 # What the folder of a fit to a table holds.

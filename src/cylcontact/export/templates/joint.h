@@ -5,7 +5,7 @@ $comment
 //   ${name}_state state;
 //   ${name}_wrench wrench;
 //   ${name}_start(&state);
-//   ${name}_evaluate(&state, bearing, pin, &wrench);   (state is not changed)
+//   ${name}_evaluate(&state, bearing, pin, &wrench$more);   (state is not changed)
 //   ${name}_accept(&state, bearing, pin);
 
 #ifndef CYLCONTACT_${capitals}_H
@@ -22,6 +22,8 @@ typedef struct {
 typedef struct {
     $wrench
 } ${name}_wrench;
+
+$records
 
 void ${name}_start(${name}_state *state);
 $heads
