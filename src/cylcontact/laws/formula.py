@@ -89,7 +89,7 @@ class Formula:
         """What the formula asks of a pair."""
         return tuple(name for name in OF_PAIR if name in self.asked)
 
-    @property
+    @cached_property
     def constants(self) -> dict[str, float | None]:
         """The constants of the law, with their defaults."""
         return {name: value for name, value in self.asked.items() if name not in OF_PAIR}

@@ -27,13 +27,13 @@ from cylcontact.laws import Conformal, explicit, formula, lambert, liu, logarith
 from cylcontact.laws.conformal.curve import FAR_STEP
 from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, ContactLaw, has_formula
 from cylcontact.laws.tabulated import (
-    exponent_of_table,
     interval_of,
     load_of_table,
+    stiffness_of_table,
     tabulate,
 )
 from cylcontact.support.arrays import FloatArray, require
-from cylcontact.support.numba_cache import called, compiled, inlined
+from cylcontact.support.numba_cache import called, compiled, inlined, merged
 
 POWER, LOGARITHMIC, EXPLICIT, LIU, CURVE, TABLE = range(6)
 # The functions that are compiled as they stand.
@@ -96,14 +96,14 @@ def _branch_distance(p: Any) -> Any:
 
 
 _of_number = called(lambert.branch_distance_of_number)
-_power, _power_slope, _power_energy = map(called, (power.load, power.stiffness, power.energy))
+_power, _power_slope, _power_energy = map(merged, (power.load, power.stiffness, power.energy))
 _log, _log_slope, _log_energy = map(
     called, (logarithmic.load, logarithmic.stiffness, logarithmic.energy)
 )
-_explicit, _explicit_slope = called(explicit.load), called(explicit.stiffness)
-_liu, _liu_slope = called(liu.load), called(liu.stiffness)
+_explicit, _explicit_slope = merged(explicit.load), merged(explicit.stiffness)
+_liu, _liu_slope = merged(liu.load), merged(liu.stiffness)
 called(interval_of)
-_of_table, _exponent = called(load_of_table), called(exponent_of_table)
+_of_table, _slope_of_table = called(load_of_table), called(stiffness_of_table)
 
 # The numbers of a curve before its cubics: 4 of L for each interval, then as many of U/(φ·d).
 _HEAD = 10
@@ -205,8 +205,7 @@ def _table_slope(numbers: FloatArray, penetration: float) -> float:
     if not penetration <= numbers[0]:
         return math.nan
     x, y, slopes = numbers[1 : 1 + n], numbers[1 + n : 1 + 2 * n], numbers[1 + 2 * n :]
-    exponent = _exponent(penetration, x, y, slopes, n)
-    return _of_table(penetration, x, y, slopes, n) * exponent / penetration
+    return _slope_of_table(penetration, x, y, slopes, n)
 
 
 @called

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from cylcontact.laws.formula import choose
 from cylcontact.support.arrays import FloatArray
 
 # The start w = r(A + r(B + Cr))/(1 + Dr) with r = √(−ln p), in which w is smooth. Fitted over all
@@ -30,16 +29,16 @@ A, B, C, D = 1.41441, 1.0246, 0.25518, 0.25524
 
 def branch_distance_of_number(p):
     """Return `branch_distance` of a number, by the inverse series (Householder) of its equation."""
-    # At the branch point the regular formula would divide by zero; there it computes p = 0.5.
-    inner = choose((p > 0) & (p < 1), p, 0.5)
-    g = -np.log(inner)
-    r = np.sqrt(g)
-    u = 1 + r * (A + r * (B + C * r)) / (1 + D * r)
-    start = u - 1
-    t = (start - np.log(u) - g) / (start * start)
-    w = start - t * start * u * (1 + t * (0.5 + t * (0.5 + start / 3)))
-    w = choose(p > 0, choose(p < 1, w, 0), np.inf)
-    return choose(p <= 1, w, np.nan)
+    if p > 0 and p < 1:
+        g = -np.log(p)
+        r = np.sqrt(g)
+        u = 1 + r * (A + r * (B + C * r)) / (1 + D * r)
+        start = u - 1
+        t = (start - np.log(u) - g) / (start * start)
+        return start - t * start * u * (1 + t * (0.5 + t * (0.5 + start / 3)))
+    if p == 0:
+        return np.inf
+    return 0.0 if p == 1 else np.nan
 
 
 def branch_distance(p: FloatArray) -> FloatArray:

@@ -125,15 +125,18 @@ def load_of_table(penetration: float, x: Nodes, y: Nodes, slopes: Nodes, nodes: 
     return exp(y[low] + width * part * (rise + rest * bend))
 
 
-def exponent_of_table(penetration: float, x: Nodes, y: Nodes, slopes: Nodes, nodes: int) -> float:
-    """Return dln f/dln δ from the same."""
+def stiffness_of_table(penetration: float, x: Nodes, y: Nodes, slopes: Nodes, nodes: int) -> float:
+    """Return the stiffness from the same: f/δ·dln f/dln δ."""
     at = log(penetration)
     if at <= x[0]:
-        return slopes[0]
+        return slopes[0] * exp(y[0] + slopes[0] * (at - x[0])) / penetration
     low = interval_of(at, x, nodes)
-    rise = (y[low + 1] - y[low]) / (x[low + 1] - x[low])
-    part = (at - x[low]) / (x[low + 1] - x[low])
+    width = x[low + 1] - x[low]
+    rise = (y[low + 1] - y[low]) / width
+    part = (at - x[low]) / width
     rest = 1.0 - part
     left = slopes[low] - rise
     right = slopes[low + 1] - rise
-    return rise + rest * (1.0 - 3.0 * part) * left - part * (2.0 - 3.0 * part) * right
+    load = exp(y[low] + width * part * (rise + rest * (rest * left - part * right)))
+    exponent = rise + rest * (1.0 - 3.0 * part) * left - part * (2.0 - 3.0 * part) * right
+    return load * exponent / penetration

@@ -363,7 +363,7 @@ class Persson(Conformal):
         require_hole(law, pair)
         rule = "must have the same E and ν as material_i, or the solution does not hold"
         remedy = "give a pair of one material, or use laws.Conformal()"
-        other = pair.material_j.name
+        other = pair.material_j.title
         require(pair.of_one_material, law, "pair.material_j", other, rule, remedy)
 
 
