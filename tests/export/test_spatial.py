@@ -69,7 +69,7 @@ def test_a_motion_that_is_not_a_number_has_no_force(target, tmp_path):
         assert np.isfinite(answers[13, :12]).all()
 
 
-@pytest.mark.parametrize("name", ["press", "Work", "law"])
+@pytest.mark.parametrize("name", ["press", "Move", "law"])
 def test_a_module_is_not_called_as_one_of_its_functions(name):
     with pytest.raises(InputError, match="is taken by something else in fortran"):
         export_joint(joint_for(name=name), "fortran")
