@@ -336,7 +336,7 @@ def test_exports_flag_and_start_as_the_library(language, law, tmp_path):
 
 @pytest.mark.parametrize(("name", "target"), [("Arms_of", "fortran"), ("evaluate", "matlab")])
 def test_a_name_that_the_language_needs_is_refused(name, target):
-    with pytest.raises(InputError, match=f"name = '{name}': is taken by something else in"):
+    with pytest.raises(InputError, match=f"'{name}': is taken by something else in {target}"):
         export_joint(joint_for("explicit", 0.05, name=name), target)
 
 

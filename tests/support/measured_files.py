@@ -14,10 +14,10 @@ from cylcontact.fitting.table_campaign import TableCampaign, campaign_of_table
 USER_LAW = """\
 import numpy as np
 
-def load(penetration, pair, K_star, n, offset=0.0):
-    return K_star * pair.E_star / pair.dR * penetration**n + offset
+def load(penetration, E_star, dR, K_star, n, offset=0.0):
+    return K_star * E_star / dR * penetration**n + offset
 
-def flat(penetration, pair, K):
+def flat(penetration, K):
     return 1.0
 """
 

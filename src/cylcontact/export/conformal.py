@@ -7,7 +7,7 @@ second time beyond, so that the interval of a penetration is a division and no s
 
 from __future__ import annotations
 
-from math import inf, log, nan, pi
+from math import log, nan, pi
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -21,8 +21,8 @@ from cylcontact.support.arrays import FloatArray
 from cylcontact.support.errors import InputError
 
 # Step, end of the close nodes and of all nodes in s, and the error of L, for `curve.make`: about 96
-# nodes for a law, more for a joint.
-COARSE = 1 / 8, 8.0, 20.0, inf
+# nodes for a law, more in thin eyes and for a joint.
+COARSE = 1 / 8, 8.0, 20.0, 1e-5
 FINE = 1 / 32, 12.0, 32.0, 1e-8
 # The loads f/(E*·ΔR) for which a file states its error.
 _LOADS = np.geomspace(1e-9, 1e6, 601)
@@ -47,7 +47,7 @@ def line_at(
     s = log(1 + D * dR / penetration)
     width = choose(s < near, step, far_step)
     place = choose(s < near, (s - first) / step, near_count + (s - near) / far_step)
-    k = int(min(place, last - 1.0))
+    k = int(max(min(place, last - 1.0), 0.0))
     part = min(place - k, 1.0)
     rise = values[k + 1] - values[k]
     start = width * slopes[k]

@@ -179,14 +179,11 @@ class Element:
         name = self.planar.identifier
         stem = stem or name
         require_callable(target, stem)
-        taken = {f.name.lower() for f in self.program.functions.values()} | {
-            "start",
-            "law",
-            "joint",
-        }
-        called = {"fortran": name, "matlab": stem}.get(target, "").lower()
-        rule, remedy = f"is taken by something else in {target}", "give the joint another name"
-        require(called not in taken, "export", "name", name, rule, remedy)
+        functions = {f.name.lower() for f in self.program.functions.values()} | {"start"}
+        called = {"fortran": ("name", name), "matlab": ("--out", stem)}.get(target, ("", ""))
+        taken = functions | ({"law", "joint"} if target == "fortran" else set())
+        rule, remedy = f"is taken by something else in {target}", "choose another name"
+        require(called[1].lower() not in taken, "export", *called, rule, remedy)
         language = LANGUAGES[target](self.program, self.public, scratch="w")
         return self.files(language, stem)
 
@@ -401,7 +398,8 @@ def law_of(joint: ClearanceJoint) -> Law:
         tune = [f"at = numbers({at})", *(f"law.{name} = at.{name}" for name in wanted)]
     end = "inf"
     if formula.end is not None and math.isfinite(joint.kernel.max_penetration):
-        end = f"end({', '.join(named)})"
+        of_end = inspect.signature(formula.end).parameters
+        end = f"end({', '.join(f'law.{name}' for name in of_end)})"
     elif math.isfinite(constants.get("largest", math.inf)):
         end = "law.largest * dR"
     functions = {n: f for n in ("load", "numbers", "end") if (f := getattr(formula, n)) is not None}

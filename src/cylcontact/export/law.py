@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -54,8 +53,10 @@ def {what}_inside({arguments}):
 '''
 _DOMAIN = '''
 def is_inside({arguments}) -> bool:
-    """Return whether there may be a load."""
-    return {domain}
+    """Return whether there is a load."""
+    {constants}
+    {numbers}
+    return {domain}{ends}
 '''
 _PUBLIC = '''
 def {name}_{what}({arguments}):
@@ -66,6 +67,7 @@ def {name}_{what}({arguments}):
         return nan
     {constants}
     {numbers}
+    {check}
     value = {value}
     # At first touch a formula may have no value, as ln 0.
     return value if penetration > 0 or value >= 0 else 0
@@ -117,7 +119,7 @@ class ExportedLaw:
 
     def texts(self) -> dict[str, dict[str, str]]:
         """Return what the functions of load and stiffness consist of, as plain Python."""
-        wanted = list(inspect.signature(self.formula.load).parameters)[1:]
+        wanted = self.formula.taken
         tables = {name for name, value in self.constants.items() if np.ndim(value)}
         given, numbers = ", ".join(f"table_{n}" if n in tables else n for n in wanted), ""
         if self.formula.numbers is not None:
@@ -137,8 +139,13 @@ class ExportedLaw:
         scalars = [f"{n} = {v!r}" for n, v in self.constants.items() if not np.ndim(v)]
         form = {
             "name": self.name, "arguments": ", ".join(self.arguments), "numbers": numbers,
-            "constants": "\n    ".join(scalars), "domain": self.domain,
+            "constants": "\n    ".join(scalars), "domain": self.domain, "ends": "", "check": "",
         }  # fmt: skip
+        if self.formula.end is not None:
+            at = "at." if numbers else ""
+            last = f"end_of({', '.join(at + name for name in self.formula.taken_by_end)})"
+            form["ends"] = f" and {depth} <= {last}"
+            form["check"] = f"if not {depth} <= {last}:\n        return nan"
         units = {"load": "N/mm", "stiffness": "N/mm^2"}
         return {w: {**form, "what": w, "value": v, "unit": units[w]} for w, v in values.items()}
 
@@ -183,7 +190,9 @@ def source(law: ExportedLaw, target: str) -> str:
     texts = law.texts()
     names: dict[str, Any] = {"nan": float("nan"), "inf": float("inf")}
     names |= {f"table_{n}": v for n, v in law.constants.items() if np.ndim(v)}
-    names |= {n: f for n in ("load", "stiffness", "numbers") if (f := getattr(law.formula, n))}
+    functions = ("load", "stiffness", "numbers")
+    names |= {n: f for n in functions if (f := getattr(law.formula, n))}
+    names["end_of"] = law.formula.end
     forms = {"is": _DOMAIN, "": _INSIDE} if target == "matlab" else {"": _PUBLIC}
     if "is" in forms:
         program.functions["is"] = program.read_text(_DOMAIN.format(**texts["load"]), names)

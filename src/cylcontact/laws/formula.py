@@ -51,9 +51,10 @@ class Formula:
     stiffness: Callable[..., Any] | None = None
     # From a pair and the constants to the numbers; without it the load takes pair and constants.
     numbers: Callable[..., Any] | None = None
-    # ∫ f dδ of what the load takes, by quadrature without it; and the largest penetration in mm of
-    # the numbers: NaN where the law is undefined, inf without it.
+    # ∫ f dδ of what the load takes, by quadrature without it.
     energy: Callable[..., Any] | None = None
+    # The largest penetration in mm, from some of the numbers by name: NaN where the law is
+    # undefined; inf without it.
     end: Callable[..., Any] | None = None
     # For exported files, in ASCII: the law on one line, and what its users should know.
     equation: str = ""
@@ -75,7 +76,7 @@ class Formula:
         for each in taken if self.numbers else taken[1:]:
             default = None if each.default is each.empty else each.default
             if each.name == "pair":
-                raise self._refusal("takes a pair, which gives its numbers by name now")
+                raise self._refusal("takes a pair, and has to take what it needs of it by name")
             if not isinstance(default, int | float | None):
                 raise self._refusal(f"has a default for {each.name} that is not a number")
             if each.name in OF_PAIR and default is not None:
@@ -92,6 +93,23 @@ class Formula:
     def constants(self) -> dict[str, float | None]:
         """The constants of the law, with their defaults."""
         return {name: value for name, value in self.asked.items() if name not in OF_PAIR}
+
+    @cached_property
+    def taken(self) -> tuple[str, ...]:
+        """The names of the numbers of a pair, in the order in which the load takes them."""
+        return tuple(inspect.signature(self.load).parameters)[1:]
+
+    @cached_property
+    def taken_by_end(self) -> tuple[str, ...]:
+        """The names of those that `end` takes."""
+        return tuple(inspect.signature(self.end).parameters) if self.end else ()
+
+    def last(self, *numbers: Any) -> Any:
+        """Return the largest penetration."""
+        if self.end is None:
+            return np.inf
+        by_name = dict(zip(self.taken, numbers, strict=True))
+        return self.end(*(by_name[name] for name in self.taken_by_end))
 
     def numbers_of(self, **asked: Any) -> tuple[Any, ...]:
         """Return the numbers of a pair."""

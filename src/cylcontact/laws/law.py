@@ -226,7 +226,7 @@ class Law:
         return AtPair(
             lambda penetration: load(penetration, *numbers),
             lambda penetration: formula.slope(penetration, *numbers),
-            as_floats(np.broadcast_to(formula.end(*numbers) if formula.end else np.inf, shape)),
+            as_floats(np.broadcast_to(formula.last(*numbers), shape)),
             is_single=not (shape or any(np.ndim(number) for number in numbers)),
         )
 

@@ -76,7 +76,7 @@ def energy(penetration, f_max, deepest):
     return f * (penetration / 2 - deepest / 4 * (f / f_max))
 
 
-def largest(f_max, deepest):
+def deepest_at(deepest):
     """Return the penetration at f_max."""
     return deepest
 
@@ -109,7 +109,7 @@ def of_length(E_star, dR, R_i, R_j, length, kappa, c) -> Ends:
 
 def _formula(numbers: Any, of_others: str = "") -> Formula:
     remark = _REMARK.format(of_others)
-    return Formula(load, stiffness, numbers, energy, largest, _EQUATION, remark, load_in_arrays)
+    return Formula(load, stiffness, numbers, energy, deepest_at, _EQUATION, remark, load_in_arrays)
 
 
 @dataclass(frozen=True, kw_only=True)

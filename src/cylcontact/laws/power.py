@@ -40,14 +40,14 @@ def energy(penetration, factor, n):
     return factor * penetration**n * penetration / (n + 1)
 
 
-def end(factor, n):
+def deepest_at(factor):
     """Return inf where K is defined."""
     return choose(factor > 0, inf, nan)
 
 
 def power_formula(numbers: Any, equation: str, remark: str) -> Formula:
     """Return a power law whose K and n are a function of the pair and of constants."""
-    return Formula(load, stiffness, numbers, energy, end, equation, remark)
+    return Formula(load, stiffness, numbers, energy, deepest_at, equation, remark)
 
 
 class PowerShaped(Law):
