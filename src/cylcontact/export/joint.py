@@ -398,8 +398,7 @@ def law_of(joint: ClearanceJoint) -> Law:
         tune = [f"at = numbers({at})", *(f"law.{name} = at.{name}" for name in wanted)]
     end = "inf"
     if formula.end is not None and math.isfinite(joint.kernel.max_penetration):
-        of_end = inspect.signature(formula.end).parameters
-        end = f"end({', '.join(f'law.{name}' for name in of_end)})"
+        end = f"end({', '.join(f'law.{name}' for name in formula.taken_by_end)})"
     elif math.isfinite(constants.get("largest", math.inf)):
         end = "law.largest * dR"
     functions = {n: f for n in ("load", "numbers", "end") if (f := getattr(formula, n)) is not None}
