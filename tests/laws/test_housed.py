@@ -6,6 +6,7 @@ import pytest
 from cylcontact import CylinderPair, InputError, Material, choose, fit, laws
 from cylcontact.laws import Housing, Sector
 from cylcontact.mechanism import read_joint
+from tests.support.joint_runners import run_c
 
 STEEL, BRONZE = Material("steel", 207e3, 0.3), Material("bronze", 110e3, 0.34)
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.95, pin=STEEL, hole=BRONZE, length=20.0)
@@ -106,13 +107,16 @@ housing = {{{housing}}}
 """
 
 
-def test_a_joint_takes_a_whole_rim(tmp_path):
+def test_a_joint_takes_a_whole_rim_and_is_exported_with_it(tmp_path):
     path = tmp_path / "eye.toml"
     path.write_text(JOINT.format(law="conformal", housing="R_o = 20.0"))
     joint = read_joint(path)
     pair = joint.pair
     expected = laws.Conformal(Housing(20.0)).load(5e-3, pair)
     assert joint.kernel.load(5e-3) == pytest.approx(float(expected), rel=1e-12)
+    bearing, pin = [0.0] * 6, [0.05 + 0.005, 0.0, 0.0, 0.0, 0.0, 0.0]
+    answers = run_c(joint, np.array([[0.0, *bearing, *pin]]), tmp_path)
+    assert answers[0, 8] == pytest.approx(10.0 * float(expected), rel=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from cylcontact.mechanism import read_joint
 
 JOINT = Path(__file__).resolve().parents[2] / "datasets/joint.toml"
 REALS = [v.name for v in JointFmu(Element(read_joint(JOINT))).variables]
-INPUTS, OUTPUTS = list(range(12)), list(range(12, 25))
+INPUTS, OUTPUTS, PARAMETERS = list(range(12)), list(range(12, 24)), [25, 26, 27]
 
 
 def export_fmu(joint, folder):

@@ -16,7 +16,7 @@ import sys
 import uuid
 import zipfile
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -26,8 +26,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from cylcontact.bodies.pair import CylinderPair
-from cylcontact.export.joint import MOTIONS, Element
+from cylcontact.export.joint import MOTIONS, Element, with_clearance
 from cylcontact.export.notation import C, filled_template
 from cylcontact.export.plain import Program, Vector, fields_of
 from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
@@ -186,7 +185,7 @@ class JointFmu:
         names["table_chi"] = nodes * chi(nodes)
         if self.joint.can_yield and self.element.law.tune:
             x = np.log(self.clearances * self.joint.in_mm)
-            y = np.log([self._with_clearance(dR).first_yield for dR in np.exp(x)])
+            y = np.log([with_clearance(self.joint, dR).first_yield for dR in np.exp(x)])
             names |= {
                 "yield_dR": x,
                 "yield_load": y,
@@ -200,15 +199,6 @@ class JointFmu:
         most = 0.5 * float(self.joint.pair.radii("the joint")[0])
         mm = np.minimum(_CLEARANCES * self.joint.radial, most)
         return np.unique(mm) / self.joint.in_mm
-
-    def _with_clearance(self, dR: float) -> ClearanceJoint:
-        """Return the joint with another clearance in mm."""
-        pair = self.joint.pair
-        other = CylinderPair.from_dR(
-            "internal", dR, length=pair.length, R_i=pair.R_i, pin=pair.material_j,
-            hole=pair.material_i, plane=pair.plane,
-        )  # fmt: skip
-        return replace(self.joint, pair=other)
 
     def _tune(self) -> str:
         """Return the text of `tune`."""

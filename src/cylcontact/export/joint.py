@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
 from textwrap import wrap
@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.export import conformal
 from cylcontact.export.notation import (
     WIDTH,
@@ -40,6 +41,7 @@ from cylcontact.joint.contact import DEEPEST_SHARE
 from cylcontact.laws import Conformal
 from cylcontact.laws.kernels import TABLE
 from cylcontact.laws.lambert import branch_distance, branch_distance_of_number
+from cylcontact.laws.law import has_formula
 from cylcontact.laws.tabulated import load_of_table
 from cylcontact.support.arrays import require
 from cylcontact.support.plain_text import comment
@@ -177,14 +179,11 @@ class Element:
         name = self.planar.identifier
         stem = stem or name
         require_callable(target, stem)
-        taken = {f.name.lower() for f in self.program.functions.values()} | {
-            "start",
-            "law",
-            "joint",
-        }
-        called = {"fortran": name, "matlab": stem}.get(target, "").lower()
-        rule, remedy = f"is taken by something else in {target}", "give the joint another name"
-        require(called not in taken, "export", "name", name, rule, remedy)
+        functions = {f.name.lower() for f in self.program.functions.values()} | {"start"}
+        called = {"fortran": ("name", name), "matlab": ("--out", stem)}.get(target, ("", ""))
+        taken = functions | ({"law", "joint"} if target == "fortran" else set())
+        rule, remedy = f"is taken by something else in {target}", "choose another name"
+        require(called[1].lower() not in taken, "export", *called, rule, remedy)
         language = LANGUAGES[target](self.program, self.public, scratch="w")
         return self.files(language, stem)
 
@@ -340,6 +339,33 @@ def load_at(depth, joint, law):
 """
 
 
+def with_clearance(joint: ClearanceJoint, dR: float) -> ClearanceJoint:
+    """Return a joint with another clearance in mm, by the pin's radius."""
+    pair = joint.pair
+    other = CylinderPair.from_dR(
+        "internal", dR, length=pair.length, R_i=pair.R_i, pin=pair.material_j,
+        hole=pair.material_i, plane=pair.plane,
+    )  # fmt: skip
+    return replace(joint, pair=other)
+
+
+def _moved(joint: ClearanceJoint, asked: Mapping[str, Any]) -> dict[str, str]:
+    """Return the constants that depend on the clearance, as Johnson's c does, by ln(R_i/R_j)."""
+    law: Any = joint.law
+    if not has_formula(law):
+        return {}
+    R_i = float(joint.pair.radii("the joint")[0])
+    dR = 0.5 * joint.radial
+    other = law.constants_at(with_clearance(joint, dR).pair)
+    by = math.log(R_i / (R_i - dR)) - math.log(R_i / (R_i - joint.radial))
+    slopes = {name: (float(value) - asked[name]) / by for name, value in other.items()}
+    start = math.log(R_i / (R_i - joint.radial))
+    return {
+        name: f"{asked[name] - slope * start!r} + {slope!r} * log({R_i!r} / ({R_i!r} - dR))"
+        for name, slope in slopes.items() if slope != 0.0
+    }  # fmt: skip
+
+
 def law_of(joint: ClearanceJoint) -> Law:
     """Return the law of a joint at its pair."""
     law: Any = joint.law
@@ -364,17 +390,17 @@ def law_of(joint: ClearanceJoint) -> Law:
         name: Constant(int, value) if isinstance(value, int) else Constant(float, float(value))
         for name, value in values.items() if not np.ndim(value)
     }  # fmt: skip
-    tuned = {"dR": "dR", "R_j": f"{asked.get('R_i')!r} - dR"}
+    tuned = {"dR": "dR", "R_j": f"{asked.get('R_i')!r} - dR", **_moved(joint, asked)}
     if formula.numbers is None:
         tune = [f"law.{name} = {text}" for name, text in tuned.items() if name in numbers]
     else:
         at = ", ".join(tuned.get(name, repr(asked[name])) for name in formula.asked)
         tune = [f"at = numbers({at})", *(f"law.{name} = at.{name}" for name in wanted)]
     end = "inf"
-    if formula.end is not None:
-        end = f"end({', '.join(named)})"
+    if formula.end is not None and math.isfinite(joint.kernel.max_penetration):
+        end = f"end({', '.join(f'law.{name}' for name in formula.taken_by_end)})"
     elif math.isfinite(constants.get("largest", math.inf)):
         end = "law.largest * dR"
     functions = {n: f for n in ("load", "numbers", "end") if (f := getattr(formula, n)) is not None}
-    names = {**functions, **arrays, "inf": math.inf}
+    names = {**functions, **arrays, "inf": math.inf, "log": math.log}
     return Law(f"load(depth, {', '.join(named)})", names, numbers, form, tuple(tune), end)

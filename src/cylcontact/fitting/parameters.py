@@ -169,6 +169,14 @@ def _lankarani(contact: Contact) -> LawModel:
     return LawModel(law.name, contact, (factor, *parameters_of_fields(law)), build)
 
 
+def _power_law(values: Coefficients) -> ContactLaw:
+    return PowerLaw(**values)
+
+
+def _power_clearance(values: Coefficients) -> ContactLaw:
+    return PowerClearance(**values)
+
+
 def _of_power(contact: Contact) -> Iterator[LawModel]:
     """Yield the ways to fit a power law."""
     for name, factor, form in (
@@ -178,7 +186,7 @@ def _of_power(contact: Contact) -> Iterator[LawModel]:
     ):
         n, each = parameters_of_fields(PowerLaw, "n", factor)
         on_grid = form is not None
-        yield LawModel(name, contact, (each, n), lambda v: PowerLaw(**v), form, on_grid=on_grid)
+        yield LawModel(name, contact, (each, n), _power_law, form, on_grid=on_grid)
 
 
 def _of_clearance(contact: Contact) -> LawModel:
@@ -188,7 +196,7 @@ def _of_clearance(contact: Contact) -> LawModel:
         for p in parameters_of_fields(PowerClearance)
     )
     return LawModel(
-        PowerClearance.name, contact, parameters, lambda v: PowerClearance(**v),
+        PowerClearance.name, contact, parameters, _power_clearance,
         _by_clearance, on_grid=True,
     )  # fmt: skip
 

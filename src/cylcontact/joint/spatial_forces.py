@@ -719,7 +719,9 @@ def accept(state: State, bearing: Body, pin: Body, w: Work, joint: Joint) -> Non
 def ahead(body: Body, time: float) -> None:
     """Move a body for a time at its velocities."""
     w, x, y, z = body[3], body[4], body[5], body[6]
-    half = 0.5 * time
+    square = body[10] * body[10] + body[11] * body[11] + body[12] * body[12]
+    # tan(x)/x of half the angle x turns the quaternion by all of it, but for its length.
+    half = 0.5 * time * (1.0 + time * time * square / 12.0)
     for k in range(3):
         body[k] += time * body[k + 7]
     body[3] = w - half * (body[10] * x + body[11] * y + body[12] * z)
