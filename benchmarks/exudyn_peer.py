@@ -2,8 +2,8 @@
 
 Planar rigid bodies, revolute joints, the crank kept at its speed by a constraint on its velocity.
 For the journal in its bearing either Exudyn's own sphere in a hollow sphere: pressed in the plane
-of motion, a contact F = K·δⁿ of the same line of action as ours; or our joint as `cylcontact export
---to python` writes it, a user function for the forces on the two bodies. Steps are of one size.
+of motion, a contact F = K·δⁿ of the same line of action as ours; or our joint, whose forces on the
+two bodies are a user function. Steps are of one size.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 
 import exudyn
 import numpy as np
@@ -55,11 +54,11 @@ class Run:
 
 
 def simulate_in_exudyn(
-    mechanism: SliderCrank, end: float, step: float, joint: ModuleType | None = None
+    mechanism: SliderCrank, end: float, step: float, joint: ClearanceJoint | None = None
 ) -> Run:
     """Simulate a slider-crank to a time in s, in equal steps.
 
-    The contact is an exported joint, or else Exudyn's own: its law must then be a power law, its
+    The contact is a joint of ours, or else Exudyn's own: its law must then be a power law, its
     dissipation that of Hunt and Crossley; the friction differs below the speed v1.
     """
     container = exudyn.SystemContainer()
@@ -195,31 +194,33 @@ def _guide(system, nodes: list[int], speed: float) -> int:
     return constraint
 
 
-def _our_contact(system, joint: ModuleType, bearing: int, pin: int) -> list[tuple[float, float]]:
+def _our_contact(
+    system, joint: ClearanceJoint, bearing: int, pin: int
+) -> list[tuple[float, float]]:
     """Put our joint between two bodies; return the list of times and dissipated powers.
 
     Trial states are evaluated only; δ̇⁽⁻⁾ is kept or forgotten at the end of each step.
     """
     places = [np.array(system.GetNode(node)["referenceCoordinates"]) for node in (bearing, pin)]
     offsets = [*places[0], *places[1]]
-    impact_rate, powers = joint.start(), [(0.0, 0.0)]
+    state, powers = joint.start(), [(0.0, 0.0)]
 
     def bodies(q, v):
         at = [x + x_0 for x, x_0 in zip(q, offsets, strict=True)]
         return (*at[:3], *v[:3]), (*at[3:], *v[3:])
 
     def forces(_system, _t, _number, q, v):
-        w = joint.evaluate(impact_rate, *bodies(q, v))
+        w = joint.evaluate(state, *bodies(q, v))
         return [*w.force_bearing, w.moment_bearing, *w.force_pin, w.moment_pin]
 
     def coordinates(kind):
         return [x for node in (bearing, pin) for x in system.GetNodeOutput(node, kind)]
 
     def accept(_system, t):
-        nonlocal impact_rate
+        nonlocal state
         now = bodies(coordinates(_OUTPUT.Coordinates), coordinates(_OUTPUT.Coordinates_t))
-        impact_rate = joint.accept(impact_rate, *now)
-        powers.append((t, joint.evaluate(impact_rate, *now).dissipated_power))
+        state = joint.accept(state, *now)
+        powers.append((t, float(joint.evaluate(state, *now).dissipated_power)))
         return True
 
     system.AddObject(

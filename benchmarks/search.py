@@ -11,9 +11,9 @@ from benchmarks.harness import Row, Side, compare
 from benchmarks.sampling import grid_of
 from cylcontact.datasets import reduce_grid
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.reference import OnMoments
 from cylcontact.fitting.search import genetic_search
-from cylcontact.laws.law import Parameter
 
 # The bounds of the paper's internal campaign.
 BOUNDS = {

@@ -174,7 +174,7 @@ def test_export_prints_a_law_and_writes_a_refit_to_a_file(run, tmp_path):
     assert (code, err) == (0, "")
     assert "double cylcontact_explicit_internal_load(" in out
     result, out = ROOT / "fitting/results/external.json", tmp_path / "new" / "law.c"
-    message = f"{result} written to {out}\n"
+    message = f"{result} written to {out}, {out.with_suffix('.h')}\n"
     assert run("export", result, "--to", "c", "-o", out) == (0, message, "")
     assert "double cylcontact_enhanced_external" in out.read_text(encoding="ascii")
     code, _, err = run("export", "johnson", "--to", "matlab", "-o", tmp_path / "bad-name.m")

@@ -17,6 +17,8 @@ SCRIPTS = sorted((ROOT / "docs/gallery").glob("*.py"))
 def test_a_script_draws_its_picture(script, tmp_path):
     if script.stem == "joint_in_c":
         require_program("gcc")
+    if script.stem == "joint_in_octave":
+        require_program("octave-cli")
     if script.stem == "joint_in_mujoco":
         pytest.importorskip("mujoco")
     if script.stem == "four_bar_in_exudyn":
@@ -30,7 +32,7 @@ def test_a_script_draws_its_picture(script, tmp_path):
 
 def test_each_script_is_a_page_and_on_the_page():
     page = (ROOT / "docs/gallery.md").read_text(encoding="utf-8")
-    assert len(SCRIPTS) == 15
+    assert len(SCRIPTS) == 16
     for script in SCRIPTS:
         assert script.with_suffix(".png").is_file()
         assert f"](gallery/{script.stem}.png)" in page

@@ -44,10 +44,10 @@ def test_texts_stay_texts():
     assert visible(table_html(HOSTILE, {HOSTILE: HOSTILE})) == [HOSTILE] * 3
 
 
-@pytest.mark.parametrize("law", [laws.Enhanced, laws.PowerLaw])
-def test_the_units_are_those_of_the_parameters_that_are_fitted(law):
-    models = law.models()
-    assert law.units == {p.name: p.unit for m in models for p in m.parameters if p.unit}
+def test_constants_of_a_law_have_their_units():
+    texts = visible(laws.Enhanced()._repr_html_())
+    assert {"internal: a (mm^(1-n))", "external: n", "internal: Y_slope (1/mm)"} <= {*texts}
+    assert "K_star (mm^(2-n))" in visible(laws.PowerLaw(n=1.1, K_star=0.3)._repr_html_())
 
 
 # --- campaigns, results, choices and trajectories ---

@@ -11,10 +11,10 @@ from cylcontact.fitting.diagnose import uncertainty_of
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.optimum import Optimum, half_width
+from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.table_campaign import campaign_of_table
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.fitting.words import noise_verdicts
-from cylcontact.laws.law import LawModel, Parameter
 from tests.support.measured_files import (
     STEEL,
     TRUTHS,

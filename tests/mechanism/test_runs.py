@@ -157,7 +157,7 @@ def test_johnsons_law_is_left_and_says_where():
 
 @compiled
 def elastic(penetration, joint, law):
-    return contact.elastic_force(penetration, joint, law)
+    return contact.piece_force(penetration, joint, law)
 
 
 def test_the_tangent_takes_over_smoothly():

@@ -8,16 +8,16 @@ import numpy as np
 
 from cylcontact import CylinderPair, Material
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of_table
-from cylcontact.laws.law import Parameter
 
 USER_LAW = """\
 import numpy as np
 
-def load(penetration, pair, K_star, n, offset=0.0):
-    return K_star * pair.E_star / pair.dR * penetration**n + offset
+def load(penetration, E_star, dR, K_star, n, offset=0.0):
+    return K_star * E_star / dR * penetration**n + offset
 
-def flat(penetration, pair, K):
+def flat(penetration, K):
     return 1.0
 """
 

@@ -34,7 +34,7 @@ import pandas as pd
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants, Indices
 from cylcontact.fitting.diagnose import LEVEL, uncertainty_of
-from cylcontact.fitting.law_models import RIG_NAMES, is_user_law
+from cylcontact.fitting.law_models import RIG_NAMES, fittable_laws, is_user_law
 from cylcontact.fitting.measured import Fit
 from cylcontact.fitting.noise import Covariance
 from cylcontact.fitting.optimum import Optimum
@@ -42,7 +42,6 @@ from cylcontact.fitting.results import DataFit
 from cylcontact.fitting.table_campaign import MeasuredTable, TableCampaign, table_of
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.fitting.words import COMPLIANCE, data_warnings, describes, item
-from cylcontact.laws import LAW_TYPES
 from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.support.errors import InputError
@@ -297,12 +296,8 @@ def _with_error(factor: float, value: float, error: float) -> str:
 
 def laws_for(contact: Contact, pairs: int) -> list[str]:
     """Return the laws that may be fitted to a contact; for a single pair each power law once."""
-    names: list[str] = []
-    for law in LAW_TYPES:
-        models = [model.law for model in law.models() if model.contact == contact]
-        names += models or [law.name] * (contact in law.contacts)
     left_out = _SAME_FOR_ONE if pairs == 1 else _IF_NAMED
-    return [name for name in dict.fromkeys(names) if name not in left_out]
+    return [name for name in fittable_laws(contact) if name not in left_out]
 
 
 def choose_law(

@@ -14,8 +14,9 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.ties import evaluate
-from cylcontact.laws.law import ContactLaw, LawModel, Parameter
+from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import FloatArray, as_floats
 from cylcontact.support.errors import InputError
 

@@ -38,9 +38,10 @@ from cylcontact.fitting.law_models import (
 )
 from cylcontact.fitting.measured import OBJECTIVES, STANDARDISED, Fit
 from cylcontact.fitting.noise import NoiseModel
+from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.specs import MeasuredSpec, completed, parameters_of, with_parameters
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
-from cylcontact.laws.law import Coefficients, LawModel, Parameter
+from cylcontact.laws.law import Coefficients
 from cylcontact.laws.user import UserFunction, UserLaw
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.errors import InputError

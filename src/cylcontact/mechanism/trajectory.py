@@ -407,7 +407,7 @@ def simulate(
 
 # --- compiled, over rows ------------------------------------------------------------------------
 
-_elastic_force = compiled(contact.elastic_force)
+_elastic_force = compiled(contact.piece_force)
 
 
 @compiled
@@ -426,16 +426,17 @@ def _joint_forces(
     The moments in N m are on the bearing and on the pin, about their centres.
     """
     for k in range(e.shape[0]):
-        motion = e[k, 0], e[k, 1], e_rate[k, 0], e_rate[k, 1], spins[k, 0], spins[k, 1]
-        out[k, 4] = contact.relative_motion(motion, joint)[4]
+        motion = contact.Motion(
+            e[k, 0], e[k, 1], e_rate[k, 0], e_rate[k, 1], spins[k, 0], spins[k, 1]
+        )
+        v_t = contact.relative_motion(motion, joint).v_t
+        out[k, 4] = v_t
         if in_contact[k]:
             rate = max(impact_rate[k], joint.rate_floor)
-            f_x, f_y, moment_i, moment_j, normal, _, _, _, _ = contact.forces(
-                motion, rate, joint, law
-            )
-            out[k, 0], out[k, 1], out[k, 2] = f_x, f_y, normal
-            out[k, 3] = contact.friction_force(normal, out[k, 4], joint)
-            out[k, 5], out[k, 6] = moment_i, moment_j
+            f = contact.forces(motion, rate, joint, law)
+            out[k, 0], out[k, 1], out[k, 2] = f.x, f.y, f.normal
+            out[k, 3] = -joint.friction * contact.piece_share(v_t, joint) * f.normal
+            out[k, 5], out[k, 6] = f.moment_i, f.moment_j
 
 
 @compiled
@@ -459,7 +460,8 @@ def _force_within(
             x = (part + 0.5) / PARTS
             e_x, u_x = _hermite(x, h, e[k, 0], e[k + 1, 0], e_rate[k, 0], e_rate[k + 1, 0])
             e_y, u_y = _hermite(x, h, e[k, 1], e[k + 1, 1], e_rate[k, 1], e_rate[k + 1, 1])
-            out[k, part] = contact.forces((e_x, e_y, u_x, u_y, 0.0, 0.0), rate, joint, law)[4]
+            motion = contact.Motion(e_x, e_y, u_x, u_y, 0.0, 0.0)
+            out[k, part] = contact.forces(motion, rate, joint, law).normal
 
 
 @called
