@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.search import space_of
+from benchmarks.calibration import space_of
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.datasets import Grid, Moments, reduce_grid, sampling
 from cylcontact.laws import LAWS, REFERENCES
