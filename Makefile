@@ -122,7 +122,8 @@ docs: $(VENV)/.extras ## Build the documentation, to read from build/docs/index.
 
 ##@ Checks
 
-PYTEST := $(BIN)/python -m pytest -n logical --dist worksteal
+# Two workers, each with two threads for matrices, would wait for each other on two cores.
+PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -p no:nbmake -p no:anyio -n logical --dist worksteal
 
 test: $(VENV)/.test ## Run the tests that any change may break, and the examples in the docstrings
 	$(PYTEST)

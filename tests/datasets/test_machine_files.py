@@ -93,6 +93,14 @@ def test_times_of_a_clock_and_of_dates_are_seconds(tmp_path):
         assert time - time[0] == pytest.approx(np.arange(ROWS))
 
 
+def test_dates_over_midnight_and_a_typographic_minus(tmp_path):
+    rows = "2024-01-01T23:59:00,100,−0.5\n2024-01-03T00:01:00,200,−0.25\n"
+    (tmp_path / "t.csv").write_text(f"Time,Force [N],Displacement [mm]\n{rows}", encoding="utf-8")
+    data = read(tmp_path / "t.csv", sign="neither")
+    assert np.diff(data.columns["time"]) == pytest.approx([86_520])
+    assert data.penetration.tolist() == [-0.5, -0.25]
+
+
 def test_units_are_those_of_the_definitions():
     for text, value in FORCE_UNITS.items():
         column = column_named(f"Force [{text}]")

@@ -129,17 +129,6 @@ def test_simulate_writes_the_steps(run, tmp_path):
     pd.testing.assert_frame_equal(pd.read_parquet(parquet), expected)
 
 
-def test_simulate_gives_an_estimate_of_a_very_long_run(run, monkeypatch):
-    """Where the run ends at once, so that only the estimate is left."""
-
-    def end(*_arguments, **_named):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("cylcontact.mechanism.long_run", end)
-    err = run("simulate", SPEC, "--revolutions", 100_000)[2]
-    assert err.startswith("cylcontact: 100,000 revolutions of 0.012 s in steps of up to 0.0001 s: ")
-
-
 def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):
     statistics = long_run(slider_crank(), 3)
 
