@@ -13,31 +13,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import exudyn
+import exudyn.itemInterface
 import numpy as np
-from exudyn.itemInterface import (
-    MarkerBodyRigid,
-    MarkerNodeCoordinate,
-    NodeGenericData,
-    NodePointGround,
-    NodeRigidBody2D,
-    ObjectConnectorCoordinate,
-    ObjectContactSphereSphere,
-    ObjectGenericODE2,
-    ObjectGround,
-    ObjectJointRevolute2D,
-    ObjectRigidBody2D,
-    SensorMarker,
-    SensorNode,
-    SensorObject,
-)
 from scipy.integrate import cumulative_trapezoid
 
 from cylcontact.files.spec import read_toml
 from cylcontact.mechanism import ClearanceJoint, Motion, SliderCrank, joint_from, mechanism_from
 
 SPEC = Path(__file__).parents[1] / "datasets" / "slider_crank.toml"
-_OUTPUT = exudyn.OutputVariableType
+exu, _OUTPUT = exudyn.itemInterface, exudyn.OutputVariableType
 
 
 class Run(NamedTuple):
@@ -67,9 +51,9 @@ def simulate_in_exudyn(mechanism: SliderCrank, end: float, step: float, joint: A
     else:
         powers = _our_contact(system, joint, *(nodes[body] for body, _ in _ends(mechanism)))
     drive = _guide(system, nodes, mechanism.omega)
-    centres = [_sensor(system, SensorMarker, "Position", markerNumber=each) for each in ends]
-    speeds = [_sensor(system, SensorNode, "Coordinates_t", nodeNumber=node) for node in nodes]
-    moment = _sensor(system, SensorObject, "Force", objectNumber=drive)
+    centres = [_sensor(system, exu.SensorMarker, "Position", markerNumber=each) for each in ends]
+    speeds = [_sensor(system, exu.SensorNode, "Coordinates_t", nodeNumber=node) for node in nodes]
+    moment = _sensor(system, exu.SensorObject, "Force", objectNumber=drive)
     with _quiet():
         system.Assemble()
         settings = _settings(end, step)
@@ -88,8 +72,8 @@ def simulate_in_exudyn(mechanism: SliderCrank, end: float, step: float, joint: A
         np.hypot(*(bearing - journal).T) - 1e-3 * mechanism.joint.radial,
         seconds,
         energy,
-        cumulative_trapezoid(stored(moment)[:, 1] * -mechanism.omega, times, initial=0.0),
-        None if powers is None else _integral(powers, times),
+        _work(times, stored(moment)[:, 1] * -mechanism.omega)[1],
+        None if powers is None else np.interp(times, *_work(*np.transpose(powers))),
     )
 
 
@@ -150,10 +134,9 @@ def _places(mechanism: SliderCrank) -> tuple[np.ndarray, np.ndarray]:
     return np.array(places), np.array([*rates, [motion.slider_velocity[0], 0.0, 0.0]])
 
 
-def _integral(powers: list[tuple[float, float]], times: np.ndarray) -> np.ndarray:
-    """Return the work done up to some times by powers at other times."""
-    at, power = np.array(powers).T
-    return np.interp(times, at, cumulative_trapezoid(power, at, initial=0.0))
+def _work(time: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return times and the work done until then."""
+    return time, cumulative_trapezoid(power, time, initial=0.0)
 
 
 def _assemble(system, mechanism: SliderCrank):
@@ -161,15 +144,15 @@ def _assemble(system, mechanism: SliderCrank):
     nodes, bodies = [], []
     for place, rate, (mass, inertia) in zip(*_places(mechanism), _inertias(mechanism), strict=True):
         nodes.append(
-            system.AddNode(NodeRigidBody2D(referenceCoordinates=place, initialVelocities=rate))
+            system.AddNode(exu.NodeRigidBody2D(referenceCoordinates=place, initialVelocities=rate))
         )
-        shape = ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=nodes[-1])
+        shape = exu.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=nodes[-1])
         bodies.append(system.AddObject(shape))
-    bodies.append(system.AddObject(ObjectGround()))
+    bodies.append(system.AddObject(exu.ObjectGround()))
 
     def marker(body: int, point) -> int:
         place = [*point, 0.0]
-        return system.AddMarker(MarkerBodyRigid(bodyNumber=bodies[body], localPosition=place))
+        return system.AddMarker(exu.MarkerBodyRigid(bodyNumber=bodies[body], localPosition=place))
 
     crank, rod, ground = mechanism.spec.crank, mechanism.spec.rod, -1
     before, after = (1e-3 * crank.length * share for share in (-crank.centre, 1 - crank.centre))
@@ -178,14 +161,14 @@ def _assemble(system, mechanism: SliderCrank):
         ((0, (after, 0.0)), (1, (-1e-3 * rod.length * rod.centre, 0.0))),
     ):
         pins = [marker(*first), marker(*second)]
-        system.AddObject(ObjectJointRevolute2D(markerNumbers=pins))
+        system.AddObject(exu.ObjectJointRevolute2D(markerNumbers=pins))
     return nodes, marker
 
 
 def _guide(system, nodes: list[int], speed: float) -> int:
     """Keep the slider on its line, and the crank at its speed; return the drive."""
     fixed = system.AddMarker(
-        MarkerNodeCoordinate(nodeNumber=system.AddNode(NodePointGround()), coordinate=0)
+        exu.MarkerNodeCoordinate(nodeNumber=system.AddNode(exu.NodePointGround()), coordinate=0)
     )
     crank, _, slider = nodes
     for node, coordinate, offset, of_velocity in (
@@ -193,9 +176,9 @@ def _guide(system, nodes: list[int], speed: float) -> int:
         (slider, 2, 0.0, False),
         (crank, 2, speed, True),
     ):
-        moving = system.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+        moving = system.AddMarker(exu.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
         constraint = system.AddObject(
-            ObjectConnectorCoordinate(
+            exu.ObjectConnectorCoordinate(
                 markerNumbers=[fixed, moving], offset=offset, velocityLevel=of_velocity
             )
         )
@@ -230,7 +213,7 @@ def _our_contact(system, joint: Any, bearing: int, pin: int) -> list[tuple[float
         return True
 
     system.AddObject(
-        ObjectGenericODE2(
+        exu.ObjectGenericODE2(
             nodeNumbers=[bearing, pin], massMatrix=np.zeros((6, 6)), forceUserFunction=forces
         )
     )
@@ -241,9 +224,11 @@ def _our_contact(system, joint: Any, bearing: int, pin: int) -> list[tuple[float
 def _contact(system, contact: ClearanceJoint, ends: list[int]) -> None:
     """Put the journal into its bearing, with Exudyn's own contact, at markers of their centres."""
     factor, n = contact.law.factor_and_exponent(contact.pair)
-    data = system.AddNode(NodeGenericData(numberOfDataCoordinates=4, initialCoordinates=[0.0] * 4))
+    data = system.AddNode(
+        exu.NodeGenericData(numberOfDataCoordinates=4, initialCoordinates=[0.0] * 4)
+    )
     system.AddObject(
-        ObjectContactSphereSphere(
+        exu.ObjectContactSphereSphere(
             markerNumbers=ends[::-1],
             nodeNumber=data,
             spheresRadii=[1e-3 * contact.pair.R_j, 1e-3 * contact.pair.R_i],
