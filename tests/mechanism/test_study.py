@@ -151,7 +151,7 @@ def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):
         (("simulate", SPEC, "--table", "run.gif"), "run.gif: is neither .csv nor .parquet"),
         (("simulate", SPEC, "--revolutions", 2, "--first", 2), "--first = 2: leaves none of 2"),
         (("simulate", SPEC, "--clearance", "0.5,0.02"), "is not a number; see cylcontact simulate"),
-        (("simulate", SPEC, "--study", "cases"), "No such option: --study; see cylcontact simulate"),
+        (("simulate", SPEC, "--study", "cases"), "No such option: --study; see cylcontact"),
         (("simulate", SPEC, "-o", "run.parquet"), "simulate: -o: is gone; use --table run.csv"),
         (("simulate", SPEC, "--method=minimal"), "simulate: --method: is gone; leave it out"),
         (("sweep", SPEC, "--against", "1e-10"), "sweep: --against: is gone; compare two runs"),
