@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from functools import partial
 from math import isnan, nan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -148,6 +149,8 @@ def write(results: dict[str, Any]) -> None:
     }
     with replacing(RESULTS) as temporary:
         text = json.dumps(marked(data), indent=1, ensure_ascii=False)
+        one_line = partial(re.sub, r"\n\s+", " ")
+        text = re.sub(r"\[\s+(\"[^\[\]]*?)\s+\]", lambda row: f"[{one_line(row[1])}]", text)
         temporary.write_text(text + "\n", encoding="utf-8")
     with replacing(PAGE) as temporary:
         temporary.write_text(page(results), encoding="utf-8")
