@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from benchmarks.exudyn_joint import imbalance, slider_crank
-from benchmarks.exudyn_peer import joint_of, simulate_in_exudyn
-from benchmarks.mechanism import CONTACTS, ELASTIC, END, SPEC, onsets_of
+from benchmarks.exudyn_peer import SPEC, imbalance, joint_of, simulate_in_exudyn, slider_crank
+from benchmarks.mechanism import CONTACTS, ELASTIC, END, onsets_of
 from cylcontact.mechanism import read_mechanism, simulate
 
 pytestmark = pytest.mark.slow
