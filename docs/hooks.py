@@ -1,11 +1,32 @@
-"""mkdocs: formulas become MathML, which browsers set without scripts or fonts from elsewhere."""
+"""mkdocs: formulas become MathML, which needs no script or font from elsewhere; gallery pages."""
 
+import ast
 import html
 import re
+from pathlib import Path
 
 from latex2mathml.converter import convert
+from mkdocs.structure.files import File
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[([](.*?)\\[)\]]</\1>', re.DOTALL)
+GALLERY = Path(__file__).parent / "gallery"
+SCRIPT = """---
+search:
+  boost: 0.5
+---
+# {title}
+
+{words}
+
+![{title}]({name}.png)
+
+```python
+{code}
+```
+
+{output}Run it in a [checkout](../index.md#set-up): `python docs/gallery/{name}.py` leaves the picture in the
+current folder. [All scripts](../gallery.md)
+"""
 
 
 def on_page_content(text, **_):
@@ -18,3 +39,26 @@ def on_page_content(text, **_):
         return f'<div class="formula">{convert(latex, display="block")}</div>'
 
     return FORMULA.sub(mathml, text)
+
+
+def on_post_page(output, **_):
+    """Name the search box, which the theme leaves without a name."""
+    return output.replace('role="dialog">', 'role="dialog" aria-label="Search">')
+
+
+def on_files(files, config):
+    """Add a page for each script of the gallery."""
+    for script in sorted(GALLERY.glob("*.py")):
+        page = File.generated(config, f"gallery/{script.stem}.md", content=script_page(script))
+        files.append(page)
+    return files
+
+
+def script_page(script):
+    """Return title, two sentences, picture, code and output of a script."""
+    source = script.read_text(encoding="utf-8")
+    title, _, words = ast.get_docstring(ast.parse(source)).partition("\n\n")
+    code = source.split('"""', 2)[2].strip()
+    printed = script.with_suffix(".txt")
+    output = f"```text\n{printed.read_text(encoding='utf-8')}```\n\n" if printed.exists() else ""
+    return SCRIPT.format(title=title.rstrip("."), words=words, name=script.stem, code=code, output=output)
