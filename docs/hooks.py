@@ -24,8 +24,8 @@ search:
 {code}
 ```
 
-{output}Run it in a [checkout](../index.md#set-up): `python docs/gallery/{name}.py` leaves the picture in the
-current folder. [All scripts](../gallery.md)
+{output}Run it in a [checkout](../index.md#set-up): `python docs/gallery/{name}.py` leaves the picture in
+the current folder. [All scripts](../gallery.md)
 """
 
 
@@ -58,7 +58,9 @@ def script_page(script):
     """Return title, two sentences, picture, code and output of a script."""
     source = script.read_text(encoding="utf-8")
     title, _, words = ast.get_docstring(ast.parse(source)).partition("\n\n")
+    printed, output = script.with_suffix(".txt"), ""
+    if printed.exists():
+        output = f"```text\n{printed.read_text(encoding='utf-8')}```\n\n"
     code = source.split('"""', 2)[2].strip()
-    printed = script.with_suffix(".txt")
-    output = f"```text\n{printed.read_text(encoding='utf-8')}```\n\n" if printed.exists() else ""
-    return SCRIPT.format(title=title.rstrip("."), words=words, name=script.stem, code=code, output=output)
+    parts = {"title": title.rstrip("."), "words": words, "code": code, "output": output}
+    return SCRIPT.format(name=script.stem, **parts)

@@ -6,7 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.patches import Arc, Circle, FancyArrowPatch, FancyBboxPatch, Polygon, Rectangle
+from matplotlib.patches import Arc, Circle, FancyArrowPatch, Polygon, Rectangle
 
 import cylcontact as cc
 from cylcontact.fitting import FitResult
@@ -217,7 +217,10 @@ def reading_a_map():
     cc.plots.plot_map(cc.laws.Enhanced(), cc.laws.Persson(), gunmetal, load=(10, 5000), ax=axes)
     notes = {
         "1  your joint: ΔR = 0.05 mm, 300 N/mm": ((0.05, 300), (0.011, 29)),
-        "2  the colour there: how much deeper\n    the first law is, in percent": (None, (0.011, 14)),
+        "2  its colour: the difference\n    of the two laws, in percent": (
+            None,
+            (0.011, 14),
+        ),
         "3  above this line the joint yields": ((0.3, 1800), (0.12, 20)),
     }
     for text, (point, at) in notes.items():
@@ -241,12 +244,13 @@ def slider_crank():
     axes.add_patch(Circle(slider, 0.2, facecolor="white", zorder=3, **EDGE))
     axes.add_patch(Circle(slider, 0.14, facecolor=PIN, zorder=4, **EDGE))
     centre = np.array([7.0, 0.85])
+    pin_at = centre + np.array([0.12, -0.09])
     axes.add_patch(Circle(centre, 1.05, facecolor=HOLE, **EDGE))
     axes.add_patch(Circle(centre, 0.8, facecolor="white", **EDGE))
-    axes.add_patch(Circle(centre + [0.12, -0.09], 0.66, facecolor=PIN, **EDGE))
+    axes.add_patch(Circle(pin_at, 0.66, facecolor=PIN, **EDGE))
     axes.plot([slider[0] + 0.1, centre[0] - 0.6], [0.15, 1.5], "k:", linewidth=0.8)
     axes.plot([slider[0] + 0.1, centre[0] - 0.6], [-0.15, -0.05], "k:", linewidth=0.8)
-    arrow(axes, centre + [0.12, -0.09], centre, RED)
+    arrow(axes, pin_at, centre, RED)
     label(axes, "eccentricity", (7.0, 2.25), centre, color=RED)
     label(axes, "crank", (-0.3, 0.75))
     label(axes, "rod", (2.7, 0.85))
