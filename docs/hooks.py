@@ -24,8 +24,8 @@ search:
 {code}
 ```
 
-{output}Run it in a [checkout](../index.md#set-up): `python docs/gallery/{name}.py` leaves the picture in
-the current folder. [All scripts](../gallery.md)
+{output}Run it in a [checkout](../index.md#set-up): `python docs/gallery/{name}.py` leaves the
+picture in the current folder. [All scripts](../gallery.md)
 """
 
 
