@@ -47,7 +47,7 @@ def main() -> None:
     except KeyboardInterrupt as stop:
         status = _fail(str(stop) or "interrupted; nothing is left half-written", 130)
     except MemoryError:
-        status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
+        status = _fail("out of memory; use a coarser grid, smaller populations or fewer --jobs")
     except SystemExit as stop:  # rich's way with a reader that has closed
         if not isinstance(stop.__context__, BrokenPipeError):
             raise
@@ -81,7 +81,7 @@ def _run(arguments: Sequence[str]) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     if "" in arguments:  # typer takes an empty path for the current folder
-        rule, remedy = "an argument is empty", "fill it in; a variable of the shell may be unset"
+        rule, remedy = "an argument is empty", "give a value; perhaps a shell variable is unset"
         raise InputError("command line", "", None, rule, remedy)
     refuse_gone(arguments)
     command = typer.main.get_command(app)

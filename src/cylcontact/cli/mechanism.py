@@ -132,7 +132,7 @@ def _agreement(mechanism: SliderCrank, total: int, settings: dict[str, Any]) -> 
     try:
         other = run(mechanism.changed(tolerance=tighter), total, **settings)
     except InputError as error:
-        return f"{pair} differ: at the second one {error.rule}"
+        return f"{pair} differ: with the second one {error.rule}"
     agreed = horizon(run(mechanism, total, **settings), other)
     if agreed >= total:
         return f"{pair} agree over all of {total} revolutions"

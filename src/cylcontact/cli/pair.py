@@ -85,12 +85,12 @@ def _layer(text: str) -> dict[str, Any]:
 
 _NAMED = reader(
     _material,
-    "is no material; write its name, or E, ν, yield stress, expansion: "
+    "is not a material; write its name, or E, ν, yield stress, expansion: "
     "'207 GPa, 0.3, 350 MPa, 12e-6/K'",
 )
 _RADIUS = reader(_radius, "is not a length; give mm, or e.g. '40 um'")
 _CLAMP = reader(_clamp, "is no clamp; write rim, lug, near:60 or far:60, with your angle")
-_LAYER = reader(_layer, "is no material with an inner radius; write e.g. bronze:12")
+_LAYER = reader(_layer, "is not a material with an inner radius; write e.g. bronze:12")
 # By their names as constants of a table, where they have one.
 PAIR: Options = {
     "contact": _text(f"{listed(CONTACTS)}.", "--contact"),
@@ -101,7 +101,7 @@ PAIR: Options = {
     "material_j": _text("Material of the second of two rollers.", "--material-j", read=_NAMED),
     "materials": _text("Table of yours; datasets/materials.csv by default.", "--materials"),
     "E_MPa": _text("Young's modulus of both, MPa or '207 GPa'.", "--E",
-                   read=reader(_modulus, "is no modulus")),
+                   read=reader(_modulus, "is not a modulus")),
     "nu": (float | None, number("Poisson's ratio of both bodies.", "--nu", **_PANEL)),
     "dR_mm": _length("Radial clearance ΔR; for rollers R_i + R_j.", "--dR"),
     "R_i_mm": _length("Radius R_i of the hole or the first roller.", "--Ri"),
@@ -284,7 +284,7 @@ def _body(
     own, both = names[of], names[""]
     if own and both:
         rule = f"is of both bodies, and {options[own[0]]} is of one"
-        raise InputError(source, options[both[0]], None, rule, "give each its own")
+        raise InputError(source, options[both[0]], None, rule, "give one option for each body")
     chosen = own or both
     option = option_of(role if role in PAIR else f"material{of}")
     if not chosen:
@@ -293,7 +293,7 @@ def _body(
     name, *others = chosen
     if name.startswith("material"):
         if others:
-            rule = f"is given by {options[name]} already"
+            rule = f"is already given by {options[name]}"
             raise InputError(source, options[others[0]], None, rule, "leave it out")
         return material_of(constants[name], given, source, options[name])
     key = of if own else ""
