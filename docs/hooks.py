@@ -9,6 +9,9 @@ from latex2mathml.converter import convert
 from mkdocs.structure.files import File
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[([](.*?)\\[)\]]</\1>', re.DOTALL)
+# Indices in a text, as in R_i or σ_Y; names of code such as Y_log_scale are left alone.
+INDEXED = re.compile(r"(?<![\w.-])([A-Za-zα-ωΑ-Ω])_([A-Za-zδ0-9])(?!\w)")
+NOT_TEXT = re.compile(r"<(code|pre|math|script|h\d)\b.*?</\1>|<[^>]*>", re.DOTALL)
 GALLERY = Path(__file__).parent / "gallery"
 SCRIPT = """---
 search:
@@ -30,7 +33,7 @@ picture in the current folder. [All scripts](../gallery.md)
 
 
 def on_page_content(text, **_):
-    """Set the formulas of a page."""
+    """Set the formulas and indices of a page."""
 
     def mathml(match):
         latex = html.unescape(match[2])
@@ -38,7 +41,12 @@ def on_page_content(text, **_):
             return convert(latex)
         return f'<div class="formula">{convert(latex, display="block")}</div>'
 
-    return FORMULA.sub(mathml, text)
+    text = FORMULA.sub(mathml, text)
+    pieces, end = [], 0
+    for match in NOT_TEXT.finditer(text):
+        pieces += [INDEXED.sub(r"\1<sub>\2</sub>", text[end : match.start()]), match[0]]
+        end = match.end()
+    return "".join([*pieces, INDEXED.sub(r"\1<sub>\2</sub>", text[end:])])
 
 
 def on_post_page(output, **_):
