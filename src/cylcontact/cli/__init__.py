@@ -81,7 +81,7 @@ def _run(arguments: Sequence[str]) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     if "" in arguments:  # typer takes an empty path for the current folder
-        rule, remedy = "an argument is empty", "give a value; perhaps a shell variable is unset"
+        rule, remedy = "an argument is empty", "fill it in; a variable of the shell may be unset"
         raise InputError("command line", "", None, rule, remedy)
     refuse_gone(arguments)
     command = typer.main.get_command(app)

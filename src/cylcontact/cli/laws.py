@@ -257,7 +257,7 @@ def export(
     remedy = f"leave it out, or choose --to {listed(CODES)}"
     _refuse(own_contact, "is for a code's own contact", remedy)
     if joint is not None:
-        _refuse({"RESULT|LAW": what}, "is already in the file of the joint", "leave it out")
+        _refuse({"RESULT|LAW": what}, "is in the file of the joint already", "leave it out")
         _export_joint(joint, target, out, pair)
     else:
         remedy = "name one, e.g. explicit, or a joint with --joint"
@@ -348,7 +348,7 @@ def _export_joint(path: Path, target: str, out: Path | None, pair: Mapping[str, 
     from cylcontact.mechanism import ClearanceJoint, SpatialJoint, read_joint
 
     others = {option_of(name): value for name, value in pair.items() if name != "materials"}
-    _refuse(others, "is already in the file of the joint", "leave it out, or --joint")
+    _refuse(others, "is in the file of the joint already", "leave it out, or --joint")
     joint: SpatialJoint | ClearanceJoint
     if read_toml(path).get("kind") == "spatial":
         joint = SpatialJoint.read(path, pair.get("materials"))

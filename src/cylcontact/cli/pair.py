@@ -85,12 +85,12 @@ def _layer(text: str) -> dict[str, Any]:
 
 _NAMED = reader(
     _material,
-    "is not a material; write its name, or E, ν, yield stress, expansion: "
+    "is no material; write its name, or E, ν, yield stress, expansion: "
     "'207 GPa, 0.3, 350 MPa, 12e-6/K'",
 )
 _RADIUS = reader(_radius, "is not a length; give mm, or e.g. '40 um'")
 _CLAMP = reader(_clamp, "is no clamp; write rim, lug, near:60 or far:60, with your angle")
-_LAYER = reader(_layer, "is not a material with an inner radius; write e.g. bronze:12")
+_LAYER = reader(_layer, "is no material with an inner radius; write e.g. bronze:12")
 # By their names as constants of a table, where they have one.
 PAIR: Options = {
     "contact": _text(f"{listed(CONTACTS)}.", "--contact"),

@@ -41,7 +41,7 @@ def kept_rows(
         table.left_out.append(f"{_rows(zero)} of zero load ({table.numbered(lines)})")
     if falls is None:
         if branch is not None:
-            rule = "is unclear: the loads rise and fall in no order"
+            rule = "cannot be told: the loads rise and fall in no order"
             remedy = "keep the order of measurement, name the series with --group, or leave it out"
             raise InputError(table.source, "branch", branch, rule, remedy)
         return np.flatnonzero(~zero)

@@ -280,7 +280,7 @@ def _add_constants(
             allowed = _RANGES[f"{quantity}_i" if quantity in ("E", "nu") else quantity]
             numbers[quantity] = np.array([value * column.factor])
             if not (allowed.allows(numbers[quantity]) & np.isfinite(numbers[quantity])).all():
-                raise InputError(source, key, value, allowed.rule, "correct it, and check its unit")
+                raise InputError(source, key, value, allowed.rule, "correct it; mind its unit")
         columns.append(column)
     return columns
 

@@ -90,7 +90,7 @@ def read_table(
         raise InputError(source, "", None, "is not a table", "name a table")
     content, is_book = read_bytes(data), suffix in (".xlsx", ".xlsm")
     if content.startswith(_OLD_EXCEL):
-        rule = "is an Excel workbook from before 2007, which cannot be read"
+        rule = "is a workbook of Excel before 2007, which is not read"
         raise InputError(source, "", None, rule, "save it as .xlsx")
     if suffix == ".parquet":
         return _table_of_frame(source, files.frame_of_parquet(source, content), content)

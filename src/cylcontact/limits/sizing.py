@@ -83,7 +83,7 @@ def find(
     """
     require(unknown in UNKNOWNS, _SOURCE, "", unknown, "cannot be found", "dR, E or length")
     if (stiffness is None) == (penetration is None):
-        rule = "is missing" if stiffness is None else "cannot be combined with a penetration"
+        rule = "is missing" if stiffness is None else "is given beside a penetration"
         raise InputError(_SOURCE, "stiffness", stiffness, rule, "give stiffness or penetration")
     key, wanted = ("stiffness", stiffness) if penetration is None else ("penetration", penetration)
     target = float(require_positive(wanted, _SOURCE, key, "give it in N/mm² or mm"))

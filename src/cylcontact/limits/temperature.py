@@ -100,7 +100,7 @@ def bore_expansion(
     """Return by how far a bore widens, in mm, when its rings get warmer by so many K."""
     rule, remedy = "is given by compliances, without its rings", "give its rings, R_o and layers"
     require(housing.g is None, _SOURCE, "housing", housing, rule, remedy)
-    rule = "is missing: the movement of the bore depends on the rim"
+    rule = "is missing: how far the bore moves depends on what the rim does"
     remedy = 'give "free", "held", or the material of the frame'
     require(rim is not None, _SOURCE, "rim", None, rule, remedy)
     known = isinstance(rim, Material) or rim in ("free", "held")

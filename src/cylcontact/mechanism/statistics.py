@@ -247,7 +247,7 @@ class Statistics:
         words = {None: "too few revolutions for a period", 0: "no period up to 8 revolutions"}
         motion = words.get(period, f"the motion repeats after {period} revolutions")
         if (rate := self.carried) > 0:
-            motion += f"; the contact lasts, damped by its first δ̇⁽⁻⁾, {rate:.3g} m/s"
+            motion += f"; the contact lasts, damped by the δ̇⁽⁻⁾ of its onset, {rate:.3g} m/s"
         if self.lossless:
             motion += "; nothing dissipates, so there is no steady state and no interval"
         title = f"Means over revolutions {self.first + 1:,} to {total:,}, ± half the 95 % interval"
