@@ -1,15 +1,39 @@
-"""mkdocs: formulas become MathML, which browsers set without scripts or fonts from elsewhere."""
+"""mkdocs: formulas become MathML, which needs no script or font from elsewhere; gallery pages."""
 
+import ast
 import html
 import re
+from pathlib import Path
 
 from latex2mathml.converter import convert
+from mkdocs.structure.files import File
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[([](.*?)\\[)\]]</\1>', re.DOTALL)
+# Indices in a text, as in R_i or σ_Y; names of code such as Y_log_scale are left alone.
+INDEXED = re.compile(r"(?<![\w.-])([A-Za-zα-ωΑ-Ω])_([A-Za-zδ0-9])(?!\w)")
+NOT_TEXT = re.compile(r"<(code|pre|math|script|h\d)\b.*?</\1>|<[^>]*>", re.DOTALL)
+GALLERY = Path(__file__).parent / "gallery"
+SCRIPT = """---
+search:
+  boost: 0.5
+---
+# {title}
+
+{words}
+
+![{title}]({name}.png)
+
+```python
+{code}
+```
+
+{output}Run it in a [checkout](../index.md#set-up): `python docs/gallery/{name}.py` leaves the
+picture in the current folder. [All scripts](../gallery.md)
+"""
 
 
 def on_page_content(text, **_):
-    """Set the formulas of a page."""
+    """Set the formulas and indices of a page."""
 
     def mathml(match):
         latex = html.unescape(match[2])
@@ -17,4 +41,34 @@ def on_page_content(text, **_):
             return convert(latex)
         return f'<div class="formula">{convert(latex, display="block")}</div>'
 
-    return FORMULA.sub(mathml, text)
+    text = FORMULA.sub(mathml, text)
+    pieces, end = [], 0
+    for match in NOT_TEXT.finditer(text):
+        pieces += [INDEXED.sub(r"\1<sub>\2</sub>", text[end : match.start()]), match[0]]
+        end = match.end()
+    return "".join([*pieces, INDEXED.sub(r"\1<sub>\2</sub>", text[end:])])
+
+
+def on_post_page(output, **_):
+    """Name the search box, which the theme leaves without a name."""
+    return output.replace('role="dialog">', 'role="dialog" aria-label="Search">')
+
+
+def on_files(files, config):
+    """Add a page for each script of the gallery."""
+    for script in sorted(GALLERY.glob("*.py")):
+        page = File.generated(config, f"gallery/{script.stem}.md", content=script_page(script))
+        files.append(page)
+    return files
+
+
+def script_page(script):
+    """Return title, two sentences, picture, code and output of a script."""
+    source = script.read_text(encoding="utf-8")
+    title, _, words = ast.get_docstring(ast.parse(source)).partition("\n\n")
+    printed, output = script.with_suffix(".txt"), ""
+    if printed.exists():
+        output = f"```text\n{printed.read_text(encoding='utf-8')}```\n\n"
+    code = source.split('"""', 2)[2].strip()
+    parts = {"title": title.rstrip("."), "words": words, "code": code, "output": output}
+    return SCRIPT.format(name=script.stem, **parts)

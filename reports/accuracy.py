@@ -29,7 +29,7 @@ RATIOS = np.geomspace(1.3, 20.0, 25)
 CLAMPS = {
     "whole rim": "rim",
     "60° near (pushed)": Sector(60, "near"),
-    "120° far (lug)": Sector(120, "far"),
+    "wide shank, 120°": Sector(120, "far"),
     "60° far (eye)": Sector(60, "far"),
 }
 SOLVED = (1.5, 3.0, 10.0)  # R_o/R_i of the finite elements
@@ -97,7 +97,8 @@ def fig_housing() -> tuple[Figure, pd.DataFrame]:
         look = {"color": f"C{number}", "markersize": 9, "linestyle": "none"}
         axes.plot(SOLVED, points, "+", **look)
         sketch(parts["abcd"[number]], clamp)
-        parts["abcd"[number]].set_title(name.replace(" (", "\n("), color=f"C{number}")
+        title = name.replace(" (", "\n(").replace(", ", "\n")
+        parts["abcd"[number]].set_title(title, color=f"C{number}")
     axes.axhline(table["johnson"].iloc[0], color="0.45", linestyle=":", marker="")
     axes.text(
         19.5, table["johnson"].iloc[0], "Johnson's law", ha="right", va="bottom", color="0.45"

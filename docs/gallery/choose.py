@@ -1,4 +1,8 @@
-"""Choose: which law do the readings want, and which can they not tell apart?"""
+"""Which law fits the readings?
+
+Four laws are fitted to the same readings and ranked. The plot shows them with some of the
+readings; the table says which of them the data can tell apart.
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,8 @@
-"""The error of the load that the curve of conformal contact gives, against the series."""
+"""The curve of conformal contact.
+
+Conformal contact is computed from a table, one curve for each pair and housing. The script
+compares its load with the exact series, at 20,000 loads for four pairs.
+"""
 
 import matplotlib.pyplot as plt
 import numpy as np

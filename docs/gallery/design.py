@@ -1,4 +1,8 @@
-"""Design: at which loads would the next five readings narrow the interval most?"""
+"""Which loads to measure next.
+
+The script finds the five loads at which further readings narrow the interval of the stiffness
+most. The line shows how much one reading at each load would help.
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,8 @@
-"""A fit, 20H7/g6: what the tolerances of a drawing make of a stiffness."""
+"""Stiffness from an ISO fit.
+
+A drawing gives a fit, and its limits leave a band of stiffness. The bands of three fits, from the
+tightest to the loosest pair.
+"""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,8 @@
-"""A four-bar in Exudyn, with a clearance joint of the library between coupler and rocker."""
+"""A four-bar in Exudyn.
+
+Exudyn solves a four-bar linkage with a clearance joint of this package between coupler and rocker.
+The joint is a user function; its state is updated after each accepted step.
+"""
 
 from pathlib import Path
 

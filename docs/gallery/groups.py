@@ -1,4 +1,8 @@
-"""Groups: nine specimens, each with an offset and a gain of its own."""
+"""Readings of several specimens.
+
+Nine specimens have an offset and a gain of their own. The left fit takes all readings as
+independent, the right one allows for the specimens.
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,8 @@
-"""A joint in C: exported, compiled and run; damping makes the loop of an impact."""
+"""A joint in C.
+
+The joint of `datasets/joint.toml` is exported, compiled and hit by a pin of 0.2 kg. Damping makes
+the force on the way out smaller than on the way in.
+"""
 
 import subprocess
 from pathlib import Path

@@ -1,4 +1,7 @@
-"""A joint in MuJoCo: a pin rattles in its bearing under gravity."""
+"""A joint in MuJoCo.
+
+The exported joint is a passive force in MuJoCo. A pin rattles in its bearing under gravity.
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,8 @@
-"""A law for a pair: four laws of one pin in its hole, and what they miss."""
+"""A law for a pair.
+
+Four laws of one steel pin in a bronze hole, over the load. The right picture shows their
+difference from conformal contact, with first yield.
+"""
 
 import matplotlib.pyplot as plt
 

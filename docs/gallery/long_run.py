@@ -1,4 +1,8 @@
-"""A long run: what a slider-crank's mean force is, and how well forty revolutions tell it."""
+"""The mean of a long run.
+
+Forty revolutions of a slider-crank, and the mean of their largest forces. Its interval allows for
+revolutions that depend on each other.
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,8 @@
-"""A map: where the published law agrees with conformal contact, for a material of one's own."""
+"""A map for your own material.
+
+The map shows where the published law agrees with conformal contact, over clearance and load. Your
+material needs a modulus, a Poisson's ratio and, for the line of first yield, a yield stress.
+"""
 
 import matplotlib.pyplot as plt
 

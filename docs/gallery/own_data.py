@@ -1,4 +1,7 @@
-"""Own data: readings of a rig fitted by a law, with the band of a new reading."""
+"""A law fitted to readings.
+
+Twelve readings of a rig, fitted by the explicit law. The band is where a new reading is expected.
+"""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,8 @@
-"""A pendulum that hangs on a pin with clearance, by SciPy with events."""
+"""A pendulum on a pin, by SciPy.
+
+A pendulum hangs on a pin with clearance, and `solve_ivp` integrates it. Beginning and end of each
+contact are events.
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,8 @@
-"""A clevis, a cam roller and a polymer bush: sketches, and penetration up to first yield."""
+"""A clevis, a cam roller and a polymer bush.
+
+Sketches of three joints, each above its penetration up to first yield. [The
+page](../how-to/three-joints.md) asks the same of the command line.
+"""
 
 import matplotlib.pyplot as plt
 import numpy as np

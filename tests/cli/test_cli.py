@@ -214,7 +214,7 @@ def test_memory_that_is_short_is_told_in_one_line(run, monkeypatch):
     monkeypatch.setattr("cylcontact.datasets.sampling.write_samples", short)
     code, said, errors = run(*SAMPLE, *OUT)
     assert (code, said) == (2, "")
-    assert errors.startswith("cylcontact: memory is short; thin the grid")
+    assert errors.startswith("cylcontact: out of memory; use a coarser grid")
     assert len(errors.splitlines()) == 1
 
 

@@ -391,7 +391,7 @@ NOT_FOR_IT = ROOT / "fitting/results/external.json"
 MISTAKES = {
     "missing table": ({"friction": DROP}, "friction: is required; add a table [friction]"),
     "no unit": ({"pin.E": "hard"}, "pin.E = 'hard': must be a number; give Young's modulus in GPa"),
-    "both": ({"bearing.nu": 0.3}, "bearing.nu = 0.3: is that of the material already; remove nu"),
+    "both": ({"bearing.nu": 0.3}, "bearing.nu = 0.3: is already given by the material; remove nu"),
     "large pin": ({"pin.R": 10.0}, "pin.R = 10.0: does not fit in the hole; keep it below 10.0"),
     "units": ({"units": "inch"}, "units = 'inch': must be 'SI' or 'mm'; give \"SI\""),
     "name": ({"name": "4 pins"}, "name = '4 pins': cannot name a function; begin with one of A"),

@@ -133,7 +133,7 @@ def test_a_warm_joint_in_a_housing_needs_the_state_of_its_rim():
     assert warm.dR == pytest.approx(0.05 + moved - 9.95 * 12e-6 * 60, rel=1e-9)
     assert warm.dR == pytest.approx(warm.R_i - warm.R_j, rel=1e-9)
     eye = laws.Housing(20.0, laws.Sector(60, "far"))
-    with pytest.raises(InputError, match="is that of a whole rim"):
+    with pytest.raises(InputError, match="is for a rim clamped"):
         at_temperature(pair, 80, 80, housing=eye, rim="held")
     tight = CylinderPair.internal(10.0, 9.999, pin=BRONZE, hole=BRONZE)
     with pytest.raises(InputError, match="seizes the pin"):

@@ -1,1 +1,1 @@
-"""What touches: materials, a pair of cylinders, and ISO fits of a pin in a hole."""
+"""Materials, pairs of cylinders, and ISO fits of a pin in a hole."""

@@ -73,7 +73,7 @@ class Material(OfArrays):
     ------
     InputError
         If a modulus, yield stress or expansion is not positive and finite, a bare modulus is below
-        1000 or any above 1e7 MPa, which are hardly meant, a unit is not known, or ν is outside
+        1000 MPa or any modulus above 1e7 MPa, a unit is unknown, or ν is outside
         [0, 0.5].
 
     Examples
@@ -231,7 +231,7 @@ def shipped_materials() -> dict[str, MaterialRow]:
 
 
 def known_materials(own: Path | str | None = None) -> dict[str, MaterialRow]:
-    """Return the package's materials, and after them those of a table of one's own."""
+    """Return the package's materials, followed by those of a user's table."""
     rows = shipped_materials()
     shipped = {_plain(name) for name in rows}
     added = {} if own is None else read_materials(own)
@@ -288,7 +288,7 @@ def own_table(
 def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     r"""Read a table of materials.
 
-    It has the columns name, E_GPa and nu, written as tables of measurements are, and may have
+    It has the columns name, E_GPa and nu, in the format of tables of measurements. Optional are
     yield_stress_MPa, thermal_expansion_per_K, a note, and E_provenance, nu_provenance and
     yield_provenance, which are "paper", "derived" or "assumed", the default.
 
@@ -348,6 +348,6 @@ def _row(source: str, cells: Mapping[str, object], numbers: Mapping[str, float])
     except InputError as error:
         names = {"E": "E_GPa", "yield_stress": "yield_stress_MPa", "thermal_expansion": _EXPANSION}
         column = names.get(error.key, error.key)
-        remedy = "mind the unit in the column's name"
+        remedy = "check the unit in the column's name"
         raise InputError(source, column, cells[column], error.rule, remedy) from error
     return MaterialRow(material, provenance, str(cells.get("note") or ""))

@@ -50,7 +50,7 @@ class MaterialSpec(Spec):
             if self.material is None and given is None:
                 raise broken(key, None, "is required", f"give {key}, or material = NAME")
             if self.material is not None and given is not None:
-                raise broken(key, given, "is that of the material already", f"remove {key}")
+                raise broken(key, given, "is already given by the material", f"remove {key}")
         return self
 
     def named(self, name: str, own: Path | None, source: str, key: str) -> Material:

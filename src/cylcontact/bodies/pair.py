@@ -46,8 +46,8 @@ _SLENDERNESS = 0.02, 100.0  # length over radius
 class CylinderPair(OfArrays):
     """Two parallel cylinders: a pin in a hole (internal), two rollers or a roller on a plane.
 
-    Build one with `internal`, `external` or `from_dR`; the constructor takes all numbers as they
-    are and derives none.
+    Build one with `internal`, `external` or `from_dR`; the constructor takes all numbers as given
+    and derives none.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ class CylinderPair(OfArrays):
             agrees = np.abs(self.dR - own) <= _AGREEMENT * np.maximum(R_i, R_j)
         if not np.all(self.dR == own if self.is_flat else agrees):
             rule = f"contradicts R_i = {short(R_i)} and R_j = {short(R_j)}, which give {short(own)}"
-            remedy = "change the radii with it, or leave them out"
+            remedy = "correct one of them, or leave out the radii"
             raise InputError(_SOURCE, "dR", self.dR, rule, remedy)
 
     def __repr__(self) -> str:
@@ -169,14 +169,14 @@ class CylinderPair(OfArrays):
         material, material_j : Material, optional
             The materials of the hole and of the pin; one serves both.
         pin, hole : Material, optional
-            The two materials by name, in place of `material` and `material_j`.
+            The two materials, instead of `material` and `material_j`.
         length, plane
             Axial length in mm and state of stress, as for the class.
 
         Raises
         ------
         InputError
-            If the pin does not fit in the hole, or the materials are not given just once.
+            If the pin does not fit in the hole, or a material is missing or given twice.
 
         Examples
         --------
@@ -245,7 +245,7 @@ class CylinderPair(OfArrays):
         hole: Material | None = None,
         plane: Plane = "strain",
     ) -> CylinderPair:
-        """Return a pair given by its ΔR, for laws that depend on ΔR alone.
+        """Return a pair from its ΔR, for laws that depend only on ΔR.
 
         Parameters
         ----------
@@ -320,9 +320,8 @@ class CylinderPair(OfArrays):
     def from_dundurs(cls, alpha: Length, beta: Length) -> CylinderPair:
         """Return a pin in a hole of given α and β, with E* = 1 MPa and ΔR = 1 mm.
 
-        Loads of this pair in N/mm are φ = f/(E*·ΔR), its penetrations in mm are d = δ/ΔR. It is in
-        plane strain, and of the materials with these α and β it has those of which one is
-        incompressible.
+        Loads of this pair in N/mm equal φ = f/(E*·ΔR), and penetrations in mm equal d = δ/ΔR. The
+        pair is in plane strain, and one of its materials is incompressible.
 
         Parameters
         ----------
@@ -520,7 +519,7 @@ def are_possible(alpha: FloatArray, beta: FloatArray) -> BoolArray:
 
 
 def unusual_lengths(pair: CylinderPair) -> tuple[str, ...]:
-    """Return a sentence for each length of a pair that can hardly be meant, with a likely cause.
+    """Return a sentence with a likely cause for each implausible length of a pair.
 
     >>> steel = Material("steel", E=207e3, nu=0.3)
     >>> print(*unusual_lengths(CylinderPair.internal(20.0, 9.95, steel, 20.0)))
@@ -563,7 +562,7 @@ def _bodies(
         key, rule, remedy = "material", "is missing", "give material, or pin and hole"
     elif material is not None or material_j is not None:
         key = "material_j" if material is None else "material"
-        rule, remedy = "is given beside pin or hole", "leave it out, or those"
+        rule, remedy = "is given beside pin or hole", "leave out one or the other"
     elif pin is not None and hole is not None:
         return hole, pin
     else:

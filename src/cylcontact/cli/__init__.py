@@ -47,7 +47,7 @@ def main() -> None:
     except KeyboardInterrupt as stop:
         status = _fail(str(stop) or "interrupted; nothing is left half-written", 130)
     except MemoryError:
-        status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
+        status = _fail("out of memory; use a coarser grid, smaller populations or fewer --jobs")
     except SystemExit as stop:  # rich's way with a reader that has closed
         if not isinstance(stop.__context__, BrokenPipeError):
             raise

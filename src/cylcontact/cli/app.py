@@ -30,7 +30,7 @@ def _common(
         "Show the version.", "--version", callback=_version, is_eager=True, default=False
     ),
 ) -> None:
-    """Calibrate contact laws for parallel cylinders and see where each can be trusted."""
+    """Contact of parallel cylinders: fit laws, check joints, export them, reproduce the paper."""
 
 
 # The groups of `cylcontact --help`: each command with an example, which its own help ends with.

@@ -280,7 +280,7 @@ def choose(
 ) -> None:
     """Fit all laws to a table and rank them; say whether the data can tell.
 
-    The table takes the options of cylcontact fit, and its pair those of cylcontact laws.
+    The table takes the options of cylcontact fit, the pair those of laws.
     """
     from cylcontact.fitting.choice import choose_law
     from cylcontact.reports.fit_folder import write_choice
@@ -306,7 +306,7 @@ def design(
     data: Path = DATA,
     *,
     law: str = option("The law, e.g. johnson.", metavar="NAME", default=...),
-    candidates: Any = interval("Loads that can be taken, in N/mm.", default=...),
+    candidates: Any = interval("Loads to choose from, in N/mm.", default=...),
     add: int = count(1, "Readings to add.", default=5),
     parameter: str | None = option("The one that counts; all by default.", metavar="NAME"),
     clearances: list[float] | None = several(
@@ -319,7 +319,7 @@ def design(
 ) -> None:
     """Say which further readings of a table would narrow its intervals most.
 
-    The table takes the options of cylcontact fit, and its pair those of cylcontact laws.
+    The table takes the options of cylcontact fit, the pair those of laws.
     """
     import numpy as np
 

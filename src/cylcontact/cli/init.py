@@ -25,10 +25,10 @@ _NOT_SHIPPED = (
 
 def init(
     folder: Path = argument(
-        "Where to lay it out; here by default.", metavar="[FOLDER]", default=Path()
+        "The folder; the current one by default.", metavar="[FOLDER]", default=Path()
     ),
 ) -> None:
-    """Lay out datasets, campaigns, figures' recipes and notebooks in a folder."""
+    """Write datasets, campaigns, figures and notebooks into a folder."""
     source = shipped_bench()
     names = shipped_files(source)
     missing = _missing(source, folder, names)

@@ -43,37 +43,40 @@ def _temperatures(text: str) -> tuple[float, float]:
     return plain_number(pin), plain_number(hole or pin)
 
 
+_AT, _SHOWN = {"rich_help_panel": "Load and surroundings"}, {"rich_help_panel": "What to print"}
+_FOUND = {"rich_help_panel": "Find a size instead"}
+_OWN_CONTACT = {"rich_help_panel": "Parameters of a code's own contact"}
 _WARM = option(
-    "Of pin and hole, °C, or PIN,HOLE; radii hold at 20.",
+    "Temperature in °C, or PIN,HOLE; radii are those at 20 °C.",
     metavar="T",
     parser=reader(_temperatures, "must be one number or two, PIN,HOLE"),
+    **_AT,
 )
-_RIM = "With --temperature and a housing: free, held, or the frame's material."
+_RIM = "The housing's rim when warm: free, held, or the material of the frame."
 
 
 @takes("pair", PAIR)
 def laws(
     *,
-    load: str = option("N/mm; '6 kN' with --length.", metavar="LOAD", default="100"),
-    fit: str | None = option("An ISO fit, 20H7/g6, instead of radii.", metavar="CODE"),
+    load: str = option("In N/mm, or '6 kN' with --length.", metavar="LOAD", default="100", **_AT),
+    fit: str | None = option("An ISO fit instead of radii, 20H7/g6.", metavar="CODE", **_AT),
     temperature: Any = _WARM,
-    rim: str | None = option(_RIM, metavar="STATE"),
-    depth: float | None = number("Of the half-plane under a roller (--Rj inf), mm."),
-    every: bool = option("All laws, side by side.", "--all", default=False),
-    own: str | None = option("With --all, a function of your own.", metavar="MODULE:FUNCTION"),
-    accuracy: bool = option("Errors of all laws over their ranges.", "--accuracy", default=False),
-    listing: bool = option("A line for each law, and what fits search.", "--list", default=False),
-    as_json: bool = option("The numbers as JSON.", "--json", default=False),
-    find: str | None = option("dR, E or length, for one of these:", metavar="WHAT"),
-    stiffness: float | None = number("For --find, N/mm²; of a length N/mm."),
-    penetration: float | None = number("For --find, µm."),
+    rim: str | None = option(_RIM, metavar="STATE", **_AT),
+    depth: float | None = number("Depth at which a plane (--Rj inf) is held, mm.", **_AT),
+    every: bool = option("Compare all laws for this pair.", "--all", default=False, **_SHOWN),
+    own: str | None = option("A law of your own, with --all.", metavar="MODULE:FUNCTION", **_SHOWN),
+    accuracy: bool = option("Errors of all laws.", "--accuracy", default=False, **_SHOWN),
+    listing: bool = option("All laws with their parameters.", "--list", default=False, **_SHOWN),
+    as_json: bool = option("The numbers as JSON.", "--json", default=False, **_SHOWN),
+    find: str | None = option("dR, E or length that gives one of these:", metavar="WHAT", **_FOUND),
+    stiffness: float | None = number("N/mm²; for --find length N/mm.", **_FOUND),
+    penetration: float | None = number("In µm.", **_FOUND),
     pair: dict[str, Any],
 ) -> None:
-    """Say what a joint does under a load: penetration, stiffness, pressure and first yield.
+    """Check a joint: penetration, stiffness, pressure and first yield.
 
-    With --fit the answer is for the band of the fit. --find turns the question round: which
-    clearance, modulus or length has this stiffness or penetration; for a length the load is the
-    total.
+    With --find it computes the clearance, the pin's modulus or the length
+    for a stiffness or a penetration instead. For a length, --load is in N.
     """
     from cylcontact.bodies.pair import unusual_lengths
     from cylcontact.files.units import load_in_N_per_mm
@@ -112,7 +115,7 @@ def laws(
             law = user_law(own, Path.cwd())
         say(laws_compared.comparison_text(warm(cylinders), force, law, around))
         return
-    require(own is None, "laws", "--own", own, "is compared with the others", "add --all")
+    require(own is None, "laws", "--own", own, "needs --all", "add --all")
     _check(cylinders, force, around, iso, depth, warm, as_json)
     if iso is None:
         warnings = (yield_warning(force, warm(cylinders), around), *unusual_lengths(cylinders))
@@ -221,29 +224,29 @@ def _find(
 @takes("pair", PAIR, listed=False)
 def export(
     what: str | None = argument(
-        "A fit result, or a law: johnson, or mine:load.", metavar="[RESULT|LAW]", default=None
+        "A fit result, a law such as johnson, or your own: mine:load.",
+        metavar="[RESULT|LAW]",
+        default=None,
     ),
     *,
-    joint: Path | None = option(
-        "A joint, e.g. datasets/joint.toml, as a force element.", metavar="JOINT"
-    ),
+    joint: Path | None = option("The file of a joint, datasets/joint.toml.", metavar="JOINT"),
     target: str = option(
         f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}, or with --range {listed(CODES)}.",
         "--to",
         metavar="TARGET",
         default=...,
     ),
-    force_range: Any = interval("Total force in N for a code's own contact.", "--range"),
-    mass: float | None = number("Effective mass of its impacts, kg; 1."),
-    speed: float | None = number("Their speed, m/s; by the middle of the range."),
-    out: Path | None = output("The file; standard output by default, but for a joint."),
+    force_range: Any = interval("Range of the total force, N.", "--range", **_OWN_CONTACT),
+    mass: float | None = number("Effective mass in an impact, kg; 1 by default.", **_OWN_CONTACT),
+    speed: float | None = number("Speed of an impact, m/s; else from the range.", **_OWN_CONTACT),
+    out: Path | None = output("The file; a law goes to standard output without it."),
     pair: dict[str, Any],
 ) -> None:
-    """Write a law, or a clearance joint, in another language.
+    """Write a law, or a joint with clearance, in another language.
 
-    A law in a housing (--R-o, --clamp) is of one pair, which takes the options of cylcontact laws;
-    others are of any. With --range, print the parameters of the code's own contact that follow a
-    joint's law over a range.
+    A law in a housing (--R-o, --clamp) needs a pair, with the options of
+    cylcontact laws. With --range, print the parameters of a code's own
+    contact that fit the law of a joint best.
     """
     forces = force_range and "{:g}:{:g}".format(*force_range)
     own_contact = {"--range": forces, "--mass": mass, "--speed": speed}

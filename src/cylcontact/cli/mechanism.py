@@ -35,26 +35,29 @@ _SAME_SIZE = 0.01
 # The second tolerance of `_agreement` relative to the first, and the revolutions that it runs.
 _TIGHTER, _LONGEST = 0.1, 10
 
-SPEC = argument("A slider-crank's file, e.g. datasets/slider_crank.toml.")
-REVOLUTIONS = count(1, "Revolutions in all; the file's by default.")
-FIRST = count(0, "First revolution that counts, from 0.")
-TOLERANCE = number("Of the integrator; else the file's.")
-END = option(f"At the law's end: {listed(BEYOND)}.", parser=str, metavar="WHAT", default="stop")
+SPEC = argument("The file of a slider-crank, datasets/slider_crank.toml.")
+REVOLUTIONS = count(1, "Number of revolutions; the file's by default.")
+FIRST = count(0, "First revolution of the statistics, from 0.")
+_INSTEAD: dict[str, Any] = {"rich_help_panel": "Instead of the values of the file"}
+_COMBINED: dict[str, Any] = {"rich_help_panel": "Values to combine"}
+END = option(
+    f"At the end of the law: {listed(BEYOND)}.", parser=str, metavar="WHAT", default="stop"
+)
 # What replaces values of the file, each by one.
 CHANGE: Options = {
-    "law": (str | None, option("The law, e.g. johnson, or a fit's result.", metavar="NAME")),
-    "clearance": (float | None, number("Radial clearance, mm.")),
-    "restitution": (float | None, number("Restitution, above 0 up to 1.")),
-    "friction": (float | None, number("Friction coefficient.")),
+    "law": (str | None, option("A law or a fit's result.", metavar="NAME", **_INSTEAD)),
+    "clearance": (float | None, number("Radial clearance, mm.", **_INSTEAD)),
+    "restitution": (float | None, number("Restitution, above 0 up to 1.", **_INSTEAD)),
+    "friction": (float | None, number("Friction coefficient.", **_INSTEAD)),
     "materials": (str | None, MATERIALS),
-    "tolerance": (float | None, TOLERANCE),
+    "tolerance": (float | None, number("Tolerance of the integrator.", **_INSTEAD)),
 }
 # The same, each by one or several.
 CHANGES: Options = {
-    "law": (list[str] | None, several("Laws, e.g. johnson.", of=str, metavar="NAME")),
-    "clearance": (list[float] | None, several("Radial clearances, mm.")),
-    "restitution": (list[float] | None, several("Restitutions, above 0 up to 1.")),
-    "friction": (list[float] | None, several("Friction coefficients.")),
+    "law": (list[str] | None, several("Laws, e.g. johnson.", of=str, metavar="NAME", **_COMBINED)),
+    "clearance": (list[float] | None, several("Radial clearances, mm.", **_COMBINED)),
+    "restitution": (list[float] | None, several("Restitutions, above 0 up to 1.", **_COMBINED)),
+    "friction": (list[float] | None, several("Friction coefficients.", **_COMBINED)),
 }
 
 
@@ -62,14 +65,14 @@ CHANGES: Options = {
 def simulate(
     spec: Path = SPEC,
     *,
-    table: Path | None = option("The steps, .csv or .parquet.", metavar="PATH"),
+    table: Path | None = option("Table of the steps, .csv or .parquet.", metavar="PATH"),
     change: dict[str, Any],
     revolutions: int | None = REVOLUTIONS,
     first: int | None = FIRST,
     beyond: choices.Beyond = END,
-    allowed_penetration: float | None = number("How deep contact may begin, µm."),
+    allowed_penetration: float | None = number("Largest penetration at the start, µm."),
 ) -> None:
-    """Simulate a slider-crank with a clearance joint; print its statistics."""
+    """Simulate a slider-crank with a clearance joint and print its statistics."""
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism import simulate as run
     from cylcontact.mechanism.run import estimate
@@ -129,7 +132,7 @@ def _agreement(mechanism: SliderCrank, total: int, settings: dict[str, Any]) -> 
     try:
         other = run(mechanism.changed(tolerance=tighter), total, **settings)
     except InputError as error:
-        return f"{pair} differ: at the second one {error.rule}"
+        return f"{pair} differ: with the second one {error.rule}"
     agreed = horizon(run(mechanism, total, **settings), other)
     if agreed >= total:
         return f"{pair} agree over all of {total} revolutions"
@@ -142,16 +145,16 @@ def sweep(
     *,
     out: Path = output("The table, .csv or .parquet.", default=...),
     changes: dict[str, Any],
-    fit: str | None = option("The clearances of a fit: tightest, middle, loosest.", metavar="CODE"),
+    fit: str | None = option("An ISO fit: tightest, middle, loosest.", metavar="CODE", **_COMBINED),
     materials: str | None = MATERIALS,
     revolutions: int | None = REVOLUTIONS,
     first: int | None = FIRST,
-    tolerance: float | None = TOLERANCE,
+    tolerance: float | None = number("Tolerance of the integrator; the file's by default."),
     beyond: choices.Beyond = END,
     jobs: int = JOBS,
     scheduler: Any = SCHEDULER,
 ) -> None:
-    """Simulate every combination of laws, clearances and other values."""
+    """Simulate every combination of laws, clearances, restitutions and frictions."""
     from cylcontact.mechanism import cases, read_mechanism
     from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.run import estimate

@@ -84,7 +84,7 @@ def count(
     return option(help, *names, default=default, parser=parse, metavar="N", callback=callback)
 
 
-def interval(help: str, *names: str, default: Any = None) -> Any:
+def interval(help: str, *names: str, default: Any = None, **details: Any) -> Any:
     """Return an option of two positive numbers."""
 
     def read(text: str) -> tuple[float, float]:
@@ -94,7 +94,7 @@ def interval(help: str, *names: str, default: Any = None) -> Any:
         return low, high
 
     parse = reader(read, "must be two positive numbers, the lower first, e.g. 5:400")
-    return option(help, *names, default=default, parser=parse, metavar="LOW:HIGH")
+    return option(help, *names, default=default, parser=parse, metavar="LOW:HIGH", **details)
 
 
 def several(
@@ -215,9 +215,7 @@ def _cluster(address: str | None) -> Any:
 
 RESULTS_FOLDER = option("The folder of fit results.", callback=_existing_folder, default=RESULTS)
 JOBS = count(1, "Worker processes; all cores by default.", "--jobs", "-j", callback=_or_all)
-SCHEDULER = option(
-    "A Dask cluster instead, e.g. tcp://host:8786.", metavar="ADDRESS", callback=_cluster
-)
+SCHEDULER = option("A Dask cluster, e.g. tcp://host:8786.", metavar="ADDRESS", callback=_cluster)
 MATERIALS = option("Your own materials; datasets/materials.csv by default.", metavar="TABLE")
-FORCE = option("Replace a default output of other inputs.", "--force", default=False)
-RESUME = option("Go on after an interruption.", "--resume", default=False)
+FORCE = option("Replace a default output that came from other inputs.", "--force", default=False)
+RESUME = option("Continue after an interruption.", "--resume", default=False)

@@ -24,10 +24,11 @@ if TYPE_CHECKING:
     from cylcontact.laws.housing_spec import HousingSpec
 
 _PANEL: dict[str, Any] = {"rich_help_panel": "The pair of cylinders"}
+_HOUSING: dict[str, Any] = {"rich_help_panel": "The housing of the hole"}
 
 
-def _text(help: str, name: str, metavar: str = "TEXT", read: Read | None = None) -> tuple[Any, Any]:
-    return str | None, option(help, name, metavar=metavar, parser=read, **_PANEL)
+def _text(help: str, name: str, read: Read | None = None) -> tuple[Any, Any]:
+    return str | None, option(help, name, metavar="TEXT", parser=read, **_PANEL)
 
 
 def _length(help: str, name: str) -> tuple[Any, Any]:
@@ -98,22 +99,23 @@ PAIR: Options = {
     "material": _text("Material of both bodies.", "--material", read=_NAMED),
     "material_i": _text("Material of the first of two rollers.", "--material-i", read=_NAMED),
     "material_j": _text("Material of the second of two rollers.", "--material-j", read=_NAMED),
-    "materials": _text("Your own; datasets/materials.csv by default.", "--materials"),
+    "materials": _text("Table of yours; datasets/materials.csv by default.", "--materials"),
     "E_MPa": _text("Young's modulus of both, MPa or '207 GPa'.", "--E",
-                   read=reader(_modulus, "is no modulus")),
+                   read=reader(_modulus, "is not a modulus")),
     "nu": (float | None, number("Poisson's ratio of both bodies.", "--nu", **_PANEL)),
-    "dR_mm": _length("ΔR: the clearance, or rollers' R_i + R_j.", "--dR"),
+    "dR_mm": _length("Radial clearance ΔR; for rollers R_i + R_j.", "--dR"),
     "R_i_mm": _length("Radius R_i of the hole or the first roller.", "--Ri"),
-    "R_j_mm": (float | None, option("Radius R_j of the pin or the second roller; inf for a plane.",
+    "R_j_mm": (float | None, option("Radius R_j of the pin or the second roller; inf is a plane.",
                "--Rj", metavar="MM", parser=_RADIUS, **_PANEL)),
     "hole_diameter": _length("Diameter of the hole.", "--hole-diameter"),
     "pin_diameter": _length("Diameter of the pin.", "--pin-diameter"),
     "length_mm": _length("Axial length.", "--length"),
-    "plane": _text("strain (long) or stress (thin).", "--plane"),
-    "R_o": _length("Radius of the housing's rim.", "--R-o"),
-    "clamp": _text("rim (by default), lug, near:60 or far:60.", "--clamp", read=_CLAMP),
-    "layer": (list[str] | None, option("Bonded ring, from a radius; may be repeated.",
-              "--layer", metavar="NAME:MM", parser=_LAYER, **_PANEL)),
+    "plane": _text("strain for long parts, stress for thin ones.", "--plane"),
+    "R_o": (float | None, length("Radius of its rim.", "--R-o", **_HOUSING)),
+    "clamp": (str | None, option("rim (by default), lug, near:60 or far:60.", "--clamp",
+              metavar="TEXT", parser=_CLAMP, **_HOUSING)),
+    "layer": (list[str] | None, option("Outer ring, from this radius; may be repeated.",
+              "--layer", metavar="NAME:MM", parser=_LAYER, **_HOUSING)),
 }  # fmt: skip
 # What stands for a constant under another name, which rollers do not have, and a factor to it.
 OF_PIN_AND_HOLE = {
@@ -282,7 +284,7 @@ def _body(
     own, both = names[of], names[""]
     if own and both:
         rule = f"is of both bodies, and {options[own[0]]} is of one"
-        raise InputError(source, options[both[0]], None, rule, "give each its own")
+        raise InputError(source, options[both[0]], None, rule, "give one option for each body")
     chosen = own or both
     option = option_of(role if role in PAIR else f"material{of}")
     if not chosen:
@@ -291,7 +293,7 @@ def _body(
     name, *others = chosen
     if name.startswith("material"):
         if others:
-            rule = f"is given by {options[name]} already"
+            rule = f"is already given by {options[name]}"
             raise InputError(source, options[others[0]], None, rule, "leave it out")
         return material_of(constants[name], given, source, options[name])
     key = of if own else ""

@@ -1,4 +1,4 @@
-"""The commands `figure`, `report`, `claims` and `paper`."""
+"""The commands `figure`, `report` and `claims`."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from cylcontact.support.errors import InputError
 
 def figure(
     names: list[str] | None = argument(
-        "Figures, e.g. fig10 fig_housing; all by default. Arguments of a figure follow its name, "
-        "e.g. fig12 result=build/internal.json.",
+        "Figures, e.g. fig10 fig_housing; all by default. Arguments follow the name of a figure: "
+        "fig12 result=build/internal.json.",
         default=None,
     ),
     out: Path | None = output("The folder; reports/figures by default."),
@@ -37,7 +37,7 @@ def figure(
     ),
     jobs: int = JOBS,
 ) -> None:
-    """Draw figures, each with the CSV of its numbers and its caption."""
+    """Draw figures, each with its numbers as CSV and its caption."""
     from cylcontact.plots.style import read_width
     from cylcontact.reports.figures import write_figures
 
@@ -83,9 +83,9 @@ def report(
 
 
 def claims(
-    out: Path | None = output("Write the table of readings as .csv instead."),
+    out: Path | None = output("Write the readings as a table, .csv, instead of printing them."),
 ) -> None:
-    """Compare what the paper claims with computed numbers, reading by reading."""
+    """Compare the claims of the paper with computed numbers, reading by reading."""
     from cylcontact.reports.claims import claims_of, to_table, to_text
 
     require_output(out, ".csv")

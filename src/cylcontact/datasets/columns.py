@@ -55,7 +55,7 @@ def column_at(table: Table, key: str, name: str) -> int:
     name = " ".join(str(name).split())
     if table.names.count(name) > 1:
         rule = f"is the name of {table.names.count(name)} columns"
-        remedy = f"give each a name of its own, or say a position, as {table.names.index(name) + 1}"
+        remedy = f"give each its own name, or give a position, as {table.names.index(name) + 1}"
         raise InputError(table.source, key, name, rule, remedy)
     with suppress(ValueError):
         return table.names.index(name)

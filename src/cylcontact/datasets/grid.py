@@ -142,7 +142,7 @@ class Grid:
     E, nu, dR, load : array of float
         The axes, in GPa, -, mm and N/mm.
     source : str
-        Its name in errors.
+        The name of the grid in error messages.
 
     Examples
     --------
@@ -162,7 +162,7 @@ class Grid:
     columns: ClassVar[tuple[str, ...]] = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
 
     def sample(self, path: Path | str | None = None, progress: Progress = silent) -> Any:
-        """Sample the reference law, into a DataFrame or, in bounded memory, into a file.
+        """Sample the reference law into a DataFrame, or in bounded memory into a file.
 
         Parameters
         ----------

@@ -229,7 +229,7 @@ def read_measured(
         wrong = np.flatnonzero(~np.isfinite(column))
         if wrong.size:
             line = f", {table.row_word} {table.lines[wrong[0]]}" if column.size > 1 else ""
-            remedy = "correct it; mind the unit in the column's name"
+            remedy = "correct it, and check the unit in the column's name"
             raise InputError(f"{source}{line}", name, None, "is too large", remedy)
     kept = kept_rows(table, numbers, labels, spec.branch)
     return MeasuredData(
@@ -463,7 +463,7 @@ def _require(
     name: str,
     values: FloatArray,
     allowed: _Range,
-    remedy: str = "correct the row, or remove it; mind the unit in the column's name",
+    remedy: str = "correct or remove the row, and check the unit in the column's name",
 ) -> None:
     """Raise `InputError` for the first row with a value that is not allowed."""
     wrong = np.flatnonzero(~(allowed.allows(values) & np.isfinite(values)))

@@ -18,7 +18,7 @@ from cylcontact.support.parallel import Call, Workers, call, run_calls
 Case = TypeVar("Case", bound=Hashable)
 Part = TypeVar("Part")
 Result = TypeVar("Result")
-_ANEW = "run without --resume to start anew"
+_ANEW = "run without --resume to start again"
 
 
 class Journal:

@@ -93,7 +93,7 @@ def _decimal_mark(table: Table, k: int) -> str:
         raise table.error(f"has {this}, and other numbers of the column {other}", remedy, row, k)
     # Between commas a point marks decimals.
     if grouped[mark] and (mark, table.separator) != (".", ","):
-        rule = "may be of thousands or have decimals, as all numbers of the column with such a mark"
+        rule = "has a mark that may be of thousands or of decimals, as in the whole column"
         other = "." if mark == "," else ","
         whole, value = cell.replace(mark, ""), float(cell.replace(mark, ".").replace("−", "-"))
         remedy = f"add --decimal '{other}' if it is {whole}, --decimal '{mark}' if it is {value:g}"

@@ -82,7 +82,7 @@ def unmarked(contents: dict[str, Any], source: str) -> dict[str, Any]:
     version = contents.get("format", FORMAT)
     if version != FORMAT:
         rule = f"is not the version {FORMAT} that this cylcontact reads"
-        remedy = "read it with the cylcontact that wrote it, or make it anew"
+        remedy = "read it with the cylcontact that wrote it, or make it again"
         raise InputError(source, "format", version, rule, remedy)
     return {key: value for key, value in contents.items() if key != "format"}
 

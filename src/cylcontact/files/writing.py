@@ -58,7 +58,7 @@ def replacing_all(paths: Iterable[Path | str]) -> Iterator[list[Path]]:
 def unwritable(path: Path, error: OSError) -> InputError:
     """Return the error for a file that could not be written."""
     rule = f"cannot be written ({error.strerror or error})"
-    remedy = "choose a file in a folder you may write to, with room left"
+    remedy = "choose a folder in which you can write, with room left"
     return InputError(str(path), "", None, rule, remedy)
 
 

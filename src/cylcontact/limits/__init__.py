@@ -1,4 +1,4 @@
-"""What a contact carries: first yield, and the end of Johnson's law."""
+"""Limits of a contact: first yield, and the end of Johnson's law."""
 
 from cylcontact.limits.loads import (
     elastic_limit_clearance,

@@ -169,8 +169,9 @@ def first_yield_in(
     """
     require_hole("the yield load in a housing", pair)
     require(
-        housing.g is None, "yield limit", "housing", housing, "has no stresses to look for",
-        "give its rim and clamp, not its compliances",
+        housing.g is None, "yield limit", "housing", housing,
+        "is given by compliances, which have no stresses",
+        "give its R_o and clamp instead",
     )  # fmt: skip
     R_i, R_j = pair.radii("the yield load")
     which, kernels = housing.kernels(pair)

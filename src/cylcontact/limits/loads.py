@@ -111,7 +111,7 @@ def yield_load(
     [ 901. 3614. 3618.] [  339.  3556. 17850.]
     """
     if criterion == "Hertz":
-        rule, remedy = "is unknown to the criterion 'Hertz'", "choose 'von Mises' or 'Tresca'"
+        rule, remedy = "is not for the criterion 'Hertz'", "choose 'von Mises' or 'Tresca'"
         require(housing is None, "yield limit", "housing", housing, rule, remedy)
         weaker = min(_yield_stresses(pair, yield_stress))
         return as_floats(np.pi * weaker**2 * pair.R / pair.E_star)
@@ -131,8 +131,8 @@ def first_yield(
     pair, yield_stress
         As for `yield_load`, in plane strain or plane stress.
     criterion : {"von Mises", "Tresca"}
-        Compares an equivalent stress with each body's own yield stress. Both are criteria of
-        ductile materials, and say nothing of brittle ones, which break in tension.
+        Compares an equivalent stress with the yield stress of each body. Both criteria are for
+        ductile materials, not for brittle ones, which break in tension.
     housing : Housing, optional
         Around the hole, in place of an infinite plate.
 
@@ -146,7 +146,7 @@ def first_yield(
     Raises
     ------
     InputError
-        As for `yield_load`; "Hertz" is no criterion of a place.
+        As for `yield_load`; "Hertz" gives no place.
 
     Notes
     -----
@@ -192,8 +192,8 @@ def yield_warning(
 ) -> str | None:
     """Return a sentence if a load is above first yield by von Mises; None if none is.
 
-    Of loads in N/mm, where NaN counts for nothing, and one pair. None is returned as well if a
-    radius or a yield stress is not known.
+    The loads are in N/mm; NaN is ignored. The result is also None if a radius or a yield stress
+    is unknown.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Which clearance, modulus or length has a stiffness or a penetration, and the width of contact."""
+"""The clearance, modulus or length that gives a stiffness or penetration; the width of contact."""
 
 from __future__ import annotations
 

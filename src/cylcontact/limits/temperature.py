@@ -75,7 +75,7 @@ def at_temperature(
     -1.04 µm
     """
     if housing is None:
-        require(rim is None, _SOURCE, "rim", rim, "is that of a housing", "give the housing too")
+        require(rim is None, _SOURCE, "rim", rim, "is for a housing", "give the housing too")
         return pair.at_temperature(pin, hole, reference)
     warmer = 0.0 if hole is None else hole - reference
     cold = pair.at_temperature(pin, None, reference)  # the pin grows; radii and rules are checked
@@ -104,8 +104,8 @@ def bore_expansion(
     remedy = 'give "free", "held", or the material of the frame'
     require(rim is not None, _SOURCE, "rim", None, rule, remedy)
     known = isinstance(rim, Material) or rim in ("free", "held")
-    require(known, _SOURCE, "rim", rim, "is no state of a rim", remedy)
-    rule, remedy = "is that of a whole rim", 'a rim that is clamped on a sector is "free"'
+    require(known, _SOURCE, "rim", rim, "is not a state of the rim", remedy)
+    rule, remedy = "is for a rim clamped all round", 'a rim clamped on a sector is "free"'
     whole = not isinstance(housing.clamp, Sector) or rim == "free"
     require(whole, _SOURCE, "rim", rim, rule, remedy)
     rings = [(material, R_i), *housing.layers]

@@ -95,7 +95,7 @@ def start_of(values: FloatArray) -> Steps:
 
 
 def estimate(mechanism: SliderCrank, revolutions: int) -> str:
-    """Return a sentence on a run of very many steps; empty for others."""
+    """Return a warning for a run of very many steps, otherwise an empty text."""
     longest = mechanism.spec.max_step
     steps = revolutions * (_STEPS_PER_REVOLUTION + mechanism.period / longest)
     if steps < _MANY_STEPS:
@@ -181,7 +181,7 @@ class Run:
                 source, "joint.law", self.mechanism.joint.data["law"],
                 f"leaves its domain at {when}, where the penetration reaches {depth_um} "
                 f"and the limit is {limit * 1e6:.4g} µm{of_table}",
-                'choose another law, or let it go on along its tangent, beyond = "tangent" '
+                'choose another law, or continue along its tangent, beyond = "tangent" '
                 "(--beyond tangent)",
             )  # fmt: skip
         if status == integrate.HOLE_LEFT:

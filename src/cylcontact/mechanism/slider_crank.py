@@ -186,14 +186,14 @@ class SliderCrank:
         return self.side * 1e-3 * np.array([*spec.eccentricity, *spec.eccentricity_rate])
 
     def changed(self, **changes: Any) -> SliderCrank:
-        """Return it with other values; see `read_mechanism`."""
+        """Return this slider-crank with other values; see `read_mechanism`."""
         if changes.get("law") is None and self.data["joint"]["law"] == repr(self.joint.law):
             changes["law"] = self.joint.law  # it was given as an object
         return mechanism_from(self.data, self.source, self.materials, **changes)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """A sentence for each mass, inertia, length or gravity that is hardly meant."""
+        """Warnings about implausible masses, inertias, lengths or gravity."""
         return (*self._unusual_numbers(), *unusual_lengths(self.joint.pair))
 
     def _unusual_numbers(self) -> Iterator[str]:

@@ -122,8 +122,8 @@ class Statistics:
         """Return means, and half-widths of their intervals by batch means.
 
         The revolutions are divided into 20 batches, or as many as leave two revolutions in each.
-        Less than four batches give no interval (NaN), and neither does a joint without dissipation
-        and friction: it has no steady state, and its means are numbers of their window.
+        Fewer than four batches give no interval (NaN). A joint without dissipation and friction has
+        no interval either, because it has no steady state.
 
         Parameters
         ----------
@@ -183,7 +183,7 @@ class Statistics:
     def carried(self) -> float:
         """δ̇⁽⁻⁾ in m/s of a contact that lasts through the last revolution, NaN without one.
 
-        It is the rate of the last onset; it sets the damping from then on, and decides the motion.
+        This rate of the last first touch sets the damping from then on, and decides the motion.
         """
         last = self.revolutions.iloc[-1]
         lasting = last["contact_fraction"] == 1.0 and last["impacts"] == 0
@@ -191,7 +191,7 @@ class Statistics:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """A sentence on first yield, the law's end and the energy balance, where one is due."""
+        """Warnings about first yield, the end of the law, and the energy balance."""
         table, joint = self.revolutions, self.mechanism.joint
         texts = []
         load = float(table["max_load_N_per_mm"].max())
@@ -203,7 +203,7 @@ class Statistics:
         if (share > BALANCE * np.arange(1, len(table) + 1)).any():
             texts.append(
                 f"the energy balance is off by up to {100 * share.max():.2g} % of the largest "
-                "kinetic energy; a tighter tolerance mends it"
+                "kinetic energy; use a tighter tolerance"
             )
         return tuple(texts)
 
@@ -254,7 +254,7 @@ class Statistics:
         if (rate := self.carried) > 0:
             motion += f"; the contact lasts, damped by the δ̇⁽⁻⁾ of its onset, {rate:.3g} m/s"
         if self.lossless:
-            motion += "; nothing dissipates: there is no steady state, and no interval"
+            motion += "; nothing dissipates, so there is no steady state and no interval"
         title = f"Means over revolutions {self.first + 1:,} to {total:,}, ± half the 95 % interval"
         return f"{title}\n{text}\n{motion}"
 

@@ -346,7 +346,7 @@ class Trajectory:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """A sentence for each thing to be wary of; see `Statistics.warnings`."""
+        """Warnings; see `Statistics.warnings`."""
         return self.statistics().warnings
 
     def __repr__(self) -> str:
@@ -374,8 +374,8 @@ def simulate(
     revolutions : int, optional
         The number of revolutions of the crank; by default that of the file.
     beyond : {"stop", "tangent"}
-        What to do at the end of a contact law: stop with an error, or go on along its tangent at
-        nine tenths of the largest penetration.
+        At the end of a contact law: stop with an error, or continue along its tangent at nine
+        tenths of the largest penetration.
     allowed_penetration : float, optional
         The paper's control of the step, for comparison: the onset of a contact is not located, but
         the step halved until the penetration at the onset is at most this, in m.

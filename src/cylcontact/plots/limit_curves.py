@@ -35,10 +35,10 @@ def plot_limits(
     ax: Axes | None = None,
     **line: Any,
 ) -> Axes:
-    """Draw the load at first yield and the largest of Johnson's law over clearance.
+    """Draw the load at first yield and the largest load of Johnson's law over the clearance.
 
-    For a pin in a hole. Figs 7 and 8 draw the one and the other; Fig 9 draws Hertz's peak
-    pressure (Eq 7) at the other.
+    For a pin in a hole. Fig 7 draws first yield, Fig 8 the largest load of Johnson's law, and Fig 9
+    Hertz's peak pressure (Eq 7) at that load.
 
     Parameters
     ----------
@@ -71,8 +71,8 @@ def plot_limits(
     Raises
     ------
     InputError
-        If the clearances, the radius, the criterion or `ax` are wrong, nothing is to be drawn, or
-        first yield is and a material has no yield stress.
+        If the clearances, the radius, the criterion or `ax` are wrong, nothing is left to draw, or
+        a material has no yield stress.
 
     Examples
     --------

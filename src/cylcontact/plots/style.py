@@ -53,7 +53,7 @@ _OWN: ContextVar[str | None] = ContextVar("own", default=None)
 def figure_style(own: str | None = None, width: float | None = None) -> Iterator[None]:
     """Apply the style of the package's figures to a `with` block.
 
-    It starts from matplotlib's defaults, so that your matplotlibrc changes no figure.
+    It starts from matplotlib's defaults, so your matplotlibrc has no effect.
 
     Parameters
     ----------

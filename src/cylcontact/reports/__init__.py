@@ -1,4 +1,4 @@
-"""What a folder or a joint reports: figures with their numbers, claims, a page, a joint check."""
+"""Reports: figures with their numbers, claims, an HTML page, and the check of a joint."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""What a paper claims, against computed numbers.
+"""Claims of a paper, compared with computed numbers.
 
 A claim is a function in a folder's `reports/claims.py`. Its docstring says what is claimed. It
 yields the readings of the claim, the most literal first: how it is read, our number, and whether
@@ -52,7 +52,7 @@ class Claim:
 
     @property
     def verdict(self) -> str:
-        """Whether it holds in every reading, in some or in none."""
+        """Whether the claim holds in all readings, in some, or in none."""
         results = {bool(holds) for *_, holds in self.readings}
         return DEPENDS if len(results) == 2 else HOLDS if results == {True} else FAILS
 

@@ -152,7 +152,7 @@ def check_joint(
     depth: float | None = None,
     warm: Callable[[CylinderPair], CylinderPair] | None = None,
 ) -> JointCheck:
-    """Return what a joint does under a load.
+    """Check a joint under a load: penetration, stiffness, pressure, first yield.
 
     Parameters
     ----------
@@ -162,11 +162,11 @@ def check_joint(
     load : float
         Load per unit length in N/mm.
     housing : Housing, optional
-        What holds the hole; without one the hole is in an infinite plate.
+        The body around the hole; without one the hole is in an infinite plate.
     fit : Fit or str, optional
-        An ISO fit, as "20H7/g6": the answer is then for its whole band. Mean and percentiles are of
-        20 000 pairs whose diameters are normal, ±3σ within their limits; they are interpolated
-        over the clearance between pairs that are solved.
+        An ISO fit, such as "20H7/g6"; the answer is then for all its clearances. Mean and
+        percentiles are from 20 000 pairs with normally distributed diameters, whose limits are
+        ±3σ. They are interpolated over the clearance.
     depth : float, optional
         For a roller on a plane: the depth in mm below the surface at which the half-plane is held.
     warm : callable, optional
@@ -274,7 +274,7 @@ def _band(
     every = [*band.values(), *(solve(first + share * (1 - first)) for share in _SHARES)]
     solved = {each.clearance_um: each for each in every if each.first_yield != _NO_CLEARANCE}
     if len(solved) < len(_NAMED):
-        rule, remedy = "leaves no clearance to most pairs", "choose a looser pin, or stay cooler"
+        rule, remedy = "leaves most pairs without clearance", "choose a looser pin, or stay cooler"
         raise InputError("check_joint", "fit", fit.code, rule, remedy)
     gaps = sorted(solved)
     drawn = np.random.default_rng(_SEED).normal(0.5, 1 / 6, (2, 2 * _DRAWN))
@@ -393,15 +393,15 @@ def _band_table(check: JointCheck) -> Table:
 def _advice(check: JointCheck) -> list[str]:
     """Return which law to use in another code, and what the answer leaves out."""
     use = {
-        "conformal": "conformal, from which this answer comes, as a table",
+        "conformal": "conformal, which gave this answer, exported as a table",
         "explicit": f"explicit, a formula: here {check.error_percent:+.2f} % off in penetration",
-        "johnson": "johnson, from which this answer comes: a formula with Lambert's W",
+        "johnson": "johnson, which gave this answer: a formula with Lambert's W",
     }[check.law]
-    lines = [f"in another code   {use}", "left out          friction, wear, tilt, plastic flow"]
+    lines = [f"law to export     {use}", "not included      friction, wear, tilt, plastic flow"]
     if check.pair.contact == "internal" and check.housing is None:
-        lines[1] += ", and the give of the housing, which may be"
+        lines[1] += ", and the housing, whose deformation may be"
         lines.append(
-            "                  larger than this penetration: name its outer radius (--R-o)"
+            "                  larger than this penetration: give its outer radius (--R-o)"
         )
     return lines
 

@@ -27,7 +27,7 @@ from cylcontact.support.progress import Progress, silent
 # A function with its arguments, as joblib takes it.
 Call = tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]
 
-_RESUME = "a command that has --resume goes on with it from what is complete"
+_RESUME = "a command with --resume continues from what is complete"
 # Seconds between two looks of a worker whether its parent is alive.
 _POLLING = 0.2
 # Seconds to find the scheduler and a first worker.

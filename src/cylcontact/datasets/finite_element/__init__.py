@@ -1,8 +1,8 @@
 """Finite elements for a pin in a hole, and tables of results.
 
 The model is half of the plane problem, with structured four-node quads and frictionless contact.
-Two-dimensional bodies have no absolute approach: the dependence of the penetration on load and
-clearance is computed, and its additive constant is set by the outer radius of the plate.
+In two dimensions a penetration is known only up to a constant: its dependence on load and clearance
+is computed, and the constant is set by the outer radius of the plate.
 """
 
 from cylcontact.datasets.finite_element.mesh import Setup

@@ -397,7 +397,7 @@ def read_table(path: Path | str) -> FiniteElementTable:
     rule, remedy = "is not a table of finite elements", "name one that finite-element has written"
     require(known, str(path), "", None, rule, remedy)
     rule = f"does not match the rows, whose hash is {_hash(body)}: the table was edited by hand"
-    remedy = "restore it, or make it anew with cylcontact finite-element"
+    remedy = "restore it, or compute it again with cylcontact finite-element"
     require(_hash(body) == header["sha256"], str(path), "sha256", header["sha256"], rule, remedy)
     return FiniteElementTable(pd.read_csv(io.StringIO(body)), header)
 
