@@ -9,7 +9,8 @@ import pytest
 
 import cylcontact as cc
 from cylcontact import InputError
-from cylcontact.fitting.optimum import Optimum, half_width
+from cylcontact.fitting.readings import Optimum, half_width
+from tests.support.measured_files import with_columns
 from tests.support.noisy_series import LAW, OFFSET, PAIR, campaign_of, readings, refitted
 
 SCATTER = 5e-5  # mm
@@ -28,7 +29,8 @@ def widened(result, loads):
     rows = np.concatenate([np.arange(len(data)), np.zeros(len(loads), dtype=int)])
     more = data.take(rows)
     depth = result.optimum.law.penetration(np.asarray(loads, float), PAIR)
-    more = more.with_values(
+    more = with_columns(
+        more,
         load=np.concatenate([data.load, loads]),
         penetration=np.concatenate([data.penetration, depth]),
     )

@@ -12,8 +12,7 @@ from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import DataFit, FitResult, compare
 from cylcontact.fitting.comparison import verify
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
-from cylcontact.fitting.table_fit import fit_table
+from cylcontact.fitting.tables import campaign_of_table, fit_table, read_campaign
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from tests.support.measured_files import (
     CONSTANTS,

@@ -209,12 +209,12 @@ def test_whitened_residuals_have_the_norm_of_the_full_covariance(rows):
     vectors = np.random.default_rng(1).normal(size=(3, rows))
     before = vectors.copy()
     covariance = replace(covariance, deviations=DEVIATIONS)
-    whitened = covariance.whitened(vectors)
+    whitened = covariance.residuals(vectors, 0.0)
     assert vectors == pytest.approx(before)
     expected = vectors @ np.linalg.inv(V) @ vectors.T
     assert whitened @ whitened.T == pytest.approx(expected, rel=1e-11)
     # It is a root of the inverse: independent noise of variance 1 comes out.
-    W = covariance.whitened(np.eye(rows)).T
+    W = covariance.residuals(np.eye(rows), 0.0).T
     assert W @ V @ W.T == pytest.approx(np.eye(rows), abs=1e-11)
 
 
@@ -226,8 +226,9 @@ def test_fixed_offsets_sum_to_zero_beside_the_laws_own():
     sums = [Z[:, 3 * k + place] - Z[:, place] for k in (1, 2) for place in (0, 1)]
     X = np.column_stack([slopes, *sums, Z[:, [2, 5, 8]]])
     beta, normal, _, squares = least_squares(X, likelihood.residuals, np.diag(single))
-    whiten = replace(covariance, deviations=scatter).whitened
-    own, rest, _, _ = np.linalg.lstsq(whiten(slopes.T).T, whiten(likelihood.residuals), rcond=None)
+    at = replace(covariance, deviations=scatter)
+    X_and_y = [at.residuals(each, 0.0).T for each in (slopes.T, likelihood.residuals)]
+    own, rest, _, _ = np.linalg.lstsq(*X_and_y, rcond=None)
     assert own == pytest.approx(beta[:2], rel=1e-9)
     assert rest[0] == pytest.approx(squares, rel=1e-9)
     assert likelihood.parameter_covariance(scatter) == pytest.approx(normal[:2, :2], rel=1e-9)

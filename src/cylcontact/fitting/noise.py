@@ -20,6 +20,14 @@ fixed effects among them, the deviations minimise the restricted likelihood
 with constant scatter alone it gives Σr²/(N − k). The degrees of freedom of an estimate are
 Satterthwaite's: 2C²/(gᵀAg), with C its variance, g the derivatives of C by the logarithms of the
 deviations, and A their covariance from the curvature of ℓ.
+
+The noise alone says what the residuals of a fit are:
+
+| objective | noise | residual |
+|---|---|---|
+| rms-log-penetration | `Plain`, relative to δ | ln(δ_law(f)/δ) |
+| rms-penetration | `Plain`, in mm or given as σ_δ | δ_law(f) − δ, or (δ_law(f) − δ)/σ_δ |
+| rms-standardised | `Covariance` of a `NoiseModel` | V^(−½)·(δ_law(f) − δ), no unit |
 """
 
 from __future__ import annotations
@@ -28,16 +36,26 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from scipy.optimize import minimize
 
 from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.errors import InputError
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.specs import MeasuredSpec
 
 NOISES = ("constant", "proportional", "both")
+LOG, ABSOLUTE, STANDARDISED = "rms-log-penetration", "rms-penetration", "rms-standardised"
+# Objectives of 1.0.0rc1, with what to use instead. Kept for one release.
+_GONE = dict.fromkeys(
+    ("rms-load", "rms-log-load"),
+    "leave it out: penetrations are compared; a column load_std, or --load-error, gives the errors "
+    "of loads",
+)
 # With fewer series than this, their effects are fixed.
 FEWEST_RANDOM = 5
 # Deviations relative to the penetration; the others are in mm.
@@ -49,6 +67,63 @@ _STEP, _WIDE_STEP = 1e-4, 1e-2
 _OPTIONS: Any = {"ftol": 1e-14, "gtol": 1e-7, "maxiter": 500}
 # A deviation is zero if −2ℓ loses no more than this by it.
 _NO_LOSS = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Plain:
+    """Independent noise of one size: relative to the penetration, in mm, or as given in mm."""
+
+    is_log: bool = True
+    given: FloatArray | None = None
+
+    @property
+    def objective(self) -> str:
+        """The name of the objective."""
+        return LOG if self.is_log else ABSOLUTE
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the standard deviations are given with the data."""
+        return self.given is not None
+
+    @property
+    def unit(self) -> str:
+        """What the residuals are in."""
+        if self.is_given:
+            return "given standard deviations"
+        return "share of the penetration" if self.is_log else "mm"
+
+    def residuals(self, predicted: FloatArray, observed: FloatArray) -> FloatArray:
+        """Return the residuals of predictions, shape (..., N)."""
+        if self.is_log:
+            return as_floats(np.log(predicted / observed))
+        return as_floats((predicted - observed) / (1.0 if self.given is None else self.given))
+
+    def log_likelihood(self, residuals: FloatArray, observed: FloatArray) -> float | None:
+        """Return ln L of the readings in mm; None if all residuals are zero.
+
+        They are readings whatever the residuals, so that fits with different noise can be compared.
+        An estimated standard deviation has its value of largest likelihood, √(Σr²/N).
+        """
+        variance = 1.0 if self.is_given else float((residuals**2).mean())
+        if variance == 0:
+            return None
+        # From the residual to the reading: |dr/dy| = 1/y for logarithms, else 1/σ.
+        size = np.abs(observed) if self.is_log else self.given
+        scale = 0.0 if size is None else float(np.log(size).sum())
+        squares = float((residuals**2).sum()) / variance
+        return -0.5 * (residuals.size * float(np.log(2 * np.pi * variance)) + squares) - scale
+
+    def new_variance(self, depth: FloatArray, sigma: float) -> FloatArray:
+        """Return the variance of new readings in mm²; given deviations have their median."""
+        if self.is_log:
+            return as_floats((sigma * depth) ** 2)
+        median = 1.0 if self.given is None else float(np.median(self.given))
+        return np.full_like(depth, (sigma * median) ** 2)
+
+    def take(self, rows: Indices) -> Plain:
+        """Return the noise of a selection of rows."""
+        return self if self.given is None else replace(self, given=self.given[rows])
 
 
 @dataclass(frozen=True)
@@ -66,6 +141,11 @@ class NoiseModel:
     drift: bool = False
     load_error: float = 0.0
     has_offset: bool = False
+
+    @property
+    def objective(self) -> str:
+        """The name of the objective."""
+        return STANDARDISED
 
     @property
     def scatter(self) -> tuple[str, ...]:
@@ -100,6 +180,64 @@ class NoiseModel:
         )
 
 
+def noise_of(
+    spec: MeasuredSpec, data: Measurements, has_offset: bool, source: str
+) -> Plain | NoiseModel:
+    """Return the noise that a campaign states, or the usual one for its data."""
+    sigma = data.columns.get("penetration_std")
+    keys = {"group": spec.group, "drift": spec.drift or None, "load_error": spec.load_error}
+    chosen = [key for key, value in keys.items() if value is not None]
+    # Scatter in proportion to the penetration is not in proportion to a reading with an offset.
+    if spec.noise == "both" or (spec.noise == "proportional" and has_offset):
+        chosen.append("noise")
+    if not chosen and "load_std" not in data.columns:
+        return _plain_of(spec, data, sigma, source)
+    if spec.objective not in (None, STANDARDISED):
+        key = chosen[0] if chosen else "load_std"
+        rule, remedy = f"conflicts with {key}, which has a likelihood of its own", "keep one"
+        raise InputError(source, "objective", spec.objective, rule, remedy)
+    if spec.noise is not None and sigma is not None:
+        rule = "conflicts with the column penetration_std, which gives the noise"
+        raise InputError(source, "noise", spec.noise, rule, "keep one of them")
+    return NoiseModel(
+        noise=spec.noise or ("both" if chosen and sigma is None else None),
+        over="group" if spec.group is not None else None,
+        drift=bool(spec.drift),
+        load_error=spec.load_error or 0.0,
+        has_offset=has_offset,
+    )
+
+
+def _plain_of(
+    spec: MeasuredSpec, data: Measurements, sigma: FloatArray | None, source: str
+) -> Plain:
+    objective = spec.objective
+    key, value, remedy = "objective", objective, "keep one of them"
+    if spec.noise is not None:
+        said = "objective" if objective else "" if sigma is None else "penetration_std"
+        key, value, rule = (
+            "noise",
+            spec.noise,
+            said and f"conflicts with {said}, which says the same",
+        )
+        is_log = spec.noise != "constant"
+    else:
+        is_log = sigma is None and bool((data.penetration > 0).all())
+        rule = ""
+        if objective is not None:
+            is_log = objective == LOG
+            if objective in _GONE:
+                rule, remedy = "is gone", _GONE[objective]
+            elif objective not in (LOG, ABSOLUTE):
+                rule, remedy = "is not an objective for measurements", f"choose {LOG}, {ABSOLUTE}"
+            elif is_log and sigma is not None:
+                rule = "leaves the column penetration_std unused"
+                remedy = f"choose {ABSOLUTE}, or list the column under ignore"
+    if rule:
+        raise InputError(source, key, value, rule, remedy)
+    return Plain(is_log, None if is_log else sigma)
+
+
 def positions(series: Indices, time: FloatArray | None) -> FloatArray:
     """Return the position of each row in its series, from 0 for the first to 1 at most."""
     along = np.empty(series.size)
@@ -128,6 +266,24 @@ class Covariance:
     position: FloatArray
     random: bool | None = None
     deviations: Mapping[str, float] = field(default_factory=dict)
+
+    is_log: ClassVar[bool] = False
+    objective: ClassVar[str] = STANDARDISED
+
+    @property
+    def is_given(self) -> bool:
+        """Whether all standard deviations are given with the data."""
+        return not self.names
+
+    @property
+    def unit(self) -> str:
+        """What the residuals are in."""
+        return f"{'given' if self.is_given else 'estimated'} standard deviations"
+
+    @property
+    def estimated(self) -> int:
+        """The number of deviations and fixed effects that are estimated."""
+        return len(self.names) + int(self.fixed.shape[1])
 
     @cached_property
     def is_random(self) -> bool:
@@ -175,14 +331,14 @@ class Covariance:
         """Return the deviations of the columns of Z, shape (q,)."""
         return np.array([deviations[name] for name in self.model.effects])
 
-    def take(self, rows: Indices, series: Indices | None = None) -> Covariance:
-        """Return the covariance of a selection of rows, in the series given."""
+    def take(self, rows: Indices) -> Covariance:
+        """Return the covariance of a selection of rows."""
         return replace(
             self,
             load=self.load[rows],
             given=self.given[rows],
             depth=self.depth[rows],
-            series=self.series[rows] if series is None else series,
+            series=self.series[rows],
             position=self.position[rows],
             random=self.is_random,
         )
@@ -194,9 +350,9 @@ class Covariance:
         """The standard deviations of single readings in mm, shape (N,)."""
         return as_floats(np.sqrt(self.variance(self.deviations)))
 
-    def whitened(self, residuals: FloatArray) -> FloatArray:
-        """Return residuals in mm, (..., N), times the symmetric root of V⁻¹; fixed effects go."""
-        u = residuals / self.scale
+    def residuals(self, predicted: FloatArray, observed: FloatArray) -> FloatArray:
+        """Return the differences, (..., N), times the symmetric root of V⁻¹, less fixed effects."""
+        u = (predicted - observed) / self.scale
         for rows, Q, S in self._blocks:
             part = u[..., rows]
             u[..., rows] = part - ((part[..., None, :] @ Q) @ S @ Q.mT)[..., 0, :]
@@ -364,6 +520,8 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
     def slopes(at: FloatArray) -> FloatArray:
         steps = _STEP * np.eye(at.size)
         return np.array([(value(at + step) - value(at - step)) / (2 * _STEP) for step in steps])
+
+    from scipy.optimize import minimize  # slow to import
 
     solution = minimize(
         value,
