@@ -211,31 +211,23 @@ def noise_of(
 def _plain_of(
     spec: MeasuredSpec, data: Measurements, sigma: FloatArray | None, source: str
 ) -> Plain:
-    objective = spec.objective
-    key, value, remedy = "objective", objective, "keep one of them"
-    if spec.noise is not None:
-        said = "objective" if objective else "" if sigma is None else "penetration_std"
-        key, value, rule = (
-            "noise",
-            spec.noise,
-            said and f"conflicts with {said}, which says the same",
-        )
-        is_log = spec.noise != "constant"
-    else:
-        is_log = sigma is None and bool((data.penetration > 0).all())
-        rule = ""
-        if objective is not None:
-            is_log = objective == LOG
-            if objective in _GONE:
-                rule, remedy = "is gone", _GONE[objective]
-            elif objective not in (LOG, ABSOLUTE):
-                rule, remedy = "is not an objective for measurements", f"choose {LOG}, {ABSOLUTE}"
-            elif is_log and sigma is not None:
-                rule = "leaves the column penetration_std unused"
-                remedy = f"choose {ABSOLUTE}, or list the column under ignore"
+    given, noise = spec.objective, spec.noise
+    key, rule, remedy = "objective", "", "keep one of them"
+    if noise is not None and (given or sigma is not None):
+        key, said = "noise", "objective" if given else "penetration_std"
+        rule = f"conflicts with {said}, which says the same"
+    elif given in _GONE:
+        rule, remedy = "is gone", _GONE[given]
+    elif given not in (None, LOG, ABSOLUTE):
+        rule, remedy = "is not an objective for measurements", f"choose {LOG}, {ABSOLUTE}"
+    elif given == LOG and sigma is not None:
+        rule = "leaves the column penetration_std unused"
+        remedy = f"choose {ABSOLUTE}, or list the column under ignore"
     if rule:
-        raise InputError(source, key, value, rule, remedy)
-    return Plain(is_log, None if is_log else sigma)
+        raise InputError(source, key, getattr(spec, key), rule, remedy)
+    if given is None and noise is None:
+        return Plain(sigma is None and bool((data.penetration > 0).all()), sigma)
+    return Plain(given == LOG or noise == "proportional", sigma)
 
 
 def positions(series: Indices, time: FloatArray | None) -> FloatArray:
