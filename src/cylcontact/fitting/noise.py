@@ -337,31 +337,24 @@ class Covariance:
 
     # --- at the estimated deviations ----------------------------------------------------------
 
+    def at(self, deviations: Mapping[str, float]) -> Covariance:
+        """Return the covariance at some deviations."""
+        return replace(self, deviations=deviations)
+
     @cached_property
     def scale(self) -> FloatArray:
         """The standard deviations of single readings in mm, shape (N,)."""
         return as_floats(np.sqrt(self.variance(self.deviations)))
 
-    def residuals(self, predicted: FloatArray, observed: FloatArray) -> FloatArray:
-        """Return the differences, (..., N), times the symmetric root of V⁻¹, less fixed effects."""
-        u = (predicted - observed) / self.scale
-        for rows, Q, S in self._blocks:
-            part = u[..., rows]
-            u[..., rows] = part - ((part[..., None, :] @ Q) @ S @ Q.mT)[..., 0, :]
-        return as_floats(u)
-
     @cached_property
-    def _blocks(self) -> list[tuple[Indices, FloatArray, FloatArray]]:
-        """Rows, Q and S of V^(−1/2) = I − Q·S·Qᵀ for G series of n rows each, Q orthonormal.
+    def _blocks(self) -> list[tuple[Indices, FloatArray, FloatArray, FloatArray]]:
+        """For G series of n rows their rows, shape (G, n), and the effects, scaled, by axes.
 
-        They have the shapes (G, n), (G, n, m) and (G, m, m).
+        These are Q of shape (G, n, m), orthonormal, and of the matrix between them the squares
+        (G, m) and the axes (G, m, m).
         """
-        if not self.is_random and not self.fixed.size:
-            return []
         if not self.is_random:
-            basis = _basis_of(as_floats(self.fixed / self.scale[:, None]))
-            rows = np.arange(self.scale.size)[None, :]
-            return [(rows, basis[None, :], np.eye(basis.shape[1])[None, :])]
+            return []
         columns = self.columns / self.scale[:, None] * self.spread(self.deviations)
         order = np.argsort(self.series, kind="stable")
         _, first, sizes = np.unique(self.series[order], return_index=True, return_counts=True)
@@ -370,9 +363,32 @@ class Covariance:
             rows = order[first[sizes == n, None] + np.arange(n)]
             Q, R = np.linalg.qr(columns[rows])
             values, vectors = np.linalg.eigh(R @ R.mT)
-            shrunk = 1 - 1 / np.sqrt(1 + np.maximum(values, 0.0))
-            blocks.append((rows, Q, (vectors * shrunk[:, None, :]) @ vectors.mT))
+            blocks.append((rows, Q, np.maximum(values, 0.0), vectors))
         return blocks
+
+    @property
+    def log_det(self) -> float:
+        """ln|V|."""
+        shared = sum(np.log1p(values).sum() for _, _, values, _ in self._blocks)
+        return float(2 * np.log(self.scale).sum() + shared)
+
+    def white(self, values: FloatArray) -> FloatArray:
+        """Return values in mm, (..., N), times a root of V⁻¹, symmetric but for the scale."""
+        u = values / self.scale
+        for rows, Q, squares, axes in self._blocks:
+            part, shrunk = u[..., rows], 1 - 1 / np.sqrt(1 + squares)
+            S = (axes * shrunk[:, None, :]) @ axes.mT
+            u[..., rows] = part - ((part[..., None, :] @ Q) @ S @ Q.mT)[..., 0, :]
+        return as_floats(u)
+
+    @cached_property
+    def _fixed_basis(self) -> FloatArray:
+        return _basis_of(self.fixed / self.scale[:, None])
+
+    def residuals(self, predicted: FloatArray, observed: FloatArray) -> FloatArray:
+        """Return the whitened differences, (..., N), less what fixed effects explain."""
+        u = self.white(predicted - observed)
+        return as_floats(u - (u @ self._fixed_basis) @ self._fixed_basis.T)
 
     def series_effects(self, residuals: FloatArray) -> FloatArray:
         """Return the effects of each series, shape (G, q), from fitted less measured in mm.
@@ -380,19 +396,16 @@ class Covariance:
         Offsets and drifts are in mm, gains relative. Random effects are the best linear unbiased
         predictions, fixed ones their least squares.
         """
+        names, place = np.unique(self.series, return_inverse=True)
+        effects = np.zeros((names.size, len(self.model.effects)))
         if self.is_random:
-            spread = self.spread(self.deviations)
-            U = self.columns / self.scale[:, None] * spread
-            inner = _by_series(self.series, U[:, :, None] * U[:, None, :])
-            right = _by_series(self.series, U * (-residuals / self.scale)[:, None])
-            solved = np.linalg.solve(np.eye(spread.size) + inner, right[..., None])[..., 0]
-            return as_floats(spread * solved)
+            weighted = self.white(-self.scale * self.white(residuals)) / self.scale  # −V⁻¹·r
+            np.add.at(effects, place, self.columns * weighted[:, None])
+            return as_floats(self.spread(self.deviations) ** 2 * effects)
         values = np.linalg.lstsq(self.fixed / self.scale[:, None], -residuals / self.scale)[0]
-        shared = self.fixed @ values
-        member = self.series[:, None] == np.unique(self.series)
-        design = (member[:, :, None] * self.columns[:, None, :]).reshape(len(shared), -1)
-        own = np.linalg.lstsq(design, shared)[0]
-        return as_floats(own.reshape(-1, len(self.model.effects)))
+        member = place[:, None] == np.arange(names.size)
+        design = (member[:, :, None] * self.columns[:, None, :]).reshape(place.size, -1)
+        return as_floats(np.linalg.lstsq(design, self.fixed @ values)[0].reshape(effects.shape))
 
     def scatter_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
         """Return the variance of single new readings in mm², without what their series shares."""
@@ -415,14 +428,7 @@ def _basis_of(columns: FloatArray) -> FloatArray:
     length = np.linalg.norm(columns, axis=0)
     scaled = columns / np.where(length > 0, length, 1.0)
     left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
-    return as_floats(left[:, singular > 1e-10 * singular[0]])
-
-
-def _by_series(series: Indices, values: FloatArray) -> FloatArray:
-    """Return sums over the rows of each series, shape (N, ...) to (G, ...)."""
-    order = np.argsort(series, kind="stable")
-    starts = np.flatnonzero(np.diff(series[order], prepend=-1))
-    return as_floats(np.add.reduceat(values[order], starts, axis=0))
+    return as_floats(left[:, singular > 1e-10 * singular.max(initial=0.0)])
 
 
 # --- the deviations by restricted maximum likelihood ------------------------------------------
@@ -454,43 +460,28 @@ class Likelihood:
 
     def _terms(self, deviations: Mapping[str, float]) -> tuple[float, FloatArray, float]:
         """Return ln|V|, XᵀV⁻¹X in an orthonormal basis of the columns of X, and rᵀPr."""
-        inner, log_det = self._inner(deviations, self._reduced)
+        V = self.covariance.at(deviations)
+        white = V.white(self._reduced)
+        inner = white @ white.T
         normal = inner[1:, 1:]
         rest = inner[0, 0] - inner[0, 1:] @ np.linalg.solve(normal, inner[1:, 0])
-        return log_det, normal, float(rest)
+        return V.log_det, normal, float(rest)
 
     def parameter_covariance(self, deviations: Mapping[str, float]) -> FloatArray:
         """Return the covariance of the free parameters, shape (k, k)."""
         design = np.hstack([self.slopes, self.covariance.fixed])
         size = np.linalg.norm(design, axis=0)
         size = np.where(size > 0, size, 1.0)
-        inner, _ = self._inner(deviations, design / size)
-        inverse = np.linalg.pinv(inner, hermitian=True) / np.outer(size, size)
+        X = self.covariance.at(deviations).white((design / size).T)
         k = self.slopes.shape[1]
+        inverse = np.linalg.pinv(X @ X.T, hermitian=True) / np.outer(size, size)
         return as_floats(inverse[:k, :k])
 
     @cached_property
     def _reduced(self) -> FloatArray:
         """The residuals, then an orthonormal basis of the derivatives and fixed effects."""
         basis = _basis_of(np.hstack([self.slopes, self.covariance.fixed]))
-        return np.column_stack([self.residuals, basis])
-
-    def _inner(
-        self, deviations: Mapping[str, float], columns: FloatArray
-    ) -> tuple[FloatArray, float]:
-        """Return MᵀV⁻¹M of columns M, shape (m, m), and ln|V|."""
-        covariance = self.covariance
-        variance = covariance.variance(deviations)
-        weighted = columns / variance[:, None]
-        inner, log_det = columns.T @ weighted, float(np.log(variance).sum())
-        if not covariance.is_random:
-            return inner, log_det
-        Z = covariance.columns * covariance.spread(deviations)
-        own = _by_series(covariance.series, Z[:, :, None] * Z[:, None, :] / variance[:, None, None])
-        shared = _by_series(covariance.series, Z[:, :, None] * weighted[:, None, :])
-        core = np.eye(Z.shape[1]) + own
-        inner = inner - np.einsum("gqa,gqb->ab", shared, np.linalg.solve(core, shared))
-        return inner, log_det + float(np.linalg.slogdet(core)[1].sum())
+        return np.vstack([self.residuals, basis.T])
 
 
 def estimate(likelihood: Likelihood) -> dict[str, float]:
