@@ -7,8 +7,8 @@ from cylcontact import InputError
 from cylcontact.bodies.material import COLUMNS
 from cylcontact.datasets.measurements import measurements_of, read_measured
 from cylcontact.datasets.readings import TableSpec
-from cylcontact.fitting.measured import STANDARDISED
-from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
+from cylcontact.fitting.noise import STANDARDISED
+from cylcontact.fitting.tables import campaign_of_table, read_campaign
 from tests.support.measured_files import CONSTANTS, USER_LAW, write_measured, write_table
 from tests.support.spec_files import assert_told
 

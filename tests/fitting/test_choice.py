@@ -109,7 +109,7 @@ def test_a_law_of_ones_own_is_compared_like_the_packages(tmp_path, monkeypatch, 
     columns = ["parameters", "aicc", "cv_error", "compliance"]
     expected = choice.table.loc["explicit", columns].tolist()
     assert own.table.loc["own_laws:explicit", columns].tolist() == pytest.approx(expected, rel=1e-4)
-    assert own.best.optimum.fit.objective == "rms-log-penetration"
+    assert own.best.optimum.fit.noise.is_log
 
 
 HOUSING = {"R_o": 20.0}
