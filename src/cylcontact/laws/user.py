@@ -65,7 +65,7 @@ class UserFunction:
             raise InputError(
                 self.spec, "law", None,
                 "is code of your own, which is not run because a result names it",
-                f"add --law {self.spec}, which predict and uncertainty take, or redo the fit",
+                f"add --law {self.spec}, which predict takes, or redo the fit",
             )  # fmt: skip
         return _imported(self.spec, self.folder, self.digest)
 
