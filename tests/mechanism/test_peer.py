@@ -48,7 +48,7 @@ def test_the_first_contacts_are_as_deep_as_ours(ours, theirs):
     assert off[1.25e-7].max() < off[1e-6].max() / 16
 
 
-# --- our joint, exported, inside Exudyn ---
+# --- our joint inside Exudyn ---
 
 
 def test_without_dissipation_our_joint_is_exudyns_own_contact(mechanism, theirs):
