@@ -93,10 +93,10 @@ claims: $(VENV)/.editable ## Compare what the paper claims with our numbers
 verify: $(VENV)/.editable ## Fit afresh and compare with the committed results
 	$(CYLCONTACT) verify
 
-bench: $(VENV)/.extras ## Measure the speed against what one would use instead (ten minutes)
+bench: $(VENV)/.extras ## Measure the speed against alternatives, write docs/validation.md (ten minutes)
 	$(BIN)/python -m benchmarks
 
-references: $(VENV)/.editable ## Hold the laws against numbers of others, docs/checked-against.md
+references: $(VENV)/.editable ## Print numbers of others beside ours
 	$(BIN)/python -m benchmarks.references
 
 ##@ To read and to try
@@ -115,14 +115,15 @@ $(VENV)/.kernel: $(VENV)/.extras
 notebooks-run: $(VENV)/.kernel ## Run the notebooks without a browser
 	$(BIN)/python -m pytest --nbmake --nbmake-timeout=180 -n 2 notebooks
 
-docs: references $(VENV)/.extras ## Build the documentation, to read from build/docs/index.html
+docs: $(VENV)/.extras ## Build the documentation, to read from build/docs/index.html
 	$(CYLCONTACT) figure -o docs/figures --format png
 	$(BIN)/python docs/results.py
 	$(BIN)/mkdocs build --quiet --strict -d build/docs
 
 ##@ Checks
 
-PYTEST := $(BIN)/python -m pytest -n logical --dist worksteal
+# Two workers, each with two threads for matrices, would wait for each other on two cores.
+PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -p no:nbmake -p no:anyio -n logical --dist worksteal
 
 test: $(VENV)/.test ## Run the tests that any change may break, and the examples in the docstrings
 	$(PYTEST)

@@ -1,4 +1,4 @@
-"""Run the benchmarks and write datasets/benchmarks.json and docs/speed.md; see README.md."""
+"""Run the benchmarks and write datasets/benchmarks.json and docs/validation.md; see README.md."""
 
 from __future__ import annotations
 
@@ -12,53 +12,47 @@ from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
-from benchmarks.harness import Row
-from benchmarks.page import PAGE, RESULTS, load, page, save
-from cylcontact.files.writing import replacing
+from benchmarks.page import read, write
 
-BENCHMARKS = (
-    "law", "sampling", "search", "calibration", "mechanism", "finite_element", "start_up",
-)  # fmt: skip
-# Programs that no Python package brings, and why a benchmark without its program is skipped.
-PROGRAMS = {"finite_element": ("ccx", "needs CalculiX (apt install calculix-ccx)")}
-LIBRARIES = ("cylcontact", "numpy", "scipy", "numba", "pygad", "pymoo", "cma", "lmfit", "exudyn")
+BENCHMARKS = ("law", "calibration", "mechanism", "calculix", "processes")
+# Programs that pip cannot install; without them a benchmark is skipped.
+PROGRAMS = {"calculix": ("ccx", "needs CalculiX (apt install calculix-ccx)")}
+LIBRARIES = ("cylcontact", "numpy", "scipy", "numba", "pygad", "cma", "lmfit", "exudyn")
 
 
 def main() -> None:
-    """Run what is named on the command line, by default everything."""
+    """Run the benchmarks named on the command line, or all; write after each."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(BENCHMARKS))
     parser.add_argument("--short", action="store_true", help="small sizes, nothing written")
+    parser.add_argument("--page", action="store_true", help="write the page alone")
     arguments = parser.parse_args()
     unknown = set(arguments.names) - set(BENCHMARKS)
     if unknown:
         parser.error(f"no such benchmark: {', '.join(sorted(unknown))}")
+    results = read()
+    if arguments.page:
+        write(results)
+        return
     for name in arguments.names or BENCHMARKS:
         program, reason = PROGRAMS.get(name, ("", ""))
         started, rows = time.perf_counter(), []
         if not program or shutil.which(program):
             reason = ""
-            module = import_module(f"benchmarks.{name}")
-            rows = [row for table in module.measure(arguments.short) for row in table]
-        said = f"skipped, {reason}" if reason else f"{time.perf_counter() - started:.0f} s"
-        print(f"{name}: {said}", file=sys.stderr, flush=True)
-        if not arguments.short:
-            write(name, rows, reason)
-
-
-def write(name: str, measured: list[Row], skipped: str = "") -> None:
-    """Write the results and the page: a benchmark's rows replaced, or why there are none."""
-    results = load(RESULTS) if RESULTS.exists() else {"skipped": {}, "rows": []}
-    if measured or "machine" not in results:  # a skip says nothing about the rows that stay
-        results["machine"] = computer()
-    results["skipped"].pop(name, None)
-    if skipped:
-        results["skipped"][name] = skipped
-    rows = measured + [row for row in results["rows"] if row.benchmark != name]
-    results["rows"] = sorted(rows, key=lambda row: BENCHMARKS.index(row.benchmark))
-    save(RESULTS, results)
-    with replacing(PAGE) as temporary:
-        temporary.write_text(page(results), encoding="utf-8")
+            measured = import_module(f"benchmarks.{name}").measure(arguments.short)
+            rows = [row for table in measured for row in table]
+        outcome = f"skipped, {reason}" if reason else f"{time.perf_counter() - started:.0f} s"
+        print(f"{name}: {outcome}", file=sys.stderr, flush=True)
+        if arguments.short:
+            continue
+        results["skipped"].pop(name, None)
+        if rows:
+            results["machine"] = computer()
+            results["rows"][name] = rows
+        else:  # rows measured earlier stay
+            results["skipped"][name] = reason
+        results["rows"] = {n: results["rows"][n] for n in BENCHMARKS if n in results["rows"]}
+        write(results)
 
 
 def computer() -> dict[str, str | int]:
@@ -66,13 +60,13 @@ def computer() -> dict[str, str | int]:
     about = Path("/proc/cpuinfo")
     lines = about.read_text().splitlines() if about.exists() else []
     models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    actual: dict[str, str | int] = {
+    return {
         "processor": models[0] if models else platform.processor() or platform.machine(),
         "cores": os.cpu_count() or 1,
         "system": platform.system(),
         "python": platform.python_version(),
+        **{name: version(name) for name in LIBRARIES},
     }
-    return actual | {name: version(name) for name in LIBRARIES}
 
 
 if __name__ == "__main__":

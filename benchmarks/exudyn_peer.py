@@ -1,9 +1,7 @@
 """The slider-crank with a clearance as a model of Exudyn, a general multibody code.
 
-Planar rigid bodies, revolute joints, the crank kept at its speed by a constraint on its velocity.
-For the journal in its bearing either Exudyn's own sphere in a hollow sphere: pressed in the plane
-of motion, a contact F = K·δⁿ of the same line of action as ours; or our joint as `cylcontact export
---to python` writes it, a user function for the forces on the two bodies. Steps are of one size.
+Planar rigid bodies, revolute joints, a crank of constant speed. The journal in its bearing is
+either Exudyn's own sphere in a hollow sphere, F = K·δⁿ, or our joint as a user function.
 """
 
 from __future__ import annotations
@@ -12,38 +10,21 @@ import contextlib
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
+from typing import Any, NamedTuple
 
-import exudyn
+import exudyn.itemInterface
 import numpy as np
-from exudyn.itemInterface import (
-    MarkerBodyRigid,
-    MarkerNodeCoordinate,
-    NodeGenericData,
-    NodePointGround,
-    NodeRigidBody2D,
-    ObjectConnectorCoordinate,
-    ObjectContactSphereSphere,
-    ObjectGenericODE2,
-    ObjectGround,
-    ObjectJointRevolute2D,
-    ObjectRigidBody2D,
-    SensorMarker,
-    SensorNode,
-    SensorObject,
-)
 from scipy.integrate import cumulative_trapezoid
 
-from cylcontact.laws.power import PowerShaped
-from cylcontact.mechanism import ClearanceJoint, Motion, SliderCrank, joint_from
+from cylcontact.files.spec import read_toml
+from cylcontact.mechanism import ClearanceJoint, Motion, SliderCrank, joint_from, mechanism_from
 
-_OUTPUT = exudyn.OutputVariableType
+SPEC = Path(__file__).parents[1] / "datasets" / "slider_crank.toml"
+exu, _OUTPUT = exudyn.itemInterface, exudyn.OutputVariableType
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(NamedTuple):
     """Time, penetration and energies at every step, in SI, and the seconds of the solution."""
 
     time: np.ndarray
@@ -51,32 +32,28 @@ class Run:
     seconds: float
     kinetic_energy: np.ndarray
     drive_work: np.ndarray
-    dissipated: np.ndarray | None = None
+    dissipated: np.ndarray | None
 
 
-def simulate_in_exudyn(
-    mechanism: SliderCrank, end: float, step: float, joint: ModuleType | None = None
-) -> Run:
+def simulate_in_exudyn(mechanism: SliderCrank, end: float, step: float, joint: Any = None) -> Run:
     """Simulate a slider-crank to a time in s, in equal steps.
 
-    The contact is an exported joint, or else Exudyn's own: its law must then be a power law, its
-    dissipation that of Hunt and Crossley; the friction differs below the speed v1.
+    The contact is a joint with `start`, `evaluate` and `accept`, or else Exudyn's own: its law must
+    then be a power law, its dissipation that of Hunt and Crossley; the friction differs below v1.
     """
     container = exudyn.SystemContainer()
     system = container.AddSystem()
     nodes, marker = _assemble(system, mechanism)
-    ends = _ends(mechanism)
+    ends = [marker(*end) for end in _ends(mechanism)]
     powers = None
     if joint is None:
-        _contact(system, mechanism.joint, [marker(*end) for end in ends])
+        _contact(system, mechanism.joint, ends)
     else:
-        powers = _our_contact(system, joint, *(nodes[body] for body, _ in ends))
-    centres = [
-        _sensor(system, SensorMarker, "Position", markerNumber=marker(*end_of)) for end_of in ends
-    ]
-    speeds = [_sensor(system, SensorNode, "Coordinates_t", nodeNumber=node) for node in nodes]
+        powers = _our_contact(system, joint, *(nodes[body] for body, _ in _ends(mechanism)))
     drive = _guide(system, nodes, mechanism.omega)
-    moment = _sensor(system, SensorObject, "Force", objectNumber=drive)
+    centres = [_sensor(system, exu.SensorMarker, "Position", markerNumber=each) for each in ends]
+    speeds = [_sensor(system, exu.SensorNode, "Coordinates_t", nodeNumber=node) for node in nodes]
+    moment = _sensor(system, exu.SensorObject, "Force", objectNumber=drive)
     with _quiet():
         system.Assemble()
         settings = _settings(end, step)
@@ -84,32 +61,48 @@ def simulate_in_exudyn(
         system.SolveDynamic(settings, solverType=exudyn.DynamicSolverType.TrapezoidalIndex2)
         seconds = time.process_time() - started
     stored = system.GetSensorStoredData
-    bearing, journal = (stored(sensor) for sensor in centres)
-    times = bearing[:, 0]
-    eccentricity = np.hypot(*(bearing - journal)[:, 1:3].T)
+    times = stored(moment)[:, 0]
+    bearing, journal = (stored(sensor)[:, 1:3] for sensor in centres)
     energy = sum(
         0.5 * stored(sensor)[:, 1:4] ** 2 @ [mass, mass, inertia]
         for sensor, (mass, inertia) in zip(speeds, _inertias(mechanism), strict=True)
     )
-    power = stored(moment)[:, 1] * -mechanism.omega
     return Run(
         times,
-        eccentricity - 1e-3 * mechanism.joint.radial,
+        np.hypot(*(bearing - journal).T) - 1e-3 * mechanism.joint.radial,
         seconds,
-        np.asarray(energy),
-        cumulative_trapezoid(power, times, initial=0.0),
-        None if powers is None else _integral(powers, times),
+        energy,
+        _work(times, stored(moment)[:, 1] * -mechanism.omega)[1],
+        None if powers is None else np.interp(times, *_work(*np.transpose(powers))),
     )
 
 
-def joint_of(mechanism: SliderCrank, **changes) -> ClearanceJoint:
+def slider_crank(restitution: float, friction: float) -> SliderCrank:
+    """Return a mechanism with the dissipation of Exudyn's contact."""
+    data = read_toml(SPEC)
+    data["joint"]["dissipation"]["factor"] = "hunt-crossley"
+    return mechanism_from(data, str(SPEC), restitution=restitution, friction=friction)
+
+
+def imbalance(mechanism: SliderCrank, run: Run) -> float:
+    """Return the largest error of the balance of energy of a run with our joint, in J."""
+    contact = mechanism.joint
+    delta = np.linspace(0, 1010 * max(run.penetration.max(), 1e-6), 4001)  # mm
+    force = np.nan_to_num(contact.law.load(delta, contact.pair)) * contact.pair.length
+    energy = 1e-3 * cumulative_trapezoid(force, delta, initial=0.0)
+    stored = np.interp(np.maximum(run.penetration, 0) * 1e3, delta, energy)
+    total = run.kinetic_energy + stored + run.dissipated
+    return float(np.abs(total - total[0] - run.drive_work).max())
+
+
+def joint_of(mechanism: SliderCrank) -> ClearanceJoint:
     """Return a mechanism's clearance joint as a force element in SI units."""
     data, (bearing, pin) = mechanism.joint.data, _ends(mechanism)
     points = {
         body: data[body] | {"point": [1e3 * x for x in point]}
         for body, (_, point) in (("bearing", bearing), ("pin", pin))
     }
-    return joint_from(data | points | changes)
+    return joint_from(data | points)
 
 
 def _ends(mechanism: SliderCrank) -> list[tuple[int, tuple[float, float]]]:
@@ -122,9 +115,7 @@ def _ends(mechanism: SliderCrank) -> list[tuple[int, tuple[float, float]]]:
 def _inertias(mechanism: SliderCrank) -> list[tuple[float, float]]:
     """Return mass and inertia of crank, rod and slider; the slider does not turn."""
     spec = mechanism.spec
-    return [(body.mass, body.inertia) for body in (spec.crank, spec.rod)] + [
-        (spec.slider.mass, 1.0)
-    ]
+    return [(b.mass, b.inertia) for b in (spec.crank, spec.rod)] + [(spec.slider.mass, 1.0)]
 
 
 def _places(mechanism: SliderCrank) -> tuple[np.ndarray, np.ndarray]:
@@ -143,10 +134,9 @@ def _places(mechanism: SliderCrank) -> tuple[np.ndarray, np.ndarray]:
     return np.array(places), np.array([*rates, [motion.slider_velocity[0], 0.0, 0.0]])
 
 
-def _integral(powers: list[tuple[float, float]], times: np.ndarray) -> np.ndarray:
-    """Return the work done up to some times by powers at other times."""
-    at, power = np.array(powers).T
-    return np.interp(times, at, cumulative_trapezoid(power, at, initial=0.0))
+def _work(time: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return times and the work done until then."""
+    return time, cumulative_trapezoid(power, time, initial=0.0)
 
 
 def _assemble(system, mechanism: SliderCrank):
@@ -154,15 +144,15 @@ def _assemble(system, mechanism: SliderCrank):
     nodes, bodies = [], []
     for place, rate, (mass, inertia) in zip(*_places(mechanism), _inertias(mechanism), strict=True):
         nodes.append(
-            system.AddNode(NodeRigidBody2D(referenceCoordinates=place, initialVelocities=rate))
+            system.AddNode(exu.NodeRigidBody2D(referenceCoordinates=place, initialVelocities=rate))
         )
-        shape = ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=nodes[-1])
+        shape = exu.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=nodes[-1])
         bodies.append(system.AddObject(shape))
-    bodies.append(system.AddObject(ObjectGround()))
+    bodies.append(system.AddObject(exu.ObjectGround()))
 
     def marker(body: int, point) -> int:
         place = [*point, 0.0]
-        return system.AddMarker(MarkerBodyRigid(bodyNumber=bodies[body], localPosition=place))
+        return system.AddMarker(exu.MarkerBodyRigid(bodyNumber=bodies[body], localPosition=place))
 
     crank, rod, ground = mechanism.spec.crank, mechanism.spec.rod, -1
     before, after = (1e-3 * crank.length * share for share in (-crank.centre, 1 - crank.centre))
@@ -171,14 +161,14 @@ def _assemble(system, mechanism: SliderCrank):
         ((0, (after, 0.0)), (1, (-1e-3 * rod.length * rod.centre, 0.0))),
     ):
         pins = [marker(*first), marker(*second)]
-        system.AddObject(ObjectJointRevolute2D(markerNumbers=pins))
+        system.AddObject(exu.ObjectJointRevolute2D(markerNumbers=pins))
     return nodes, marker
 
 
 def _guide(system, nodes: list[int], speed: float) -> int:
     """Keep the slider on its line, and the crank at its speed; return the drive."""
     fixed = system.AddMarker(
-        MarkerNodeCoordinate(nodeNumber=system.AddNode(NodePointGround()), coordinate=0)
+        exu.MarkerNodeCoordinate(nodeNumber=system.AddNode(exu.NodePointGround()), coordinate=0)
     )
     crank, _, slider = nodes
     for node, coordinate, offset, of_velocity in (
@@ -186,16 +176,16 @@ def _guide(system, nodes: list[int], speed: float) -> int:
         (slider, 2, 0.0, False),
         (crank, 2, speed, True),
     ):
-        moving = system.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+        moving = system.AddMarker(exu.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
         constraint = system.AddObject(
-            ObjectConnectorCoordinate(
+            exu.ObjectConnectorCoordinate(
                 markerNumbers=[fixed, moving], offset=offset, velocityLevel=of_velocity
             )
         )
     return constraint
 
 
-def _our_contact(system, joint: ModuleType, bearing: int, pin: int) -> list[tuple[float, float]]:
+def _our_contact(system, joint: Any, bearing: int, pin: int) -> list[tuple[float, float]]:
     """Put our joint between two bodies; return the list of times and dissipated powers.
 
     Trial states are evaluated only; δ̇⁽⁻⁾ is kept or forgotten at the end of each step.
@@ -223,7 +213,7 @@ def _our_contact(system, joint: ModuleType, bearing: int, pin: int) -> list[tupl
         return True
 
     system.AddObject(
-        ObjectGenericODE2(
+        exu.ObjectGenericODE2(
             nodeNumbers=[bearing, pin], massMatrix=np.zeros((6, 6)), forceUserFunction=forces
         )
     )
@@ -233,11 +223,12 @@ def _our_contact(system, joint: ModuleType, bearing: int, pin: int) -> list[tupl
 
 def _contact(system, contact: ClearanceJoint, ends: list[int]) -> None:
     """Put the journal into its bearing, with Exudyn's own contact, at markers of their centres."""
-    law: PowerShaped = contact.law
-    factor, n = law.factor_and_exponent(contact.pair)
-    data = system.AddNode(NodeGenericData(numberOfDataCoordinates=4, initialCoordinates=[0.0] * 4))
+    factor, n = contact.law.factor_and_exponent(contact.pair)
+    data = system.AddNode(
+        exu.NodeGenericData(numberOfDataCoordinates=4, initialCoordinates=[0.0] * 4)
+    )
     system.AddObject(
-        ObjectContactSphereSphere(
+        exu.ObjectContactSphereSphere(
             markerNumbers=ends[::-1],
             nodeNumber=data,
             spheresRadii=[1e-3 * contact.pair.R_j, 1e-3 * contact.pair.R_i],

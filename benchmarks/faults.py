@@ -118,7 +118,8 @@ def nearest(file: Path, copy: Path) -> list[str]:
 
 def place_of(fault: Fault, package: Path) -> Path | None:
     """Return the file that holds a fault's old text once, perhaps another one than it was."""
-    counts = {f: f.read_text("utf-8").count(fault["old"]) for f in package.rglob("*.py")}
+    files = [*package.rglob("*.py"), *(package.parents[1] / "reports").glob("*.py")]
+    counts = {f: f.read_text("utf-8").count(fault["old"]) for f in files}
     named = package / fault["file"]
     if counts.get(named) == 1:
         return named

@@ -1,4 +1,4 @@
-"""Johnson's load from the penetration, against the usual ways to solve for it and a bare power."""
+"""Loads of the laws: in arrays, in compiled code and called from Python."""
 
 from __future__ import annotations
 
@@ -11,112 +11,77 @@ from numba import njit
 from scipy.optimize import brentq, newton
 from scipy.special import lambertw
 
-from benchmarks.harness import Row, Side, compare, require_agreement
+from benchmarks.harness import Row, Sides, compare, require_agreement
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.laws.conformal.curve import make
 from cylcontact.laws.kernels import kernel, kernel_load
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.5, material=Material("steel", E=207e3, nu=0.3))
-JOHNSON, ENHANCED, EXPLICIT = laws.Johnson(), laws.Enhanced(), laws.Explicit()
-CONFORMAL, HOUSED = laws.Conformal(), laws.Conformal(laws.Housing(R_o=20.0))
+JOHNSON, ENHANCED, CONFORMAL = laws.Johnson(), laws.Enhanced(), laws.Conformal()
 THIN_EYE = laws.Conformal(laws.Housing(13.0, laws.Sector(60, "far")))
 E_STAR, DR = float(PAIR.E_star), float(PAIR.dR)
 K, N = float(ENHANCED.factor(PAIR)), float(ENHANCED.exponent(PAIR))
-# scipy's Lambert function loses digits near the limit, so the comparison stops before it.
-LARGEST = 0.99 * float(JOHNSON.max_penetration(PAIR))
-TOLERANCE = 1e-9
 
 
 def measure(short: bool) -> Iterator[list[Row]]:
-    """Yield the cost of a value in arrays, in compiled code, and called one at a time."""
-    rng = np.random.default_rng(1)
-    deltas = LARGEST * 10 ** rng.uniform(-6, 0, 1_000 if short else 1_000_000)
-    yield _in_arrays(deltas, 1 if short else 9)
-    deltas = LARGEST * 10 ** rng.uniform(-6, 0, 200 if short else 20_000)
-    yield _in_compiled_code(deltas, 1 if short else 15)
-    yield _one_at_a_time(deltas[:200], 1 if short else 5)
-    yield _curves(1 if short else 9)
+    """Yield the time of a value in arrays, in compiled code and from Python, and of a curve."""
+    # The Lambert function of scipy loses digits near the limit.
+    largest = 0.99 * float(JOHNSON.max_penetration(PAIR))
+    deltas = largest * 10 ** np.random.default_rng(1).uniform(-6, 0, 1_000 if short else 1_000_000)
+    loads, rounds = CONFORMAL.load(deltas, PAIR), 1 if short else 9
+    same: Sides = {
+        "Johnson().load": lambda: JOHNSON.load(deltas, PAIR),
+        "scipy.special.lambertw": lambda: by_lambertw(deltas),
+        "scipy.optimize.newton": lambda: by_newton(deltas),
+    }
+    others: Sides = {
+        "numpy.power": lambda: np.power(deltas, N),
+        "Enhanced().load": lambda: ENHANCED.load(deltas, PAIR),
+        "Explicit().load": partial(laws.Explicit().load, deltas, PAIR),
+        "Conformal().load": lambda: CONFORMAL.load(deltas, PAIR),
+        "Conformal().penetration": lambda: CONFORMAL.penetration(loads, PAIR),
+    }
+    yield _per_value(f"array, {deltas.size:,} values", same, others, deltas.size, rounds)
+    deltas = deltas[: 200 if short else 20_000]
+    johnson, *compiled = (kernel(law, PAIR) for law in (JOHNSON, ENHANCED, CONFORMAL))
+    same = {
+        "Johnson": lambda: sum_of_kernel(johnson.kind, johnson.parameters, deltas),
+        "Newton's method in numba": lambda: sum_by_newton(deltas, E_STAR, DR),
+    }
+    others = {
+        name: partial(sum_of_kernel, law.kind, law.parameters, deltas)
+        for name, law in zip(("enhanced", "conformal"), compiled, strict=True)
+    } | {"a power": lambda: sum_of_powers(deltas, K, N)}
+    yield _per_value("compiled, one value", same, others, deltas.size, rounds)
+    numbers = deltas[:200].tolist()
+    same = {
+        "Johnson": lambda: [kernel_load(johnson.kind, johnson.parameters, x) for x in numbers],
+        "scipy.special.lambertw": lambda: [float(by_lambertw(x)) for x in numbers],
+        "scipy.optimize.brentq": lambda: [by_brentq(x) for x in numbers],
+    }
+    yield _per_value("called from Python, one value", same, {}, len(numbers), rounds)
+    curves = {"one material": CONFORMAL, "a thin eye": THIN_EYE}
+    sides = {name: partial(make, law.curve(PAIR).bodies) for name, law in curves.items()}
+    yield compare("the curve of a conformal contact, made once", sides, rounds)
 
 
-def _in_arrays(deltas: np.ndarray, rounds: int) -> list[Row]:
-    loads = CONFORMAL.load(deltas, PAIR)
-    sides = [
-        Side("cylcontact: Johnson().load", lambda: JOHNSON.load(deltas, PAIR)),
-        Side("scipy.special.lambertw", lambda: _by_lambertw(deltas)),
-        Side("scipy.optimize.newton, whole array", lambda: _by_newton(deltas)),
-    ]
-    limits = [
-        Side("numpy.power alone", lambda: np.power(deltas, N)),
-        Side("cylcontact: Enhanced().load", lambda: ENHANCED.load(deltas, PAIR)),
-        Side("numpy.log alone", lambda: np.log(deltas)),
-        *(
-            Side(f"cylcontact: {type(law).__name__}().load", partial(law.load, deltas, PAIR))
-            for law in (EXPLICIT, CONFORMAL)
-        ),
-        Side("cylcontact: the same in a housing", partial(HOUSED.load, deltas, PAIR)),
-        Side("cylcontact: Conformal().penetration", partial(CONFORMAL.penetration, loads, PAIR)),
-        Side(
-            "cylcontact: Conformal().peak_pressure", partial(CONFORMAL.peak_pressure, loads, PAIR)
-        ),
-    ]
-    return _rows("array", deltas, sides, limits, rounds)
+def _per_value(case: str, same: Sides, others: Sides, size: int, rounds: int) -> list[Row]:
+    require_agreement(same, 1e-9)
+    return compare(case, {**same, **others}, rounds, "ns", 1e9 / size)
 
 
-def _in_compiled_code(deltas: np.ndarray, rounds: int) -> list[Row]:
-    johnson = kernel(JOHNSON, PAIR)
-    sides = [
-        Side(
-            "cylcontact: kernel_load, Johnson",
-            lambda: _sum_of_kernel(johnson.kind, johnson.parameters, deltas),
-        ),
-        Side("Newton's method in numba", lambda: _sum_by_newton(deltas, E_STAR, DR)),
-    ]
-    limits = [
-        *(
-            Side(
-                f"cylcontact: kernel_load, {law.name} law",
-                partial(_sum_of_kernel, own.kind, own.parameters, deltas),
-            )
-            for law in (ENHANCED, EXPLICIT, CONFORMAL)
-            for own in [kernel(law, PAIR)]
-        ),
-        Side("a power alone", lambda: _sum_of_powers(deltas, K, N)),
-    ]
-    return _rows("compiled scalar", deltas, sides, limits, rounds)
-
-
-def _one_at_a_time(deltas: np.ndarray, rounds: int) -> list[Row]:
-    numbers = deltas.tolist()
-    johnson = kernel(JOHNSON, PAIR)
-    sides = [
-        Side(
-            "cylcontact: kernel_load, Johnson",
-            lambda: [kernel_load(johnson.kind, johnson.parameters, x) for x in numbers],
-        ),
-        Side("scipy.special.lambertw", lambda: [float(_by_lambertw(x)) for x in numbers]),
-        Side("scipy.optimize.brentq", lambda: [_by_brentq(x) for x in numbers]),
-        Side("scipy.optimize.newton", lambda: [float(_by_newton(x)) for x in numbers]),
-    ]
-    return _rows("called from Python", deltas, sides, [], rounds)
-
-
-def _curves(rounds: int) -> list[Row]:
-    """Return the time that the curve of a pair takes, which is made once."""
-    sides = []
-    for name, law in {"one material": CONFORMAL, "a ring": HOUSED, "a thin eye": THIN_EYE}.items():
-        bodies = law.curve(PAIR).bodies
-        sides.append(Side(f"cylcontact: the curve of {name}", partial(make, bodies)))
-    return compare("law", "making a curve", sides, rounds, "ms", 1e3)
-
-
-def _rows(kind: str, deltas: np.ndarray, sides: list[Side], limits: list[Side], rounds: int):
-    case = f"{kind}, {deltas.size:,} values"
-    require_agreement(sides, TOLERANCE)
-    return compare("law", case, [*sides, *limits], rounds, "ns per value", 1e9 / deltas.size)
-
-
-def _by_lambertw(delta):
+def by_lambertw(delta):
     return -np.pi * E_STAR * delta / lambertw(-np.e * delta / (4 * DR), -1).real
+
+
+def by_newton(delta):
+    # From below, where the iteration converges because the penetration is concave.
+    return newton(_deficit, 0.1 * E_STAR * delta, _slope, (delta,), tol=1e-9, maxiter=100)
+
+
+def by_brentq(delta):
+    largest = float(JOHNSON.max_load(PAIR))
+    return brentq(_deficit, 1e-12 * largest, largest, (delta,), xtol=1e-300, rtol=1e-12)
 
 
 def _deficit(load, delta):
@@ -127,18 +92,8 @@ def _slope(load, _):
     return (np.log(4 * np.pi * E_STAR * DR / load) - 2) / (np.pi * E_STAR)
 
 
-def _by_newton(delta):
-    # From below, where the iteration is sure to converge as the penetration is concave.
-    return newton(_deficit, 0.1 * E_STAR * delta, _slope, (delta,), tol=1e-9, maxiter=100)
-
-
-def _by_brentq(delta: float) -> float:
-    largest = float(JOHNSON.max_load(PAIR))
-    return brentq(_deficit, 1e-12 * largest, largest, (delta,), xtol=1e-300, rtol=1e-12)
-
-
 @njit
-def _sum_of_kernel(kind, parameters, deltas):
+def sum_of_kernel(kind, parameters, deltas):
     total = 0.0
     for delta in deltas:
         total += kernel_load(kind, parameters, delta)
@@ -146,7 +101,7 @@ def _sum_of_kernel(kind, parameters, deltas):
 
 
 @njit
-def _sum_of_powers(deltas, factor, exponent):
+def sum_of_powers(deltas, factor, exponent):
     total = 0.0
     for delta in deltas:
         total += factor * delta**exponent
@@ -154,11 +109,10 @@ def _sum_of_powers(deltas, factor, exponent):
 
 
 @njit
-def _sum_by_newton(deltas, E_star, dR):
+def sum_by_newton(deltas, E_star, dR):
     total = 0.0
     for delta in deltas:
-        load = 0.1 * E_star * delta
-        change = load
+        load = change = 0.1 * E_star * delta
         while abs(change) > 1e-14 * load:
             logarithm = math.log(4 * math.pi * E_star * dR / load)
             left = load / (math.pi * E_star) * (logarithm - 1) - delta

@@ -1,92 +1,70 @@
-"""The slider-crank: time per revolution against real time, and against Exudyn at its accuracy."""
+"""The slider-crank: time per revolution against real time, and against Exudyn."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 
-from benchmarks.exudyn_peer import Run, simulate_in_exudyn
-from benchmarks.harness import Row, Side, rows, timings
+from benchmarks.exudyn_peer import SPEC, Run, simulate_in_exudyn
+from benchmarks.harness import Row, rows, seconds_of
 from cylcontact.mechanism import long_run, read_mechanism, simulate
 
-SPEC = Path(__file__).parents[1] / "datasets" / "slider_crank.toml"
-# Where Exudyn and we are compared: elastic, without friction, so that the force laws are the
-# same; up to here the motion is not yet sensitive to its own errors.
+# Elastic and without friction both codes have the same forces; up to END the motion does not
+# yet amplify its errors.
 ELASTIC = {"law": "enhanced", "clearance": 0.5, "restitution": 1.0, "friction": 0.0}
-# The paper's laws of Section 4.
-LAWS = ("enhanced", "johnson", "lankarani-nikravesh")
 CONTACTS, END = 4, 1.5e-3
-OURS = "cylcontact at 1e-8"
-TOLERANCES, STEPS = (1e-6, 1e-8, 1e-10), (1e-6, 2.5e-7, 6.25e-8)
+LAWS = ("enhanced", "johnson", "lankarani-nikravesh")
+EXUDYN = "one revolution, and the error of the onset of its fourth contact"
+OURS, REAL_TIME = "cylcontact, 1e-08", "real time"
 
 
 def measure(short: bool) -> Iterator[list[Row]]:
-    """Yield the milliseconds per revolution of long runs by case, and the cost of accuracy."""
-    yield from _cases(short)
-    yield _accuracy(short)
-
-
-def _cases(short: bool) -> Iterator[list[Row]]:
-    revolutions = 1 if short else 50
-    for law, clearance, restitution, friction in product(LAWS, (0.5, 0.02), (1.0, 0.9), (0.0, 0.1)):
-        if short and (law, clearance) != ("enhanced", 0.02):
-            continue
-        mechanism = read_mechanism(
-            SPEC,
-            law=law,
-            clearance=clearance,
-            restitution=restitution,
-            friction=friction,
-            revolutions=revolutions,
-            tolerance=1e-8,
-        )
-        ours = Side(OURS, partial(long_run, mechanism, revolutions, beyond="tangent"))
-        measured = timings([ours], 1)[OURS]
-        seconds = {"real time": [mechanism.period]}
-        seconds[OURS] = [total / revolutions for total in measured]
+    """Yield the time per revolution of the paper's 24 cases, and of both codes by accuracy."""
+    cases = list(product(LAWS, (0.5, 0.02), (1.0, 0.9), (0.0, 0.1)))
+    count = 1 if short else 50
+    for law, clearance, restitution, friction in cases[4:5] if short else cases:
+        changes = {"clearance": clearance, "restitution": restitution, "friction": friction}
+        mechanism = read_mechanism(SPEC, law=law, **changes, revolutions=count, tolerance=1e-8)
+        run = partial(long_run, mechanism, count, beyond="tangent")
+        run()  # compiles
+        seconds = {REAL_TIME: [mechanism.period], OURS: [seconds_of(run) / count]}
         case = f"{law}, {clearance} mm, restitution {restitution}, friction {friction}"
-        yield rows("mechanism", case, seconds, "ms per revolution", 1e3)
+        yield rows(case, seconds, "ms", 1e3)
+    yield _against_exudyn(short)
 
 
-def _accuracy(short: bool) -> list[Row]:
-    """Time both up to the end of the fourth contact, and note the error of its onset."""
+def _against_exudyn(short: bool) -> list[Row]:
     mechanism = read_mechanism(SPEC, **ELASTIC, revolutions=1)
-    reference = simulate(mechanism.changed(tolerance=1e-12))
-    exact = onsets_of(reference)
-    share = END / mechanism.period
-    ours = {
-        f"cylcontact, tolerance {tolerance:g}": partial(
-            simulate, mechanism.changed(tolerance=tolerance)
-        )
-        for tolerance in (TOLERANCES[1:2] if short else TOLERANCES)
-    }
-    theirs = {
+    exact = onsets_of(simulate(mechanism.changed(tolerance=1e-12)))
+    tolerances, steps = ((1e-8,), (1e-6,)) if short else ((1e-8, 1e-10), (1e-6, 2.5e-7, 6.25e-8))
+    runs = {
+        f"cylcontact, {tolerance:.0e}": partial(simulate, mechanism.changed(tolerance=tolerance))
+        for tolerance in tolerances
+    } | {
         f"Exudyn, step {step:g} s": partial(simulate_in_exudyn, mechanism, END, step)
-        for step in (STEPS[:1] if short else STEPS)
+        for step in steps
     }
-    errors = {name: onset_error(exact, onsets_of(run())) for name, run in (ours | theirs).items()}
+    errors = {name: abs(onsets_of(run()) - exact)[-1] for name, run in runs.items()}
     assert max(errors.values()) < 1e-6, errors
-    notes = {name: f"fourth contact begins {1e9 * e:.2g} ns off" for name, e in errors.items()}
-    # Both per revolution: ours runs a whole one, Exudyn up to the end of the fourth contact.
-    per_revolution: dict[str, list[float]] = {name: [] for name in ours | theirs}
+    notes = {name: f"{1e9 * e:.2g} ns off" for name, e in errors.items()}
+    seconds: dict[str, list[float]] = {name: [] for name in runs}
     for _ in range(1 if short else 5):
-        for name, run in (ours | theirs).items():
-            part = share if name in theirs else 1.0
-            per_revolution[name].append(_seconds_of_solution(run) / part)
-    case = "accuracy: enhanced, 0.5 mm, elastic, without friction"
-    return rows("mechanism", case, per_revolution, "ms per revolution", 1e3, notes)
+        for name, run in runs.items():
+            seconds[name].append(_seconds_per_revolution(run, mechanism.period))
+    return rows(EXUDYN, seconds, "ms", 1e3, notes)
 
 
-def _seconds_of_solution(simulation: Callable[[], object]) -> float:
-    """Time a simulation; Exudyn's without building its model, which is done but once."""
+def _seconds_per_revolution(simulation, period: float) -> float:
+    """Return the time of our revolution, or of Exudyn's solution without building its model."""
     started = time.perf_counter()
     run = simulation()
-    return run.seconds if isinstance(run, Run) else time.perf_counter() - started
+    if isinstance(run, Run):  # up to END only
+        return run.seconds * period / END
+    return time.perf_counter() - started
 
 
 def onsets_of(run) -> np.ndarray:
@@ -95,10 +73,4 @@ def onsets_of(run) -> np.ndarray:
         return run.contacts["onset_s"].to_numpy()[:CONTACTS]
     before = np.flatnonzero((run.penetration[1:] > 0) & (run.penetration[:-1] <= 0))[:CONTACTS]
     first, last = run.penetration[before], run.penetration[before + 1]
-    times = run.time[before], run.time[before + 1]
-    return times[0] - first / (last - first) * (times[1] - times[0])
-
-
-def onset_error(exact: np.ndarray, onsets: np.ndarray) -> float:
-    """Return how far the last of the contacts is off, in s."""
-    return float(abs(onsets[-1] - exact[-1]))
+    return run.time[before] - first / (last - first) * (run.time[before + 1] - run.time[before])

@@ -1,215 +1,206 @@
-"""The results as a file and as a page: a table of aims and one of ratios."""
+"""The page Validation: numbers of others, coverage of the intervals, speed."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+import re
+from collections.abc import Iterator
+from functools import partial
+from math import isnan, nan
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import pandas as pd
+
+from benchmarks import references
 from benchmarks.harness import Row
 from cylcontact.files.reading import marked, unmarked
 from cylcontact.files.writing import replacing
 
 ROOT = Path(__file__).resolve().parents[1]
-RESULTS, PAGE = ROOT / "datasets" / "benchmarks.json", ROOT / "docs" / "speed.md"
-# The cases of the table of ratios: benchmark, words in the case, and the title of their rows.
-SHOWN = (
-    ("law", "array, 1,000,000", "Johnson's load, 1,000,000 values at once"),
-    ("law", "compiled", "Johnson's load, compiled, one value"),
-    ("law", "called", "Johnson's load, called from Python"),
-    ("law", "making", "A curve of conformal contact, which is made once"),
-    ("sampling", "10,000,000", "A sample of 10,000,000, to moments"),
-    ("search", "120", "A generation of the genetic search, 120 candidates"),
-    ("calibration", "4,572", "A calibration to within 0.1 % of the best, 4,572 samples"),
-    ("calibration", "1,001,925", "The same, 1,001,925 samples"),
-    ("calibration", "100,000,000", "The same, 100,000,000 samples"),
-    ("mechanism", "accuracy", "Slider-crank, one revolution, elastic, without friction"),
-    ("finite_element", "2,932", "A pin in a hole by finite elements, 3 loads, 2,932 cells"),
-)
-HEAD = """# Speed
+RESULTS, PAGE = ROOT / "datasets" / "benchmarks.json", ROOT / "docs" / "validation.md"
+COVERAGE = ROOT / "datasets" / "coverage.csv"
+TEXT = """# Validation
 
-How fast the package is, beside what one would use instead: `make bench` measures it and writes this
-page. All sides of a comparison give the same answer, for a calibration the same objective of the
-same coefficients; this is checked first, and then they take turns. Times are medians, ratios to the
-first line of each task, which is ours. Those computed are the evaluations that were needed on the
-small grid times the cost of one. Searches that had not arrived within 0.1 % of the best when their
-budget ended are left out; the aim for PyGAD, one of them, has that budget, a lower bound.
+Every numerical result has an independent check: the [numbers of others](#numbers-of-others), the
+[coverage](#do-the-intervals-hold) of the intervals, and in the tests
 
-Measured on {cores} cores of {processor} ({system}), with {libraries}.
+| result | checked against |
+|---|---|
+| laws, their inverses, stress, first yield | mpmath, numerical integrals, the paper's numbers |
+| conformal contact and housings | a series solution, our finite elements, CalculiX |
+| finite elements | CalculiX on the same mesh, refinement of the mesh |
+| fits to tables, their intervals | NIST's certified fits, statsmodels, lmfit, iminuit, ODRPACK |
+| slider-crank, clearance joint | CVODE, the balance of energy, Exudyn |
+| exported code and FMUs | the library at thousands of states; compilers, Octave, FMPy |
+
+`make bench` writes this page. It takes ten minutes, apart from the coverage, which
+`python -m benchmarks.coverage` measures in half an hour.
+
+## Numbers of others
+
+A dash means that no number could be found. `make references` prints these comparisons, and
+`datasets/references` holds them; to add one, fill in `template/rig.toml` there.
+
+{references}
+
+## Do the intervals hold?
+
+How often do the 95 % intervals of a fit to a table contain the true value? Each kind of data below
+is simulated {sets} times with errors of known size and fitted with the explicit law. The columns
+give the percentage of sets whose interval contains the true stiffness factor and the true offset;
+{sets} sets determine 95 % to ± 2 %.
+
+| data | options | stiffness factor | offset | warned |
+|---|---|---:|---:|---:|
+{coverage}
+
+The first row of each kind uses the options that describe its errors. The second row, with a quarter
+of the sets, leaves one out, and its intervals may be wrong. The last column is the percentage of
+sets in which the report then warns and names the missing option. Unstated errors of the load
+cannot be detected, because they look like scatter of the penetration. With fewer than five series
+an interval describes these series alone; with eight or more it describes their population.
+
+## Speed
+
+All methods in a table give the same answer, which is checked first. They then run in turns; times
+are medians, and a ratio is the time divided by that of the first line. Measured on {cores} cores of
+{processor} ({system}), with {libraries}.
+
+### Aims
+
+| aim | limit | measured | |
+|---|---:|---:|---|
+{aims}
+
+### Times and ratios
+
+| | time | ratio |
+|---|---:|---:|
+{ratios}
 """
 
 
-@dataclass(frozen=True)
-class Aim:
-    """What was aimed at: a quotient or a time, and the most or least that it should be."""
+class Aim(NamedTuple):
+    """The largest time of a side, or its largest multiple of another side's, and its limit."""
 
     text: str
-    measured: Callable[[Sequence[Row]], float]
     limit: float
+    case: str
+    side: str
+    other: str = ""
     at_least: bool = False
 
-    def verdict(self, rows: Sequence[Row]) -> str:
-        """Return what was measured and whether that meets the aim."""
-        try:
-            value = self.measured(rows)
-        except ValueError:
-            return "| not measured | |"
-        meets = value >= self.limit if self.at_least else value <= self.limit
-        return f"| {_short(value)} | {'reached' if meets else '**not reached**'} |"
+    def measured(self, rows: list[Row]) -> float:
+        """Return the number of the slowest case, NaN if something was not measured."""
+        of_case = [row for row in rows if self.case in row.case]
+        value = {row.case: row.value for row in of_case if row.side == self.side}
+        other = {row.case: row.value for row in of_case if row.side == self.other}
+        return max(
+            (v / other.get(k, nan) if self.other else v for k, v in value.items()), default=nan
+        )
+
+    def line(self, rows: list[Row]) -> str:
+        """Return what was measured and whether that meets the aim, as a row of a table."""
+        value = self.measured(rows)
+        reached = value >= self.limit if self.at_least else value <= self.limit
+        verdict = f"{_short(value)} | {'reached' if reached else '**missed**'}"
+        sign = "≥" if self.at_least else "≤"
+        verdict = "not measured |" if isnan(value) else verdict
+        return f"| {self.text} | {sign} {self.limit:g} | {verdict} |"
 
 
-def find(rows: Iterable[Row], benchmark: str, case: str, side: str) -> Row:
-    """Return the one row whose case and side contain these words."""
-    of_it = (row for row in rows if row.benchmark == benchmark)
-    (actual,) = (row for row in of_it if case in row.case and side in row.side)
-    return actual
-
-
-def over(benchmark: str, case: str, side: str, other: str) -> Callable[[Sequence[Row]], float]:
-    """Return how to get the quotient of two sides of a case."""
-    return lambda rows: (
-        find(rows, benchmark, case, side).value / find(rows, benchmark, case, other).value
+# Text; limit; words of the case; side; the side that it is divided by.
+AIMS = tuple(
+    Aim(text, float(limit.lstrip("≥")), case, side, *other, *[True] * ("≥" in limit))
+    for text, limit, case, side, *other in (
+        re.split(r" *; *", line.strip())
+        for line in """
+calibration on 1e6 samples, s; 0.1; on 1,001,925; cylcontact
+the same by scipy's least squares, times ours; ≥50; on 1,001,925; scipy least_squares; cylcontact
+calibration on 4,575 samples, times scipy's; 2; on 4,575; cylcontact; scipy least_squares
+sampling on all cores, times numpy.log on one; 4; a sample of; reduce_grid, all cores; numpy.log
+genetic search, times its objective; 2; a generation; genetic search; its objective
+Johnson's load in arrays, times numpy.power; 3; array; Johnson().load; numpy.power
+explicit law's load in arrays, times numpy.power; 8; array; Explicit().load; numpy.power
+conformal load in arrays, times numpy.power; 6; array; Conformal().load; numpy.power
+conformal penetration in arrays, times numpy.power; 15; array; Conformal().penetration; numpy.power
+Johnson's load, compiled, times the enhanced law's; 2; compiled; Johnson; enhanced
+conformal load, compiled, times a power; 2; compiled; conformal; a power
+conformal curve of one material, ms; 5; curve; one material
+conformal curve of a thin eye, ms; 150; curve; a thin eye
+slider-crank, slowest of 24 cases, times real time; 1; restitution; cylcontact, 1e-08; real time
+import cylcontact, s; 0.15; a process; import cylcontact
+cylcontact --help, s; 0.3; a process; cylcontact --help
+cylcontact laws, s; 0.9; a process; cylcontact laws
+cylcontact fit of 60 readings, s; 1.2; a process; cylcontact fit of a table
+cylcontact predict, s; 0.6; a process; cylcontact predict
+first simulation after an install, s; 9; first simulation; cylcontact simulate
+all figures, s; 20; all figures; cylcontact figure
+""".strip().splitlines()
     )
-
-
-def measured(benchmark: str, case: str, side: str) -> Callable[[Sequence[Row]], float]:
-    """Return how to get the value of one side of a case."""
-    return lambda rows: find(rows, benchmark, case, side).value
-
-
-def slowest(rows: Sequence[Row]) -> float:
-    """Return the slowest case of the mechanism, in units of real time."""
-    return max(row.ratio for row in rows if row.side == "cylcontact at 1e-8")
-
-
-def compilation(rows: Sequence[Row]) -> float:
-    """Return how many seconds longer the first simulation takes than the next."""
-    first, again = (find(rows, "start_up", "install", side) for side in ("compiles", "again"))
-    return first.value - again.value
-
-
-MILLION, LARGE = "1,001,925", "10,000,000"
-AIMS = (
-    Aim(
-        "Calibration at 1e6 samples, in s", measured("calibration", MILLION, "genetic search"), 0.1
-    ),
-    Aim(
-        "Calibration at 1e6 samples: times as fast as PyGAD used plainly, which did not arrive",
-        over("calibration", MILLION, "PyGAD", "genetic search"),
-        2000,
-        at_least=True,
-    ),
-    Aim(
-        "Calibration at 1e6 samples: times as fast as scipy's least squares on rows",
-        over("calibration", MILLION, "scipy least_squares", "genetic search"),
-        50,
-        at_least=True,
-    ),
-    Aim(
-        "The same by descents from random starts alone, as it makes them",
-        over("calibration", MILLION, "scipy least_squares", "descents alone"),
-        50,
-        at_least=True,
-    ),
-    Aim(
-        "Calibration at 4,572 samples: in units of scipy's least squares on rows",
-        over("calibration", "4,572", "genetic search", "scipy least_squares"),
-        2,
-    ),
-    Aim(
-        "Sampling to moments, all cores: in units of one pass of numpy.log on one core",
-        over("sampling", LARGE, "threads", "numpy.log"),
-        4,
-    ),
-    Aim(
-        "Johnson's load in arrays: in units of numpy.power",
-        over("law", "array", "Johnson", "numpy.power"),
-        3,
-    ),
-    Aim(
-        "The explicit law's load in arrays: in units of numpy.power",
-        over("law", "array", "Explicit()", "numpy.power"),
-        8,
-    ),
-    Aim(
-        "Johnson's load in compiled code: in units of the enhanced law's",
-        over("law", "compiled", "kernel_load, Johnson", "kernel_load, enhanced"),
-        2,
-    ),
-    Aim(
-        "A load of conformal contact in arrays: in units of numpy.power",
-        over("law", "array", "Conformal().load", "numpy.power"),
-        6,
-    ),
-    Aim(
-        "Its penetration in arrays: in units of numpy.power",
-        over("law", "array", "Conformal().penetration", "numpy.power"),
-        15,
-    ),
-    Aim(
-        "Its load in compiled code: in units of a power",
-        over("law", "compiled", "conformal", "a power alone"),
-        2,
-    ),
-    Aim("Its curve for one material, in ms", measured("law", "making", "one material"), 5),
-    Aim("Its curve for a thin eye, in ms", measured("law", "making", "thin eye"), 150),
-    Aim(
-        "Genetic search, 120 candidates: in units of its objective",
-        over("search", "120", "genetic search", "objective alone"),
-        2,
-    ),
-    Aim("Mechanism at 1e-8, slowest of 24 cases: in units of real time", slowest, 1),
-    Aim("cylcontact --help, in s", measured("start_up", "process", "--help"), 0.3),
-    Aim("cylcontact laws, for a joint, in s", measured("start_up", "process", "laws"), 0.9),
-    Aim("import cylcontact, in s", measured("start_up", "process", "import cylcontact"), 0.15),
-    Aim("Compilation in the first simulation after an install, in s", compilation, 8),
-    Aim("All figures from the committed fits, in s", measured("start_up", "figures", "figure"), 30),
 )
 
 
-def save(path: Path, results: dict[str, Any]) -> None:
-    """Write the results, complete or not at all."""
-    data = results | {"rows": [asdict(row) for row in results["rows"]]}
-    with replacing(path) as temporary:
+def write(results: dict[str, Any]) -> None:
+    """Write the results and the page, complete or not at all."""
+    data = results | {
+        "rows": {n: [list(row) for row in part] for n, part in results["rows"].items()}
+    }
+    with replacing(RESULTS) as temporary:
         text = json.dumps(marked(data), indent=1, ensure_ascii=False)
+        one_line = partial(re.sub, r"\n\s+", " ")
+        text = re.sub(r"\[\s+(\"[^\[\]]*?)\s+\]", lambda row: f"[{one_line(row[1])}]", text)
         temporary.write_text(text + "\n", encoding="utf-8")
+    with replacing(PAGE) as temporary:
+        temporary.write_text(page(results), encoding="utf-8")
 
 
-def load(path: Path) -> dict[str, Any]:
-    """Return the results: the computer, why benchmarks were skipped, and the rows as `Row`."""
-    data = unmarked(json.loads(path.read_text(encoding="utf-8")), str(path))
-    return data | {"rows": [Row(**row) for row in data["rows"]]}
+def read() -> dict[str, Any]:
+    """Return the results: the computer, why benchmarks were skipped, and the rows by benchmark."""
+    if not RESULTS.exists():
+        return {"machine": {}, "skipped": {}, "rows": {}}
+    data = unmarked(json.loads(RESULTS.read_text(encoding="utf-8")), str(RESULTS))
+    return data | {"rows": {n: [Row(*row) for row in part] for n, part in data["rows"].items()}}
 
 
 def page(results: dict[str, Any]) -> str:
-    """Return the page of the documentation, in Markdown."""
-    rows: list[Row] = results["rows"]
+    """Return the page in Markdown."""
+    rows = [row for part in results["rows"].values() for row in part]
     about = dict(results["machine"])
-    where = {name: about.pop(name) for name in ("cores", "processor", "system")}
-    libraries = ", ".join(f"{name} {value}" for name, value in about.items())
-    lines = [HEAD.format(**where, libraries=libraries)]
-    lines += ["## Aims", "", "| aim | limit | measured | |", "|---|---|---|---|"]
-    for aim in AIMS:
-        sign = "≥" if aim.at_least else "≤"
-        lines.append(f"| {aim.text} | {sign} {aim.limit:g} {aim.verdict(rows)}")
-    lines += ["", "## Ratios", "", "| | time | ratio |", "|---|---:|---:|"]
-    for benchmark, case, title in SHOWN:
-        sides = [row for row in rows if row.benchmark == benchmark and case in row.case]
-        if sides:
-            unit = sides[0].unit.partition(" per ")[0]
-            lines.append(f"| **{title}** | {unit} | |")
-            lines += [_line(row) for row in sides if "not arrived" not in row.note]
+    where = {name: about.pop(name, "?") for name in ("cores", "processor", "system")}
+    table = pd.read_csv(COVERAGE, keep_default_na=False)
+    text = TEXT.format(
+        references="\n".join(references.lines(sorted(references.FOLDER.glob("*.toml")))),
+        sets=table["sets"].max(),
+        coverage="\n".join(_coverage(table)),
+        aims="\n".join(aim.line(rows) for aim in AIMS),
+        ratios="\n".join(_ratios(rows)),
+        libraries=", ".join(f"{name} {value}" for name, value in about.items()),
+        **where,
+    )
     skipped = [f"\nNot measured: {name}, {reason}." for name, reason in results["skipped"].items()]
-    return "\n".join([*lines, *skipped]) + "\n"
+    return "\n".join([text.rstrip("\n"), *skipped]) + "\n"
 
 
-def _line(row: Row) -> str:
-    """Return a row of the table of ratios."""
-    note = f" ({row.note})" if row.note else ""
-    side = row.side.removeprefix("cylcontact: ") + note
-    return f"| {side} | {_short(row.value)} | {_short(row.ratio)} |"
+def _coverage(table: pd.DataFrame) -> Iterator[str]:
+    for (kind, options), rows in table.groupby(["kind", "options"], sort=False):
+        percent = rows.set_index("parameter")["coverage_percent"]
+        numbers = f"{percent['stiffness_factor']:.1f} | {percent['offset']:.1f}"
+        command = f"`{options}`" if options else "none"
+        yield f"| {kind} | {command} | {numbers} | {rows['warned_percent'].iloc[0]:.0f} |"
+
+
+def _ratios(rows: list[Row]) -> Iterator[str]:
+    case = ""
+    for row in rows:
+        if "restitution" in row.case:  # 24 cases, of which an aim names the slowest
+            continue
+        if row.case != case:
+            case = row.case
+            yield f"| **{case}**, {row.unit} | | |"
+        note = f" ({row.note})" if row.note else ""
+        yield f"| {row.side}{note} | {_short(row.value)} | {_short(row.ratio)} |"
 
 
 def _short(number: float) -> str:

@@ -13,7 +13,6 @@ from matplotlib.patches import Circle
 
 from cylcontact.laws import LAWS
 from cylcontact.mechanism import Trajectory, read_mechanism, simulate
-from cylcontact.mechanism.study import eccentricity_at
 from cylcontact.plots.figure import legend_below, new_figure, panel_title, panels
 from cylcontact.plots.style import width_mm
 
@@ -103,7 +102,7 @@ def paths(clearance: float) -> tuple[Figure, pd.DataFrame]:
 def path(motion: Trajectory) -> pd.DataFrame:
     """Return the journal's centre from that of the bearing at even times."""
     revolution = np.linspace(FIRST, LAST, POINTS)
-    x, y = -1e6 * eccentricity_at(motion, revolution * motion.mechanism.period).T
+    x, y = -1e6 * motion.eccentricity_at(revolution * motion.mechanism.period).T
     return pd.DataFrame({"revolution": revolution, "x_um": x, "y_um": y})
 
 

@@ -12,7 +12,6 @@ from hypothesis import settings
 from cylcontact import CylinderPair, Material, cli
 from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
 from tests.support import programs
-from tests.support.browser import chromium
 from tests.support.spec_files import write_bench
 
 # Typer takes most of a short command's time to build it; the tests build it once.
@@ -110,13 +109,6 @@ def small_campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
 @pytest.fixture(scope="session")
 def small_result(small_campaign: Campaign) -> FitResult:
     return calibrate(small_campaign)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """A headless Chromium; its event loop must not outlive the tests that need it."""
-    with chromium() as running:
-        yield running
 
 
 @pytest.fixture

@@ -9,22 +9,19 @@ import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 
-from cylcontact.export import export_joint
 from cylcontact.mechanism import read_joint
 
-joint = {}
-read = read_joint(Path(__file__).parents[2] / "datasets/joint.toml")
-exec(*export_joint(read, "python").values(), joint)
+joint = read_joint(Path(__file__).parents[2] / "datasets/joint.toml")
 model = mujoco.MjModel.from_xml_string("""
 <mujoco><option timestep="1e-6" gravity="0 -9.81 0"/><worldbody><body>
 <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/><joint axis="0 0 1"/>
 <geom type="cylinder" size=".00995 .005" mass="0.5" contype="0" conaffinity="0"/>
 </body></worldbody></mujoco>""")
-data, still, rate, path = mujoco.MjData(model), [0.0] * 6, joint["start"](), []
+data, still, state, path = mujoco.MjData(model), [0.0] * 6, joint.start(), []
 
 
 def force_on_pin(_, data):
-    wrench = joint["evaluate"](rate, still, [*data.qpos, *data.qvel])
+    wrench = joint.evaluate(state, still, [*data.qpos, *data.qvel])
     data.qfrc_passive[:] += [*wrench.force_pin, wrench.moment_pin]
 
 
@@ -32,7 +29,7 @@ mujoco.set_mjcb_passive(force_on_pin)
 data.qvel[:2] = 0.01, 0.02
 for _ in range(30_000):
     mujoco.mj_step(model, data)
-    rate = joint["accept"](rate, still, [*data.qpos, *data.qvel])
+    state = joint.accept(state, still, [*data.qpos, *data.qvel])
     path.append(1e6 * data.qpos[:2].copy())
 mujoco.set_mjcb_passive(None)
 x, y = np.array(path).T

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.tether import tethered
 from cylcontact import cli
 from cylcontact.fitting import FitResult, calibrate
 from tests.support.spec_files import CAMPAIGN, GRID, changed, tree, write_bench, write_toml
+from tests.support.tether import tethered
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = [sys.executable, "-m", "cylcontact.cli"]

@@ -1,4 +1,4 @@
-"""The commands as a whole: their examples, and options that are for another use."""
+"""The commands as a whole: their help and their examples."""
 
 import shlex
 import shutil
@@ -13,7 +13,6 @@ from cylcontact.fitting.noise import NOISES
 from cylcontact.plots.style import WIDTHS
 
 ROOT = Path(__file__).resolve().parents[2]
-SPEC = ROOT / "datasets/slider_crank.toml"
 COMMANDS = typer.main.get_command(program).commands
 EXAMPLES = {name: command.epilog.removeprefix("Example: ") for name, command in COMMANDS.items()}
 # Of these commands the example takes a second or two.
@@ -53,22 +52,3 @@ def test_the_quick_examples_run(run, tmp_path, monkeypatch, name):
     code, out, errors = run(*shlex.split(EXAMPLES[name])[1:])
     assert (code, errors) == (0, "")
     assert out
-
-
-# --- options and inputs of another command -----------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        ((SPEC, "--clearance", "0.5,0.02"), "'0.5,0.02' is not a number; see cylcontact simulate"),
-        ((SPEC, "--study", "cases"), "No such option: --study; see cylcontact simulate --help"),
-        ((SPEC, "--first", 2, "--revolutions", 2), "--first = 2: leaves none of 2"),
-    ],
-)
-def test_what_is_for_another_command_is_refused(run, tmp_path, monkeypatch, arguments, line):
-    monkeypatch.chdir(tmp_path)
-    code, out, errors = run("simulate", *arguments)
-    assert (code, out, errors.count("\n")) == (2, "", 1)
-    assert line in errors
-    assert not list(tmp_path.iterdir())

@@ -169,7 +169,7 @@ def test_penetration_pressure_and_angle_are_the_laws(name, plane, phis):
         assert semi_angle(second) == pytest.approx(float(law.contact_angle(load, pair)), rel=0.01)
 
 
-@pytest.mark.parametrize("dR", [0.005, 0.01])
+@pytest.mark.parametrize("dR", [0.01, pytest.param(0.005, marks=pytest.mark.slow)])
 def test_michells_series_in_the_conformal_range(dR):
     series = PinInRing(2.245, dR, SETUP.outer_radius, STEEL)
     for case in solve(changed(SETUP, clamp="rim"), dR, [20.0, 40.0, 100.0]):
@@ -218,7 +218,7 @@ class TestCalculix:
     @pytest.mark.parametrize(
         ("setup", "dR", "load", "rel"),
         [
-            *((COARSE, dR, load, 0.002) for dR in (0.01, 0.1, 1.0) for load in (20.0, 100.0)),
+            *((COARSE, dR, load, 0.002) for dR, load in ((0.01, 100.0), (1.0, 20.0))),
             (changed(COARSE, plane="stress", load_on="disc", clamp="rim"), 0.01, 40.0, 0.002),
             (joint(STEEL, ALUMINIUM, outer_ratio=10.0), DR, 1e2, 0.003),
             (joint(RUBBER, STEEL, outer_ratio=10.0), DR, 6e-3, 0.003),

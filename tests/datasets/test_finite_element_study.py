@@ -39,10 +39,6 @@ _AXES = {"E": [207.0], "nu": [0.3], "dR": [0.1, 0.2], "load": [10.0, 20.0]}
 AXES = {"axes": {name: {"values": values} for name, values in _AXES.items()}}
 
 
-def _nodes(penetrations):
-    return {"table": DROP, "penetrations": penetrations}
-
-
 def rows_of(name):
     """Read a committed table without the package."""
     return pd.read_csv(TABLES / f"{name}.csv", comment="#")

@@ -10,7 +10,9 @@ from cylcontact.datasets import Grid, Moments, merge, reduce_grid
 from cylcontact.datasets.moments import logarithmic_moments
 from cylcontact.datasets.sampling import blocks
 
-LOGARITHMIC = [name for name in laws.REFERENCES if issubclass(laws.LAWS[name], laws.LogarithmicLaw)]
+LOGARITHMIC = [
+    name for name in laws.REFERENCES if isinstance(laws.LAWS[name](), laws.LogarithmicLaw)
+]
 
 
 def pairs(count, dR=0.4):

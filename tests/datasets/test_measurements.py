@@ -7,9 +7,8 @@ from cylcontact import InputError
 from cylcontact.bodies.material import COLUMNS
 from cylcontact.datasets.measurements import measurements_of, read_measured
 from cylcontact.datasets.readings import TableSpec
-from cylcontact.files.units import QUANTITIES, column_named
-from cylcontact.fitting.measured import STANDARDISED
-from cylcontact.fitting.table_campaign import campaign_of_table, read_campaign
+from cylcontact.fitting.noise import STANDARDISED
+from cylcontact.fitting.tables import campaign_of_table, read_campaign
 from tests.support.measured_files import CONSTANTS, USER_LAW, write_measured, write_table
 from tests.support.spec_files import assert_told
 
@@ -55,35 +54,6 @@ def test_columns_come_out_in_mm_newton_and_megapascal(tmp_path):
     )
     unlike = measured(write_table(tmp_path / "t.csv", PLAIN)).pair
     assert 1 / unlike.E_star == pytest.approx([(1 - 0.3**2) / 2e5 + (1 - 0.33**2) / 7e4] * 2)
-
-
-# What stands in it in place of other columns.
-IN_PLACE = {
-    "E": ({"E_MPa": [2e5, 1e5], "nu": [0.3, 0.3]}, ("E_i_MPa", "nu_i", "E_j_MPa", "nu_j")),
-    "dR": ({"dR_mm": [0.1, 0.2]}, ("R_i_mm",)),
-    "load_std": ({"load_std_N_per_mm": [0.5, 0.25]}, ()),
-    "penetration_std": ({"penetration_std_mm": [0.5, 0.25]}, ()),
-    "time": ({"time_s": [0.0, 90.0]}, ()),
-}
-
-
-@pytest.mark.parametrize(
-    ("quantity", "unit", "factor"),
-    [(q, u, f) for q, units in QUANTITIES.items() for u, f in units.items() if u],
-)
-def test_every_unit_says_the_same_thing(tmp_path, quantity, unit, factor):
-    added, dropped = IN_PLACE.get(quantity, ({}, ()))
-    plain = {name: cells for name, cells in PLAIN.items() if name not in dropped} | added
-    key = next(name for name in plain if column_named(name).quantity == quantity)
-    column = column_named(f"{quantity}_{unit}")
-    assert column.factor == factor
-    divisor = factor / 10.0 if column.is_total else factor
-    changed = {name: cells for name, cells in plain.items() if name != key}
-    changed[f"{quantity}_{unit}"] = [value / divisor for value in plain[key]]
-    one = measured(write_table(tmp_path / "one.csv", plain))
-    two = measured(write_table(tmp_path / "two.csv", changed))
-    for name, values in one.columns.items():
-        assert two.columns[name] == pytest.approx(values, rel=1e-14), name
 
 
 def test_constants_stand_for_columns(tmp_path):

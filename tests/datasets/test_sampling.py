@@ -1,6 +1,5 @@
 """Sampling: tables that hold Eq 1 where Eq 8 allows it, in bounded memory, for any block size."""
 
-import pickle
 import subprocess
 import sys
 from dataclasses import fields
@@ -10,7 +9,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.search import space_of
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.datasets import Grid, Moments, reduce_grid, sampling
 from cylcontact.laws import LAWS, REFERENCES
@@ -75,11 +73,6 @@ def test_a_frame_holds_any_reference_law(reference):
         pair = CylinderPair.from_dR("internal", row.dR_mm, material)
         depth = LAWS[reference]().penetration(row.load_N_per_mm, pair)
         assert row.penetration_mm == pytest.approx(float(depth), rel=1e-12)
-
-
-def test_a_frame_is_what_a_file_holds(grid, tmp_path):
-    grid.sample(tmp_path / "s.csv")
-    pd.testing.assert_frame_equal(grid.sample(), pd.read_csv(tmp_path / "s.csv"), rtol=1e-15)
 
 
 def test_moments_are_those_of_the_rows_by_hand(grid):
@@ -176,9 +169,3 @@ def test_memory_does_not_grow_with_the_grid(out, tmp_path):
     size, growth = run.stdout.split()
     assert int(size) == np.prod(list(sizes.values()))
     assert float(growth) < 16
-
-
-@pytest.mark.slow
-def test_what_the_search_is_given_does_not_grow_with_the_grid():
-    sizes = [len(pickle.dumps(space_of(*shape))) for shape in ((5, 3, 20, 10), (40, 20, 20, 50))]
-    assert sizes[0] == sizes[1]

@@ -12,7 +12,6 @@ from cylcontact.datasets.branches import is_unloading
 from cylcontact.datasets.measurements import measurements_of
 from cylcontact.datasets.measurements import read_measured as read_with
 from cylcontact.datasets.readings import TableSpec
-from cylcontact.files.table import MAX_ROWS
 from cylcontact.files.units import column_named
 from tests.support.programs import require_package
 
@@ -92,22 +91,6 @@ def test_separators_and_decimal_marks_are_recognised(tmp_path, text, steps):
     assert all(word in note for word, note in zip(steps, notes, strict=True))
 
 
-@pytest.mark.parametrize(
-    ("name", "separator"),
-    [("t.TXT", "; "), ("t.tsv", "\t"), ("t.dat", "  "), ("t.asc", " "), ("t", ",")],
-)
-def test_a_table_in_text_may_have_any_name(tmp_path, name, separator):
-    assert read(tmp_path / name, PLAIN.replace(",", separator)).load == pytest.approx(LOADS)
-
-
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
-def test_text_of_spreadsheet_programs_is_decoded(tmp_path, encoding):
-    text = "load [N/mm];approach [µm];Prüfstück\n10;0,25;Bügel\n20,5;0,5;Öse\n"
-    actual = read(tmp_path / "t.csv", text, encoding, group="Prüfstück")
-    assert actual.penetration == pytest.approx([2.5e-4, 5e-4], abs=0)
-    assert actual.data.labels["group"] == ["Bügel", "Öse"]
-
-
 BAD_FILES = [
     # Thousands: certain, or possible.
     (SEMI + "1.234,5;2\n", 2, "load_N_per_mm = '1.234,5'|separators of thousands|without"),
@@ -166,43 +149,9 @@ def test_one_number_shows_what_a_comma_marks(tmp_path):
     assert plain.load == pytest.approx([1.234, 567])
 
 
-# Nobody marks thousands as decimals; and between commas a point marks decimals.
-MARKS = [
-    (separator, decimal, thousands)
-    for separator in (",", ";", "\t")
-    for decimal in ".,"
-    for thousands in ("", ".", ",", " ", "'", "\u00a0")
-    if thousands != decimal and (separator, thousands) != (",", ".")
-]
-
-
-@pytest.mark.parametrize(("separator", "decimal", "thousands"), MARKS)
-def test_no_number_is_read_as_another(tmp_path, separator, decimal, thousands):
-    """Whatever the country, a table is read right or refused."""
-    rng = np.random.default_rng(20150101)
-    read_right, rules = 0, []
-    for _ in range(60):
-        digits, size, rows = rng.integers(0, 5), rng.integers(-1, 6), rng.integers(1, 5)
-        values = np.round(10.0 ** rng.uniform(-1, size, (rows, 2)), digits) + 1
-        cells = [[f"{value:,.{digits}f}" for value in row] for row in values]
-        signs = str.maketrans({",": thousands or None, ".": decimal})
-        lines = [separator.join(f'"{c.translate(signs)}"' for c in row) for row in cells]
-        text = "\n".join([f"load_N_per_mm{separator}penetration_mm", *lines])
-        try:
-            actual = read(tmp_path / "t.csv", text)
-        except InputError as error:
-            rules.append(error.rule)
-            continue
-        read_right += 1
-        assert actual.load == pytest.approx(values[:, 0], rel=1e-12)
-        assert actual.penetration == pytest.approx(values[:, 1], rel=1e-12)
-    assert read_right >= 10
-    assert all("thousands" in rule or "and other numbers a point" in rule for rule in rules)
-
-
-def test_too_many_rows_are_refused(tmp_path):
-    path = written(tmp_path / "t.csv", "load_N\n" + "1\n" * (MAX_ROWS + 1))
-    told(path, f"at most {MAX_ROWS}")
+def test_too_many_rows_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("cylcontact.files.table.MAX_ROWS", 3)
+    told(written(tmp_path / "t.csv", "load_N\n" + "1\n" * 4), "at most 3")
 
 
 # --- workbooks, Parquet and frames --------------------------------------------------------------
@@ -275,24 +224,39 @@ def test_what_is_no_table_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("names", "quantity", "unit"),
+    ("names", "quantity", "unit", "factor"),
     [
-        ("load_N|F_N|force_N|F [N]|F (N)|Force / N|F/N|Force, N|Normal force [N]", "load", "N"),
-        ("Force in N|Load (N)", "load", "N"),
-        ("load N/mm|F [N/mm]|Line load [N mm^-1]|load [N·mm⁻¹]|P [N / mm]", "load", "N_per_mm"),
-        ("displacement [µm]|δ [μm]|delta_um|Approach (micron)|deflection_µm", "penetration", "um"),
-        ("Penetration depth / mm|indentation_mm", "penetration", "mm"),
-        ("t [min]|Time (min)|time_min", "time", "min"),
-        ("ΔR [µm]|dR_um", "dR", "um"),
-        ("E [GPa]|E_GPa", "E", "GPa"),
-        ("E_i [GPa]|E_i_GPa", "E_i", "GPa"),
-        ("ν|nu|nu [-]", "nu", ""),
+        (
+            "load_N|F_N|force_N|F [N]|F (N)|Force / N|F/N|Force, N|Normal force [N]",
+            "load",
+            "N",
+            1.0,
+        ),
+        ("Force in N|Load (N)", "load", "N", 1.0),
+        (
+            "load N/mm|F [N/mm]|Line load [N mm^-1]|load [N·mm⁻¹]|P [N / mm]",
+            "load",
+            "N_per_mm",
+            1.0,
+        ),
+        (
+            "displacement [µm]|δ [μm]|delta_um|Approach (micron)|deflection_µm",
+            "penetration",
+            "um",
+            1e-3,
+        ),
+        ("Penetration depth / mm|indentation_mm", "penetration", "mm", 1.0),
+        ("t [min]|Time (min)|time_min", "time", "min", 60.0),
+        ("ΔR [µm]|dR_um", "dR", "um", 1e-3),
+        ("E [GPa]|E_GPa", "E", "GPa", 1e3),
+        ("E_i [GPa]|E_i_GPa", "E_i", "GPa", 1e3),
+        ("ν|nu|nu [-]", "nu", "", 1.0),
     ],
 )
-def test_names_of_users_are_understood(names, quantity, unit):
+def test_names_of_users_are_understood(names, quantity, unit, factor):
     for name in names.split("|"):
         column = column_named(name)
-        assert (column.quantity, column.unit) == (quantity, unit), name
+        assert (column.quantity, column.unit, column.factor) == (quantity, unit, factor), name
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,8 @@ def test_a_script_draws_its_picture_and_prints_what_the_page_shows(script, tmp_p
     """WRITE_GOLDEN=1 writes the output anew."""
     if script.stem == "joint_in_c":
         require_program("gcc")
+    if script.stem == "joint_in_octave":
+        require_program("octave-cli")
     if script.stem == "joint_in_mujoco":
         pytest.importorskip("mujoco")
     if script.stem == "four_bar_in_exudyn":

@@ -42,6 +42,7 @@ def test_there_is_one_for_every_stage():
     assert re.findall(r"`(\d_\w+)`", listed) == names
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebook_runs_in_time_and_ends_with_a_picture(path):
     notebook = require_package("nbformat").read(path, as_version=4)

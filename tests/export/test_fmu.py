@@ -10,6 +10,7 @@ from cylcontact.files.spec import read_toml
 from cylcontact.mechanism import joint_from, read_joint
 from tests.support.fmu_masters import (
     OUTPUTS,
+    PARAMETERS,
     REALS,
     Cosim,
     Fmu,
@@ -20,7 +21,7 @@ from tests.support.fmu_masters import (
 )
 from tests.support.mechanism_cases import ROOT
 from tests.support.programs import fake_program, require_package, require_program
-from tests.support.spec_files import changed
+from tests.support.spec_files import DROP, changed
 
 JOINT = ROOT / "datasets/joint.toml"
 DATA = read_toml(JOINT)
@@ -46,11 +47,11 @@ def load(fmu, tmp_path):
     return lambda *args, **kwargs: Fmu(fmu, tmp_path / str(next(count)), *args, **kwargs)
 
 
-def motions(joint, count, seed):
+def motions(joint, count, seed, deepest=8e-6):
     """Random motions around contact: the pin mostly a few µm into the bearing."""
     rng = np.random.default_rng(seed)
     unit = 1e-3 * joint.in_mm  # m
-    around, depth = rng.uniform(0, 2 * np.pi, count), rng.uniform(-2e-6, 8e-6, count)
+    around, depth = rng.uniform(0, 2 * np.pi, count), rng.uniform(-2e-6, deepest, count)
     bearing = np.column_stack(
         [rng.uniform(-0.05, 0.05, (count, 2)) / unit, rng.uniform(-4, 4, count),
          rng.uniform(-1, 1, (count, 2)) / unit, rng.uniform(-90, 90, count)]
@@ -126,7 +127,7 @@ def test_outputs_are_those_of_the_library(tmp_path, units):
         element.set(motion)
         w = library.joint.evaluate(library.state, motion[:6], motion[6:])
         ours = [*w.force_bearing, w.moment_bearing, *w.force_pin, w.moment_pin, *w[4:10]]
-        seen.append((element.fmu.getReal(OUTPUTS[:-1]), ours))
+        seen.append((element.fmu.getReal(OUTPUTS), ours))
         library.completed(motion)
         element.completed(motion)
         rate = float(library.state.impact_rate)
@@ -198,14 +199,61 @@ def test_misuse_is_refused(load):
 
     element = load()
     for misuse in (
-        lambda: element.fmu.setReal([12], [1.0]),
+        lambda: element.fmu.setReal(OUTPUTS[:1], [1.0]),
         lambda: element.fmu.getReal([len(REALS)]),
         lambda: element.fmu.setInteger([0], [1]),
         lambda: element.fmu.getInteger([1]),
-        lambda: element.fmu.deSerializeFMUstate(b"short"),
+        lambda: element.fmu.setReal(PARAMETERS[:1], [-1.0]),  # a clearance
+        lambda: element.fmu.setReal(PARAMETERS[2:], [1.01]),  # a restitution
+        lambda: element.fmu.setReal(PARAMETERS[1:2], [np.nan]),
     ):
         with pytest.raises(FMICallException, match="error"):
             misuse()
+    assert element.get(*REALS[25:]) == pytest.approx([5e-5, 0.1, 0.9])
+
+
+def test_only_states_of_this_fmu_and_steps_forward_are_taken(load):
+    from fmpy.fmi1 import FMICallException
+
+    element, rng = load("CoSimulation"), np.random.default_rng(3)
+    state = element.fmu.serializeFMUstate(element.fmu.getFMUstate())
+    bad = bytearray(state)
+    bad[40] ^= 1
+    for size in (0, 5, 120, len(state)):
+        with pytest.raises(FMICallException, match="error"):
+            element.fmu.deSerializeFMUstate(rng.bytes(size))
+    with pytest.raises(FMICallException, match="error"):
+        element.fmu.deSerializeFMUstate(bytes(bad))
+    assert element.fmu.deSerializeFMUstate(state)
+    before = element.fmu.getReal(range(len(REALS)))
+    for step in (0.0, -1e-6, np.nan, np.inf):
+        with pytest.raises(FMICallException, match="error"):
+            element.fmu.doStep(0.0, step)
+    assert element.fmu.getReal(range(len(REALS))) == before
+    element.fmu.doStep(0.0, 1e-6)
+
+
+@pytest.mark.parametrize("law", ["conformal", "explicit", "johnson", "enhanced", "liu"])
+def test_parameters_give_the_joint_with_other_numbers(law, tmp_path):
+    """Clearance, with the law and first yield by it, friction and restitution."""
+    require_program("gcc")
+    data = changed(DATA, {"law": law, "bearing.point": [3.0, -2.0]})
+    element = Fmu(export_fmu(joint_from(data), tmp_path), tmp_path / "unpacked")
+    other = {"clearance": 0.08, "friction.coefficient": 0.2, "dissipation.restitution": 0.8123}
+    joint = joint_from(changed(data, {**other, "pin.R": DROP}))
+    element.fmu.setReal(PARAMETERS, [8e-5, 0.2, 0.8123])
+    library = Library(joint)
+    seen = []
+    for motion in motions(joint, 300, 8, deepest=2e-4):
+        element.at_event(motion)
+        library.at_event(motion)
+        w = joint.evaluate(library.state, motion[:6], motion[6:])
+        ours = [*w.force_bearing, w.moment_bearing, *w.force_pin, w.moment_pin, *w[4:]]
+        seen.append(([*element.fmu.getReal(OUTPUTS), *element.fmu.getInteger([0])], ours))
+    got, ours = np.array(seen).transpose(1, 0, 2)
+    assert len({*ours[:, -1]}) > 1
+    np.testing.assert_array_equal(got[:, -1], ours[:, -1])
+    assert (np.abs(got - ours) <= 2e-8 * np.abs(ours).max(axis=0)).all()
 
 
 def test_the_journal_under_load_moves_as_with_the_library(load, joint, fmu):

@@ -8,7 +8,7 @@ import pytest
 from cylcontact import InputError
 from cylcontact.fitting import read_campaign
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.table_campaign import campaign_of
+from cylcontact.fitting.tables import campaign_of
 from tests.support.spec_files import (
     CAMPAIGN,
     DROP,

@@ -100,16 +100,16 @@ def test_a_law_that_ends_before_the_data_is_left_out_with_the_reason():
 def test_a_law_of_ones_own_is_compared_like_the_packages(tmp_path, monkeypatch, frame, choice):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "own_laws.py").write_text(
-        "import numpy as np\n\ndef explicit(penetration, pair, c=1.427, A=0.3602, B=3.84):\n"
-        "    d = penetration / pair.dR\n"
+        "import numpy as np\n\ndef explicit(penetration, E_star, dR, c=1.427, A=0.3602, B=3.84):\n"
+        "    d = penetration / dR\n"
         "    inner = c + np.log(1 + A / d * np.log(B / d))\n"
-        "    return np.pi * pair.E_star * penetration / (c + np.log(1 + A / d * inner))\n"
+        "    return np.pi * E_star * penetration / (c + np.log(1 + A / d * inner))\n"
     )
     own = cc.choose(frame, PAIR, laws="own_laws:explicit")
     columns = ["parameters", "aicc", "cv_error", "compliance"]
     expected = choice.table.loc["explicit", columns].tolist()
     assert own.table.loc["own_laws:explicit", columns].tolist() == pytest.approx(expected, rel=1e-4)
-    assert own.best.optimum.fit.objective == "rms-log-penetration"
+    assert own.best.optimum.fit.noise.is_log
 
 
 HOUSING = {"R_o": 20.0}

@@ -189,12 +189,6 @@ def test_a_prediction_for_a_pair_of_many(pairs):
     assert both[both["pair"] == names[1]]["low_mm"].to_list() == alone["low_mm"].to_list()
 
 
-def test_a_prediction_is_for_the_contact_of_the_fit(plain):
-    rollers = CylinderPair.external(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
-    with pytest.raises(InputError, match="'external': is not internal, as the fit is"):
-        plain[1].predict(100.0, pair=rollers)
-
-
 def test_a_total_load_has_no_prediction_for_rows_of_several_lengths(plain):
     frame = plain[0].assign(length_mm=[10.0, 20.0] * 12 + [20.0])
     alone = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL)
@@ -202,17 +196,6 @@ def test_a_total_load_has_no_prediction_for_rows_of_several_lengths(plain):
     with pytest.raises(InputError, match="no single axial length is known"):
         result.predict("4500 N")
     assert result.predict("225 N/mm")["load_N_per_mm"].tolist() == [225.0]
-
-
-@pytest.mark.parametrize("level", [0.0, 1.0, 95.0, np.nan])
-def test_a_band_has_a_level_between_zero_and_one(plain, level):
-    with pytest.raises(InputError, match=r"level = .*: must lie between 0 and 1; 0\.95 is common"):
-        plain[1].predict([1.0], level=level)
-
-
-def test_a_load_without_a_penetration_is_refused(plain):
-    with pytest.raises(InputError, match=r"load in N/mm = -1\.0: leaves the domain"):
-        plain[1].predict([10.0, -1.0])
 
 
 SIMULATED = {
@@ -297,14 +280,26 @@ def test_a_profile_is_the_distance_in_errors_where_the_law_is_linear(plain):
 
 # --- refusals ---------------------------------------------------------------------------------
 
+ROLLERS = CylinderPair.external(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
 
-def test_a_coefficient_without_a_profile_is_refused(plain, small_result):
-    for result, known in (
-        (plain[1], "offset, compliance"),
-        (small_result, ", ".join(small_result.profiles)),
-    ):
-        with pytest.raises(InputError, match=f"'speed': has no profile.*; choose {known}$"):
-            result.plot_profile("speed")
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda fit: fit.predict(100.0, pair=ROLLERS), "'external': is not internal, as the fit"),
+        (lambda fit: fit.predict(1.0, level=1.0), "level = 1.0: must lie between 0 and 1; 0.95"),
+        (lambda fit: fit.predict(1.0, level=np.nan), "level = nan: must lie between 0 and 1"),
+        (lambda fit: fit.predict([10.0, -1.0]), "load in N/mm = -1.0: leaves the domain"),
+        (lambda fit: fit.predict("4 tf"), "is not a load with its unit"),
+        (lambda fit: fit.plot_profile("speed"), "has no profile: it was not searched"),
+        (lambda fit: fit.design([20.0], parameter="kappa"), "is not free; choose offset, comp"),
+        (lambda fit: fit.design([20.0], add=0), "add = 0: must be from 1"),
+    ],
+)
+def test_what_cannot_be_answered_is_refused(plain, ask, words):
+    with pytest.raises(InputError) as refused:
+        ask(plain[1])
+    assert words in str(refused.value)
 
 
 # --- files ------------------------------------------------------------------------------------
@@ -320,10 +315,6 @@ def test_a_file_gives_the_same_tables(series, tmp_path):
     load = [20.0, 300.0]
     pd.testing.assert_frame_equal(read.predict(load), result.predict(load), **exactly)
     assert (read.aic, read.bic, read.summary()) == (result.aic, result.bic, result.summary())
-
-
-def test_a_result_goes_to_another_process_and_back(series):
-    _, result = series
     back = pickle.loads(pickle.dumps(result))
     assert back == result
     assert back.predict(100.0).equals(result.predict(100.0))

@@ -7,10 +7,10 @@ import pytest
 
 from cylcontact.fitting import FitResult, read_campaign
 from cylcontact.fitting.calibration import profiles_of, space_of
+from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.profile import Profiles
 from cylcontact.fitting.search import beside, descend, minimise, polish, sharpen
 from cylcontact.fitting.space import Space
-from cylcontact.laws.law import LawModel, Parameter
 from tests.support.own_grids import campaign_of
 
 ROOT = Path(__file__).resolve().parents[2]

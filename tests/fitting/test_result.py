@@ -111,3 +111,31 @@ def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     with pytest.raises(InputError) as caught:
         FitResult.read(path)
     assert_told(caught, f"{path}{where}", key, value, rule, remedy)
+
+
+# --- verdicts ---------------------------------------------------------------------------------
+
+
+def with_runs(objectives, published=None):
+    """A result whose runs have these objectives."""
+    result = FitResult.read(EXTERNAL)
+    runs = [
+        run.model_copy(update={"objective": value})
+        for run, value in zip(result.runs, objectives, strict=False)
+    ]
+    objective = result.objective.model_copy(update={"value": min(objectives)})
+    paper = result.published.model_copy(update={"objective": published or 1.0})
+    return result.model_copy(update={"runs": runs, "objective": objective, "published": paper})
+
+
+def test_fewer_than_half_of_the_runs_at_the_best_are_a_warning():
+    assert with_runs([0.05, 0.07]).warnings == []
+    few = with_runs([0.05, 0.07, 0.08])
+    assert "make more runs (--runs 12)" in few.verdicts[0]
+    assert few.basins() == [(0.05, 1), (0.07, 1), (0.08, 1)]
+
+
+def test_round_off_is_one_basin_and_the_optimum():
+    verdicts = with_runs([1.8e-8, 2.6e-8, 1e-3], published=2.6e-8).verdicts
+    assert verdicts[0] == "the published coefficients are the optimum on this grid, within 0.1 %"
+    assert "2 of 3 runs reached the best objective within 0.1 %" in verdicts

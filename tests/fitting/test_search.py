@@ -11,10 +11,10 @@ from cylcontact.datasets import Grid, Moments, concatenate
 from cylcontact.fitting import Campaign
 from cylcontact.fitting.calibration import space_of
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.reference import OnMoments, OnSamples, Samples, power_laws
 from cylcontact.fitting.search import CROSSOVERS, descend, genetic_search, minimise, polish, sharpen
 from cylcontact.fitting.space import Space, central_differences
-from cylcontact.laws.law import LawModel, Parameter
 from tests.support.own_grids import campaign_of
 from tests.support.spec_files import write_bench
 

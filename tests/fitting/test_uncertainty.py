@@ -7,19 +7,18 @@ import pytest
 from scipy import stats
 
 from cylcontact import CylinderPair, InputError
-from cylcontact.fitting.diagnose import uncertainty_of
+from cylcontact.fitting.checks import uncertainty_of, verdicts_of
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.measured import Fit
-from cylcontact.fitting.optimum import Optimum, half_width
-from cylcontact.fitting.table_campaign import campaign_of_table
-from cylcontact.fitting.table_fit import fit_table
-from cylcontact.fitting.words import noise_verdicts
-from cylcontact.laws.law import LawModel, Parameter
+from cylcontact.fitting.noise import Plain
+from cylcontact.fitting.parameters import LawModel, Parameter
+from cylcontact.fitting.readings import Fit, Optimum, half_width
+from cylcontact.fitting.tables import campaign_of_table, fit_table
 from tests.support.measured_files import (
     STEEL,
     TRUTHS,
     measured_campaign,
     user_campaign,
+    with_columns,
     write_measured,
 )
 from tests.support.spec_files import golden
@@ -30,13 +29,13 @@ REPLICATES = 200
 
 
 def on_data(problem, data, **changes):
-    """The same problem on other data, perhaps with another objective or loss."""
+    """The same problem on other data, perhaps with given deviations."""
     return replace(problem, data=data, **changes)
 
 
 def descended(problem, start):
     """The optimum next to a start, and the noise there."""
-    point = problem.minimise(np.array(start, dtype=float)).point
+    point, _ = problem.minimise(np.array(start, dtype=float))
     return point, Optimum(problem, point)
 
 
@@ -78,8 +77,7 @@ def curve_problem(campaign, model, x, y, low, high):
     law = LawModel("curve", "internal", parameters, lambda actual: Curve(model, dict(actual)))
     x, y = np.array(x, dtype=float), np.array(y, dtype=float)
     data = campaign.measurements.take(np.zeros(x.size, dtype=int))
-    data = data.with_values(load=x, penetration=y)
-    return Fit(law, parameters, "rms-penetration", data)
+    return Fit(law, parameters, with_columns(data, load=x, penetration=y), Plain(is_log=False))
 
 
 @pytest.mark.parametrize("name", NIST_MODELS)
@@ -123,8 +121,7 @@ def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
 
     problem, best = noisy.fit, noisy.best
     data = problem.data
-    given = data.with_values(penetration_std=NOISE * data.penetration)
-    known = on_data(problem, given, objective="rms-penetration")
+    known = on_data(problem, data, noise=Plain(False, NOISE * data.penetration))
     names = [p.name for p in known.free]
 
     def chi_square(values):
@@ -138,7 +135,6 @@ def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
     minuit.hesse()
     minuit.minos(cl=LEVEL)
     point, noise = descended(known, known.point(best))
-    assert noise.known
     assert point == pytest.approx(np.array(minuit.values), rel=1e-4)
     # Minuit takes all second derivatives; without those of the law the errors are Gauss-Newton's.
     assert np.diag(noise.covariance) ** 0.5 == pytest.approx(np.array(minuit.errors), rel=0.02)
@@ -164,7 +160,7 @@ def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
     fitter = lmfit.Minimizer(residuals, parameters)
     actual = fitter.minimize()
     ends = lmfit.conf_interval(fitter, actual, sigmas=[LEVEL])
-    mine = uncertainty_of(Optimum.of(problem, best), LEVEL)
+    mine = uncertainty_of(Optimum(problem, problem.point(best)), LEVEL)
     for name in names:
         estimate = mine.estimates[name]
         assert estimate.value == pytest.approx(actual.params[name].value, rel=1e-6)
@@ -205,7 +201,7 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
     hits = {"covariance": [], "profile": [], "curve": [], "new": []}
     rng = np.random.default_rng(seed)
     for _ in range(replicates):
-        seen = data.with_values(penetration=exact * np.exp(size * rng.normal(size=len(data))))
+        seen = with_columns(data, penetration=exact * np.exp(size * rng.normal(size=len(data))))
         again = on_data(problem, seen)
         point, noise = descended(again, start)
         best = again.coefficients(point)
@@ -248,7 +244,7 @@ def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
     assert (ends.low, ends.low_is_bound, ends.high, ends.high_is_bound) == (0.5, True, 2.0, True)
     assert actual.estimates["clearance_factor"].verdict in ("not", "at a bound")
     assert abs(actual.correlation["modulus_factor"]["clearance_factor"]) > 0.99
-    assert any("correlation" in sentence for sentence in noise_verdicts(actual))
+    assert any("correlation" in sentence for sentence in verdicts_of(actual))
 
 
 def test_an_interval_ends_where_the_law_is_undefined_with_the_refit_before(tmp_path):
@@ -271,7 +267,7 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
     assert set(actual.only_together) == {"c", "Lambda_factor"}
     assert {e.verdict for e in actual.estimates.values()} == {"not"}
     assert actual.correlation == {}
-    assert "c and Lambda_factor are not identifiable" in noise_verdicts(actual)[1]
+    assert "c and Lambda_factor are not identifiable" in verdicts_of(actual)[1]
     assert "not identifiable" in str(result)
     noise = result.optimum
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
@@ -307,10 +303,9 @@ def test_a_band_of_a_new_reading_is_that_of_students_t(noisy):
 )
 def test_given_deviations_are_held_against_the_residuals(noisy, size, words):
     data = noisy.fit.data
-    given = data.with_values(penetration_std=size * NOISE * data.penetration)
-    known = on_data(noisy.fit, given, objective="rms-penetration")
+    known = on_data(noisy.fit, data, noise=Plain(False, size * NOISE * data.penetration))
     actual = uncertainty_of(descended(known, known.point(noisy.best))[1])
-    assert words in noise_verdicts(actual)[0]
+    assert words in verdicts_of(actual)[0]
     degrees = actual.degrees_of_freedom
     expected = stats.chi2.sf(actual.residual_sigma**2 * degrees, degrees)
     assert actual.chi_square_p == pytest.approx(expected, rel=1e-6)
@@ -337,7 +332,7 @@ def test_a_profile_says_when_it_finds_a_better_fit(noisy):
     point, _ = descended(short, short.point(best))
     actual = uncertainty_of(Optimum(problem, problem.point(short.coefficients(point))))
     assert actual.estimates["c"].profile.lowest < -1e-3
-    assert any("found a better fit" in note for note in noise_verdicts(actual))
+    assert any("found a better fit" in note for note in verdicts_of(actual))
     assert not any("found a better fit" in note for note in uncertainty_of(noisy).notes)
 
 

@@ -18,11 +18,24 @@ from cylcontact.mechanism import (
     read_joint,
     simulate,
 )
-from tests.support.joint_runners import RUNNERS, run_c, run_library
+from tests.support.export_runners import compile_with, run_program
+from tests.support.joint_runners import RUNNERS, run_c, run_library, write
 from tests.support.mechanism_cases import slider_crank
 from tests.support.spec_files import DROP, changed
 
 ROOT = Path(__file__).resolve().parents[2]
+CPP = """
+#include <iostream>
+#include "element.h"
+int main() {
+    const double bearing[6] = {}, pin[6] = {};
+    pin_state state;
+    pin_wrench wrench;
+    pin_start(&state);
+    pin_evaluate(&state, bearing, pin, &wrench);
+    std::cout << wrench.flag << std::endl;
+}
+"""
 JOINT = read_toml(ROOT / "datasets/joint.toml")
 ALUMINIUM = {"E": 69.0, "nu": 0.33}
 STEEL = {"E": 207.0, "nu": 0.3}
@@ -41,7 +54,6 @@ def joint_for(law, clearance, units="SI", **changes):
     """Return the joint of the slider-crank; conformal is the law for its unlike materials."""
     pin = ALUMINIUM if law == "conformal" else STEEL
     data = {
-        # A name each: C++ shares the constants of classes of one name between libraries.
         "name": f"{law}-{clearance}", "units": units, "length": 10.0, "law": law,
         "bearing": {"R": 10.0, **STEEL}, "pin": {"R": 10.0 - clearance, **pin},
         "dissipation": {"factor": "lankarani-nikravesh", "restitution": 0.9},
@@ -61,7 +73,7 @@ def elastic_force(joint, penetration):
     return _elastic_force(penetration, joint.block, joint.kernel.parameters)
 
 
-_elastic_force = numba.njit(contact.elastic_force)
+_elastic_force = numba.njit(contact.piece_force)
 
 
 def rows_of(run, relative=True):
@@ -254,11 +266,16 @@ def test_centres_that_coincide_have_a_normal():
 
 
 @pytest.mark.parametrize("language", RUNNERS)
-def test_a_motion_that_is_not_a_number_has_no_force(language, tmp_path):
-    joint = joint_for("explicit", 0.05)
-    row = np.array([[0.0] * 7 + [np.nan] + [0.0] * 5])
-    for answers in (run_library(joint, row), RUNNERS[language](joint, row, tmp_path)):
-        assert np.isnan(answers[0, :6]).all()
+def test_a_motion_that_is_not_a_number_has_no_force_and_no_impact_rate(language, tmp_path):
+    joint = joint_for("explicit", 0.05, **{"pin.point": [3.0, 2.0], "bearing.point": [1.0, 4.0]})
+    rows = np.tile([0.0, *[0.0] * 6, 1e-4, 0.0, 0.0, 0.3, 0.0, 0.0], (13, 1))
+    np.fill_diagonal(rows[:12, 1:], np.nan)  # each number of both bodies in a row
+    wanted = run_library(joint, rows)
+    answers = RUNNERS[language](joint, rows, tmp_path)
+    np.testing.assert_array_equal(np.isnan(answers), np.isnan(wanted))
+    assert np.isnan(wanted[:12, :6]).all()
+    assert np.isnan(wanted[:12, 13]).all()
+    assert np.isfinite(wanted[12]).all()
 
 
 def test_states_may_be_arrays():
@@ -317,12 +334,20 @@ def test_exports_flag_and_start_as_the_library(language, law, tmp_path):
 # --- what it says ---
 
 
-@pytest.mark.parametrize(
-    ("name", "target"), [("wrench", "cpp"), ("std", "cpp"), ("Forces", "fortran")]
-)
+@pytest.mark.parametrize(("name", "target"), [("Arms_of", "fortran"), ("evaluate", "matlab")])
 def test_a_name_that_the_language_needs_is_refused(name, target):
-    with pytest.raises(InputError, match=f"name = '{name}': is taken by something else in"):
+    with pytest.raises(InputError, match=f"'{name}': is taken by something else in {target}"):
         export_joint(joint_for("explicit", 0.05, name=name), target)
+
+
+def test_the_header_is_for_cpp_too(tmp_path):
+    (tmp_path / "main.cpp").write_text(CPP, encoding="ascii")
+    source = write(joint_for("explicit", 0.05, name="pin"), "c", tmp_path)
+    compile_with("gcc", "-std=c99", "-c", source, "-o", tmp_path / "element.o")
+    files = tmp_path / "main.cpp", tmp_path / "element.o"
+    flags = ("-std=c++11", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Werror")
+    compile_with("g++", *flags, *files, "-o", tmp_path / "main", "-lm")
+    assert run_program(tmp_path / "main") == "0\n"
 
 
 @pytest.mark.parametrize("target", RUNNERS)
@@ -336,27 +361,18 @@ def test_no_name_breaks_out_of_its_comment(target):
     assert not set(together) & set("é\\$")
 
 
-def check_values(text):
-    """Return the rows and answers that the comment of an export shows."""
-    rows, answers = [], []
-    shown = text.partition("Check values")[2].partition("To use")[0].replace("//", "")
-    for state in shown.split("impact_rate")[1:]:
-        given, _, gives = state.partition("gives")
-        words = given.replace("bearing", ",").replace("pin", ",").replace("\n", ",").split(",")
-        rows.append([float(word) for word in words if word.strip()])
-        answers.append([float(word.split()[-1]) for word in gives.replace("\n", ",").split(",")
-                        if word.strip()])  # fmt: skip
-    return np.array(rows), np.array(answers)
-
-
 @pytest.mark.parametrize("units", ["SI", "mm"])
-def test_the_check_values_are_what_the_element_gives(units, tmp_path):
+def test_the_check_in_the_comment_is_what_the_element_gives(units, tmp_path):
     joint = joint_for("explicit", 0.05, units, **{"bearing.point": [30.0, -4.0]})
-    rows, wanted = check_values(export_joint(joint, "c")["explicit_0_05.h"])
-    assert rows.shape == (4, 13)
-    assert (wanted[:, 8] > 1.0).sum() == 2
-    answers = run_c(joint, rows, tmp_path)[:, :13]
-    np.testing.assert_allclose(answers, wanted, rtol=1e-9, atol=1e-9)
+    text = export_joint(joint, "c")["explicit_0_05.h"].partition("// Check:")[2]
+    lines = [line.split(maxsplit=2)[1:] for line in text.splitlines()[1:9] if "with" not in line]
+    shown = {name: np.array(numbers.split(", "), float) for name, numbers in lines if "," in numbers
+             or name in ("impact_rate", "moment_pin", "moment_bearing", "penetration")}  # fmt: skip
+    row = np.hstack([shown[name] for name in ("impact_rate", "bearing", "pin")])
+    answers = run_c(joint, row[None], tmp_path)[0]
+    wanted = ("moment_bearing", "force_pin", "moment_pin", "penetration")
+    np.testing.assert_allclose(answers[2:7], np.hstack([shown[name] for name in wanted]), rtol=1e-9)
+    assert answers[8] > 1.0
 
 
 def test_materials_may_be_named_or_given():
@@ -424,7 +440,12 @@ REFUSALS = {
     "no file": (("--to", "c"), "export: --out: is missing for a joint; name the file, e.g. -o wri"),
     "suffix": (("--to", "c", "-o", "x.f90"), "x.f90: is not a .c; name the output so that it is"),
     "target": (("--to", "json", "-o", "x.json"), "--to = 'json': is not a known target; choose c,"),
-    "import": (("--to", "python", "-o", "2pins.py"), "--out = '2pins': cannot be called by its na"),
+    "call": (("--to", "matlab", "-o", "2pins.m"), "--out = '2pins': cannot be called by its name"),
+    "cpp": (("--to", "cpp", "-o", "x.hpp"), "--to = 'cpp': is gone; choose c: it compiles as C++"),
+    "python": (
+        ("--to", "python", "-o", "x.py"),
+        "--to = 'python': is gone; install cylcontact and",
+    ),
     "letters": (("--to", "c", "-o", "pün.c"), "--out = 'pün': is not plain text; name the file"),
     "law": (("explicit", "--to", "c"), "RESULT|LAW = 'explicit': is in the file of the joint alr"),
 }

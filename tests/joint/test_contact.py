@@ -21,7 +21,8 @@ def in_contact(mechanism, impact_rate=1.0):
 
 
 def forces(e, e_dot, joint, law):
-    return _forces((*e, *e_dot, 0.0, 0.0), joint["impact_rate"], joint, law)
+    motion = contact.Motion(*e, *e_dot, 0.0, 0.0)
+    return _forces(motion, joint["impact_rate"], joint, law)
 
 
 _forces = numba.njit(contact.forces)

@@ -15,7 +15,6 @@ from cylcontact.limits import hertz_stress
 from tests.support.strategies import powers_of_ten
 
 LAW = Conformal()
-METHODS = ("load", "penetration", "stiffness", "contact_angle", "peak_pressure")
 MATERIALS = {
     "steel": Material("steel", 207e3, 0.3),
     "al": Material("aluminium", 70e3, 0.33),
@@ -211,25 +210,6 @@ def test_small_loads_are_those_of_hertz_and_johnson(pin, hole):
     leading = 2.5 * 256 / (45 * np.pi**2) * pair.beta * np.sqrt(np.pi * phi)
     np.testing.assert_allclose(difference[2:], leading[2:], rtol=0.01)
     assert np.all(np.abs(difference[:2]) < 2e-5)
-
-
-# --- arrays and edges -------------------------------------------------------------------------
-
-
-def test_families_of_materials_are_their_members():
-    moduli, ratios = np.array([[70e3], [207e3]]), np.array([0.3, 0.3, 0.4])
-    steel, loads = MATERIALS["steel"], np.array([10.0, 1e4, 1e6])
-    family = CylinderPair("internal", 0.01, steel, Material("pins", moduli, ratios), R, R)
-    datum = Conformal(Housing(R_o=5 * R))
-    for law, method in [(each, m) for m in METHODS for each in (LAW, datum)]:
-        values = loads if method in METHODS[1::2] + METHODS[4:] else loads * 1e-9
-        result = getattr(law, method)(values, family)
-        assert result.shape == (2, 3)
-        for (row, column), value in np.ndenumerate(result):
-            one = Material("pin", float(moduli[row, 0]), float(ratios[column]))
-            pair = CylinderPair("internal", 0.01, steel, one, R, R)
-            alone = float(getattr(law, method)(values[column], pair))
-            assert value == pytest.approx(alone, rel=1e-8 if method == "stiffness" else 1e-10)
 
 
 # --- bad input --------------------------------------------------------------------------------

@@ -7,9 +7,9 @@ import pytest
 from tests.support.measured_files import write_measured
 from tests.support.spec_files import tree
 
-POWER = "K * pair.E_star / pair.dR * penetration**1.1"
+POWER = "K * E_star / dR * penetration**1.1"
 HEAD = "import sys\nimport numpy as np\n"
-# What a law `load(penetration, pair, K)` does, and what is said of it. None of them is a law.
+# What a law `load(penetration, E_star, dR, K)` does, and what is said of it. None of them is a law.
 BODIES = {
     "sys.exit(0)": "stopped with SystemExit: 0",
     "raise ValueError('two\\nlines')": "stopped with ValueError: two lines",
@@ -29,7 +29,8 @@ MODULES = {
     "import sys; sys.exit()": "cannot be imported (SystemExit",
     "import absent_module": "cannot be imported (ModuleNotFoundError",
     "load = 3": "is not a function of mine",
-    "class load: pass": "must take a penetration, a pair and named constants",
+    "class load: pass": "must take a penetration and named numbers",
+    "def load(penetration, pair, K): return K": "takes a pair, and has to take what it needs",
 }
 GIVEN = "--E 207GPa --nu 0.3 --Ri 10 --bound K=1:10 --runs 2 -j 1"
 # Names that are not of a module and a function beside the table.
@@ -63,7 +64,7 @@ def refused(fit, tmp_path, rule, *arguments):
 
 
 def law(body):
-    return f"{HEAD}\ndef load(penetration, pair, K):\n    {body}\n"
+    return f"{HEAD}\ndef load(penetration, E_star, dR, K):\n    {body}\n"
 
 
 @pytest.mark.parametrize("body", BODIES)

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from benchmarks.exudyn_joint import imbalance, slider_crank
-from benchmarks.exudyn_peer import joint_of, simulate_in_exudyn
-from benchmarks.mechanism import CONTACTS, ELASTIC, END, SPEC, onsets_of
+from benchmarks.exudyn_peer import SPEC, imbalance, joint_of, simulate_in_exudyn, slider_crank
+from benchmarks.mechanism import CONTACTS, ELASTIC, END, onsets_of
 from cylcontact.mechanism import read_mechanism, simulate
-from tests.support.joint_runners import module_of
 
 pytestmark = pytest.mark.slow
 
@@ -54,7 +52,7 @@ def test_the_first_contacts_are_as_deep_as_ours(ours, theirs):
 
 
 def test_without_dissipation_our_joint_is_exudyns_own_contact(mechanism, theirs):
-    run = simulate_in_exudyn(mechanism, END, 1e-6, module_of(joint_of(mechanism)))
+    run = simulate_in_exudyn(mechanism, END, 1e-6, joint_of(mechanism))
     own = theirs[1e-6]
     assert (run.penetration > 0).sum() > 100
     np.testing.assert_allclose(run.penetration, own.penetration, rtol=0, atol=1e-11)
@@ -67,7 +65,7 @@ def sliding():
     """Restitution 0.9 and friction 0.1: the mechanism, our run and those with our joint."""
     mechanism = slider_crank(0.9, 0.1)
     ours = simulate(mechanism.changed(tolerance=1e-11), revolutions=1)
-    joint = module_of(joint_of(mechanism))
+    joint = joint_of(mechanism)
     runs = {s: simulate_in_exudyn(mechanism, END, s, joint) for s in (1e-6, 2.5e-7)}
     return mechanism, ours, runs
 

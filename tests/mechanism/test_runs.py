@@ -10,7 +10,6 @@ from cylcontact.joint.clearance import TANGENT_FROM
 from cylcontact.laws import Johnson
 from cylcontact.mechanism import LawDomainError, RunError, Settings, long_run, simulate
 from cylcontact.mechanism import run as running
-from cylcontact.mechanism.study import eccentricity_at
 from cylcontact.support.numba_cache import compiled
 from tests.support.mechanism_cases import CASES, Equations, slider_crank
 
@@ -126,7 +125,7 @@ def test_no_shallow_contact_is_leapt_over():
     """Unless turning points are examined, a contact 10 nm deep is missed in this run."""
     run = simulate(slider_crank(friction=0.0, tolerance=1e-6), revolutions=10)
     time = np.linspace(0, run.time[-1], 200_000)
-    excess = np.hypot(*eccentricity_at(run, time).T) - run.mechanism.joint.radial * 1e-3
+    excess = np.hypot(*run.eccentricity_at(time).T) - run.mechanism.joint.radial * 1e-3
     row = np.searchsorted(run.time, time, side="left")
     free = ~run.in_contact[row] & (row > 0)
     assert excess[free].max() < 1e-9
@@ -158,7 +157,7 @@ def test_johnsons_law_is_left_and_says_where():
 
 @compiled
 def elastic(penetration, joint, law):
-    return contact.elastic_force(penetration, joint, law)
+    return contact.piece_force(penetration, joint, law)
 
 
 def test_the_tangent_takes_over_smoothly():

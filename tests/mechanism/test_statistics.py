@@ -7,8 +7,14 @@ from scipy import stats
 
 from cylcontact import InputError, laws, limits
 from cylcontact.mechanism import Interrupted, Settings, Statistics, long_run, simulate
-from cylcontact.mechanism.statistics import LONGEST, QUANTITIES, REPEATED, REPEATS, batch_means
-from cylcontact.mechanism.trajectory import SECTION
+from cylcontact.mechanism.statistics import (
+    LONGEST,
+    QUANTITIES,
+    REPEATED,
+    REPEATS,
+    SECTION,
+    batch_means,
+)
 from tests.support.mechanism_cases import slider_crank, yields_at
 
 

@@ -129,17 +129,6 @@ def test_simulate_writes_the_steps(run, tmp_path):
     pd.testing.assert_frame_equal(pd.read_parquet(parquet), expected)
 
 
-def test_simulate_gives_an_estimate_of_a_very_long_run(run, monkeypatch):
-    """Where the run ends at once, so that only the estimate is left."""
-
-    def end(*_arguments, **_named):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("cylcontact.mechanism.long_run", end)
-    err = run("simulate", SPEC, "--revolutions", 100_000)[2]
-    assert err.startswith("cylcontact: 100,000 revolutions of 0.012 s in steps of up to 0.0001 s: ")
-
-
 def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):
     statistics = long_run(slider_crank(), 3)
 
@@ -161,6 +150,8 @@ def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):
         (("simulate", SPEC, "--beyond", "wall"), "beyond = 'wall': is not known; choose stop or"),
         (("simulate", SPEC, "--table", "run.gif"), "run.gif: is neither .csv nor .parquet"),
         (("simulate", SPEC, "--revolutions", 2, "--first", 2), "--first = 2: leaves none of 2"),
+        (("simulate", SPEC, "--clearance", "0.5,0.02"), "is not a number; see cylcontact simulate"),
+        (("simulate", SPEC, "--study", "cases"), "No such option: --study; see cylcontact"),
         (("simulate", SPEC, "-o", "run.parquet"), "simulate: -o: is gone; use --table run.csv"),
         (("simulate", SPEC, "--method=minimal"), "simulate: --method: is gone; leave it out"),
         (("sweep", SPEC, "--against", "1e-10"), "sweep: --against: is gone; compare two runs"),

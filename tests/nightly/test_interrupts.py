@@ -16,8 +16,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.tether import tethered
 from tests.support.spec_files import DROP, ELEMENTS, tree, write_bench, write_toml
+from tests.support.tether import tethered
 
 pytestmark = [
     pytest.mark.slow,

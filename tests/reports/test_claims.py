@@ -1,5 +1,6 @@
 """Claims: verdicts from readings, and the committed table against the paper's equations."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from mpmath import mp, mpf
 
 from cylcontact import InputError
-from cylcontact.reports.claims import DEPENDS, FAILS, claims_of, to_table, to_text
+from cylcontact.reports.claims import DEPENDS, FAILS, claims_of, to_table
 from tests.support import paper_equations as paper
 from tests.support.report_files import CLAIMS
 
@@ -47,12 +48,11 @@ def test_the_committed_table_is_what_the_claims_say(ledger):
     now = to_table(ledger)
     for column in ("section", "claim", "printed", "verdict", "reading", "holds"):
         assert table[column].tolist() == now[column].tolist()
-
-
-def test_the_text_is_short(ledger):
-    lines = to_text(ledger).splitlines()
-    assert len(lines) <= 200
-    assert max(map(len, lines)) <= 100
+    numbers = re.compile(r"-?\d+\.?(\d*)")
+    for was, text in zip(table["ours"], now["ours"], strict=True):
+        for one, other in zip(numbers.finditer(was), numbers.finditer(text), strict=True):
+            # Another processor may round another last digit.
+            assert abs(float(one[0]) - float(other[0])) < 1.1 * 10.0 ** -len(other[1]), text
 
 
 def test_verdicts_follow_from_the_readings(tmp_path):
@@ -130,11 +130,3 @@ def test_growth_at_small_clearances(ours):
         top = min(1000.0, paper.johnson_end(E_star, 0.0075))
         half, whole = (abs(paper.difference(share * top, E_star, 0.0075)) for share in (0.5, 1))
         assert f"{name} {whole - half:+.0f}" in said
-
-
-def test_equal_changes_of_E_and_clearance():
-    """ln f = ln K + n ln δ has the same n for the same E·ΔR, so that neither counts more."""
-    loads = np.geomspace(10, 1000, 41)
-    assert paper.power_fit(loads, 2 * E_STEEL, 0.1)[1] == pytest.approx(
-        paper.power_fit(loads, E_STEEL, 0.2)[1], rel=1e-12
-    )

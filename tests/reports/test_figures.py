@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib import image
-from matplotlib.collections import PolyCollection
 
 from cylcontact import InputError
 from cylcontact.plots import figure_style
@@ -61,15 +60,6 @@ def test_the_same_bytes_for_any_number_of_workers(folder):
 def test_a_width_is_that_of_the_picture(folder, width, mm):
     (png, *_) = write_figures(folder, ["fig99"], formats=["png"], width=width)
     assert image.imread(png).shape[1] == pytest.approx(mm / 25.4 * 300, abs=1)
-
-
-@pytest.mark.parametrize("mm", [90.0, 190.0])
-def test_the_papers_figures_have_the_width_asked_for(mm, monkeypatch):
-    monkeypatch.chdir(ROOT)
-    for name in ("fig02", "fig07", "fig_refit"):
-        with figure_style(width=mm):
-            figure, _ = draw(ROOT, name)
-        assert figure.get_figwidth() * 25.4 == pytest.approx(mm)
 
 
 def test_a_style_is_applied_on_top(folder, tmp_path):
@@ -127,17 +117,6 @@ def test_fig_3_shows_the_exponent_itself(monkeypatch):
     assert row["n"].iloc[0] == pytest.approx(n, rel=1e-10)
 
 
-def test_fig_5_is_for_the_papers_clearances_within_its_colours(monkeypatch):
-    figure, table = drawn("fig05", monkeypatch)
-    assert set(table["dR_mm"]) == {1.0, 0.01}
-    assert set(table["load_N_per_mm"]) == {100.0}
-    drawn_cells = (each for axes in figure.axes for each in axes.collections)
-    fields = [each for each in drawn_cells if isinstance(each, PolyCollection)]
-    fields = [each for each in fields if each.get_array().size > 500]
-    top = max(float(each.get_array().max()) for each in fields)
-    assert 1.0 < top < fields[0].get_clim()[1]
-
-
 def test_figs_7_to_9_are_eqs_7_and_8(monkeypatch):
     figure, table = drawn("fig07", monkeypatch)
     steel = table[(table["material"] == "low-carbon steel") & (table["R_i_mm"] == 10)]
@@ -164,7 +143,8 @@ def test_figs_7_to_9_are_eqs_7_and_8(monkeypatch):
 
 @pytest.mark.parametrize(("name", "E", "nu"), [("fig10", 600e3, 0.24), ("fig12", 200e3, 0.3)])
 def test_the_maps_are_eq_9(name, E, nu, monkeypatch):
-    _, table = drawn(name, monkeypatch)
+    figure, table = drawn(name, monkeypatch)
+    assert f"$E$ = {E / 1e3:g} GPa" in figure.axes[0].get_title(loc="left")
     expected = paper.difference(table["load_N_per_mm"], paper.e_star(E, nu), table["dR_mm"])
     assert table["difference_percent"].to_numpy() == pytest.approx(
         expected.to_numpy(), rel=1e-9, abs=1e-9

@@ -16,24 +16,3 @@ def chromium():
             yield browser
         finally:
             browser.close()
-
-
-@contextmanager
-def opened(browser, path, width=1440, theme="light"):
-    """Open a page from disk; it may ask for nothing else than files, and log nothing."""
-    context = browser.new_context(
-        viewport={"width": width, "height": 900}, color_scheme=theme, accept_downloads=True
-    )
-    page = context.new_page()
-    page.set_default_timeout(15_000)
-    logged, asked = [], []
-    page.on("console", lambda message: logged.append(message.text))
-    page.on("pageerror", lambda error: logged.append(str(error)))
-    page.on("request", lambda request: asked.append(request.url))
-    try:
-        page.goto(path.as_uri())
-        yield page
-        assert logged == []
-        assert all(url.startswith(("file:", "data:", "blob:")) for url in asked)
-    finally:
-        context.close()

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 
-from benchmarks.tether import tethered
+from tests.support.tether import tethered
 
 
 class LoopbackCluster:

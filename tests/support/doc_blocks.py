@@ -20,7 +20,7 @@ from pathlib import Path
 import pytest
 
 from cylcontact import cli
-from tests.support.programs import require_program, skip_if_told
+from tests.support.programs import require_program, skip_if_told, skipping
 
 ROOT = Path(__file__).resolve().parents[2]
 BENCH = ("datasets", "fitting", "reports")
@@ -83,7 +83,7 @@ def run_page(page, folder, monkeypatch):
             target.write_text(block.text, encoding="utf-8")
         elif block.language == "python":
             stream = io.StringIO()
-            with contextlib.redirect_stdout(stream):
+            with contextlib.redirect_stdout(stream), skipping():
                 exec(compile(block.text, str(page), "exec"), names)
             printed = stream.getvalue()
         elif block.language == "bash":

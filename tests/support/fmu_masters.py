@@ -7,14 +7,14 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from cylcontact.export.fmu import model_of
-from cylcontact.export.joint import element_of
+from cylcontact.export.fmu import JointFmu
+from cylcontact.export.joint import Element
 from cylcontact.joint.clearance import JointState
 from cylcontact.mechanism import read_joint
 
 JOINT = Path(__file__).resolve().parents[2] / "datasets/joint.toml"
-REALS = [v.name for v in model_of(element_of(read_joint(JOINT))).variables if v.unit]
-INPUTS, OUTPUTS = list(range(12)), list(range(12, len(REALS)))
+REALS = [v.name for v in JointFmu(Element(read_joint(JOINT))).variables]
+INPUTS, OUTPUTS, PARAMETERS = list(range(12)), list(range(12, 24)), [25, 26, 27]
 
 
 def export_fmu(joint, folder):

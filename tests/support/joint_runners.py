@@ -5,16 +5,15 @@ of its results, and the accepted impact rates.
 """
 
 import ctypes
-from functools import partial
-from types import ModuleType
 
 import numpy as np
 
-from cylcontact.export import JOINT_TARGETS, export_joint, joint, spatial
-from cylcontact.mechanism import JointState, SpatialJoint
+from cylcontact.export import JOINT_TARGETS, export_joint
+from cylcontact.export.joint import Element
+from cylcontact.export.plain import Vector, fields_of
+from cylcontact.mechanism import JointState
 from tests.support.export_runners import (
     C_FLAGS,
-    CPP_FLAGS,
     FORTRAN_FLAGS,
     compile_with,
     run_program,
@@ -22,8 +21,8 @@ from tests.support.export_runners import (
 from tests.support.programs import require_program
 
 C_WRAPPER = """
-#include "element.{suffix}"
-{linkage} void run(int rows, const double *x, double *y);
+#include "element.h"
+void run(int rows, const double *x, double *y);
 void run(int rows, const double *x, double *y)
 {{
     for (int k = 0; k < rows; k++, x += {given}, y += {answered}) {{
@@ -72,9 +71,12 @@ id = fopen('{folder}/out', 'w'); fwrite(id, y, 'double'); fclose(id);
 
 def element_of(one):
     """Return a joint's element, the count of numbers given, and that of each result's."""
-    element = (spatial if isinstance(one, SpatialJoint) else joint).element_of(one)
-    given = element.contacts + 2 * len(element.motion)
-    return element, given, {each.name: max(each.size, 1) for each in element.results}
+    element = Element(one)
+    sizes = {
+        name: kind.size if isinstance(kind, Vector) else 1
+        for name, kind in fields_of(element.module.WRENCH).items()
+    }
+    return element, element.contacts + 2 * element.size, sizes
 
 
 def write(one, target, folder, stem="element"):
@@ -93,43 +95,35 @@ def run_library(joint, rows):
     return np.column_stack([*w, accepted])
 
 
-def run_c(one, rows, folder, language="c"):
-    """Compile in C or C++ a loop over rows around the joint, and run that."""
-    source = write(one, language, folder)
+def run_c(one, rows, folder):
+    """Compile in C a loop over rows around the joint, and run that."""
+    source = write(one, "c", folder)
     element, given, sizes = element_of(one)
-    n, name, size = element.contacts, element.name, len(element.motion)
-    plus, parts = language == "cpp", [f"[{k}]" for k in range(n)] if n > 1 else [""]
+    n, name, size = element.contacts, element.planar.identifier, element.size
+    parts = [f"[{k}]" for k in range(n)] if n > 1 else [""]
     items = [
         f"w.{key}[{k}]" if count > 1 else f"w.{key}"
         for key, count in sizes.items() for k in range(count)
     ]  # fmt: skip
-    state, bodies = "joint.state()" if plus else "state.impact_rate", f"x + {n}, x + {n + size}"
-    given_rates = "".join(f" {state}{part} = x[{k}];" for k, part in enumerate(parts))
-    if plus:
-        made = f"{name} joint(x[0]);" if n == 1 else f"{name} joint;{given_rates}"
-        evaluated = f"{made} const {name}::wrench w = joint.evaluate({bodies});"
-        accepted = f"joint.accept({bodies})"
-    else:
-        evaluated = f"{name}_state state;{given_rates} {name}_wrench w; "
-        evaluated += f"{name}_evaluate(&state, {bodies}, &w);"
-        accepted = f"{name}_accept(&state, {bodies})"
-    answers = [*items, *(state + part for part in parts)]
+    bodies = f"x + {n}, x + {n + size}"
+    rates = "".join(f" state.impact_rate{part} = x[{k}];" for k, part in enumerate(parts))
+    answers = [*items, *(f"state.impact_rate{part}" for part in parts)]
     lines = [f"y[{k}] = {item};" for k, item in enumerate(answers)]
-    driver, library = folder / f"run.{language}", folder / f"run_{language}.so"
+    driver, library = folder / "run.c", folder / "run_c.so"
     text = C_WRAPPER.format(
-        suffix="hpp" if plus else "h", linkage='extern "C"' if plus else "", given=given,
-        answered=len(answers), evaluated=evaluated, accepted=accepted,
+        given=given, answered=len(answers), accepted=f"{name}_accept(&state, {bodies})",
+        evaluated=f"{name}_state state;{rates} {name}_wrench w; "
+        f"{name}_evaluate(&state, {bodies}, &w);",
         results=" ".join(lines[:-n]), rates=" ".join(lines[-n:]),
     )  # fmt: skip
     driver.write_text(text, encoding="ascii")
-    flags = CPP_FLAGS if plus else (*C_FLAGS, source)
-    compile_with("g++" if plus else "gcc", *flags, driver, "-o", library, "-lm")
+    compile_with("gcc", *C_FLAGS, source, driver, "-o", library, "-lm")
     return _called(library, rows, len(answers))
 
 
 def slices(element):
     """Return where rates, bearing and pin are in a row, from 1."""
-    n, size = element.contacts, len(element.motion)
+    n, size = element.contacts, element.size
     spans = {"bearing": f"{n + 1}:{n + size}", "pin": f"{n + size + 1}:{n + 2 * size}"}
     return {"rates": "1" if n == 1 else f"1:{n}", **spans}
 
@@ -144,7 +138,7 @@ def run_fortran(one, rows, folder):
         at += count
     driver, library = folder / "run.f90", folder / "run_fortran.so"
     text = FORTRAN_WRAPPER.format(
-        name=element.name, given=given, answered=at + element.contacts - 1, last=at,
+        name=element.planar.identifier, given=given, answered=at + element.contacts - 1, last=at,
         results="\n        ".join(lines), **slices(element),
     )  # fmt: skip
     if element.contacts == 1:
@@ -182,25 +176,4 @@ def run_octave(text, folder):
     return run_program("octave-cli", "--no-gui", "--norc", "--quiet", script)
 
 
-def module_of(one):
-    """Return the module that `cylcontact export --to python` writes of a joint."""
-    module = ModuleType("element")
-    exec(export_joint(one, "python", "element")["element.py"], vars(module))
-    return module
-
-
-def run_python(one, rows, _folder):
-    module = module_of(one)
-    element, _, _ = element_of(one)
-    n, size, answers = element.contacts, len(element.motion), []
-    for row in rows.tolist():
-        given = row[0] if n == 1 else row[:n], row[n : n + size], row[n + size :]
-        wrench, accepted = module.evaluate(*given), module.accept(*given)
-        answers.append(np.hstack([*map(np.atleast_1d, wrench), accepted]))
-    return np.array(answers)
-
-
-RUNNERS = {
-    "c": run_c, "cpp": partial(run_c, language="cpp"), "fortran": run_fortran,
-    "matlab": run_matlab, "python": run_python,
-}  # fmt: skip
+RUNNERS = {"c": run_c, "fortran": run_fortran, "matlab": run_matlab}

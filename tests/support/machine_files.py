@@ -121,6 +121,8 @@ def forms() -> list[Form]:
              said="lines 7, 8 with # in front"),
         Form("a specimen commented out", "Specimen,load_N,penetration_mm\n"
              + rows(["A"] * ROWS, F, w) + "#A,5000,0.5\n", {"group": "Specimen"}, "with #"),
+        Form("many settings", "".join(f"Setting {k};{k},5\n" for k in range(40))
+             + "Kraft [N];Weg [mm]\n" + rows(F, w, **semi), said="lines 1 to 40 before the rows"),
         Form("clock", "Zeit;Kraft [N];Weg [mm]\n" + rows(clocks, F, w, **semi), said="time from"),
         Form("dates", "Time,Force [N],Displacement [mm]\n"
              + rows([f"2024-01-01T{each}.25" for each in clocks], F, w), said="time from"),

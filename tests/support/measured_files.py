@@ -1,6 +1,7 @@
 """Tables of measurements made from known laws, and the campaigns on them, for tests."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,16 +9,16 @@ import numpy as np
 
 from cylcontact import CylinderPair, Material
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.table_campaign import TableCampaign, campaign_of_table
-from cylcontact.laws.law import Parameter
+from cylcontact.fitting.parameters import Parameter
+from cylcontact.fitting.tables import TableCampaign, campaign_of_table
 
 USER_LAW = """\
 import numpy as np
 
-def load(penetration, pair, K_star, n, offset=0.0):
-    return K_star * pair.E_star / pair.dR * penetration**n + offset
+def load(penetration, E_star, dR, K_star, n, offset=0.0):
+    return K_star * E_star / dR * penetration**n + offset
 
-def flat(penetration, pair, K):
+def flat(penetration, K):
     return 1.0
 """
 
@@ -139,6 +140,11 @@ def user_campaign(
         bounds=bounds or {"K_star": [0.5, 10.0], "n": [1.0, 1.5]},
         starts=3,
     )
+
+
+def with_columns(data, **columns):
+    """Return measurements with other loads, penetrations or deviations."""
+    return replace(data, columns=data.columns | columns)
 
 
 def write_table(path: Path, columns: Mapping[str, list[Any]]) -> Path:

@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 
 from cylcontact import CylinderPair, laws
-from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.table_campaign import campaign_of_table, constants_of
-from tests.support.measured_files import STEEL
+from cylcontact.fitting.noise import NoiseModel
+from cylcontact.fitting.readings import Optimum
+from cylcontact.fitting.tables import campaign_of_table, constants_of
+from tests.support.measured_files import STEEL, with_columns
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
 LAW = laws.Explicit()
@@ -50,15 +51,16 @@ def readings(
 
 def refitted(campaign, frame):
     """The optimum of a campaign for the readings of another table."""
-    data = campaign.measurements.with_values(
+    data = with_columns(
+        campaign.measurements,
         load=frame["load_N_per_mm"].to_numpy(),
         penetration=1e-3 * frame["penetration_um"].to_numpy(),
     )
     fit = replace(campaign.plain, data=data)
-    point = fit.minimise(np.array([1.0, OFFSET])).point
-    if campaign.noise is not None:
+    point, _ = fit.minimise(np.array([1.0, OFFSET]))
+    if isinstance(campaign.noise, NoiseModel):
         fit = fit.estimating(campaign.noise, point)
-        point = fit.minimise(point).point
+        point, _ = fit.minimise(point)
     return Optimum(fit, point)
 
 

@@ -1,29 +1,45 @@
-"""Functions of a user's own, as laws: names that other languages have, letters of other scripts."""
+"""Functions of a user's own, as laws."""
 
-from numpy import log1p, maximum, where
-
-
-def awkward(penetration, pair, double=1.2, γ=0.3, End=2.0, end=0.5):  # noqa: PLC2401
-    load = penetration / pair.dR
-    stiffness = double * pair.E_star
-    inside = where(load < γ, load, γ)
-    S = log1p(inside) * End
-    s = maximum(load - end, 0)
-    return stiffness * (S + s + load) * pair.dR
+import numpy as np
 
 
-def looped(penetration, pair, n=1.3):
-    """Loops in loops, whose numbers divide each other."""
-    x = penetration / pair.dR
-    total, slope = 0.0, 0.0
+def power(penetration, E_star, dR, K=0.4, n=1.2):
+    """Return C·E*·ΔR·(δ/ΔR)ⁿ."""
+    return K * E_star * dR * (penetration / dR) ** n
+
+
+def harder(x, factor):
+    """Return x and what grows faster."""
+    return x + factor * np.log1p(x) * x
+
+
+def looped(penetration, E_star, dR, R_i, R_j, K=0.4, soft=0.3):
+    """Return a load with a helper, loops, choices and all that a pair has."""
+    x = penetration / dR
+    total = 0.0
     for j in range(5, 2, -1):
-        share = 1.0 / j
         for i in range(1, 3):
-            total = total + n * share * i / j * x
-        slope = slope + share
-    f = pair.E_star * pair.dR * (x + total * x + slope * x)
-    return f, pair.E_star * (1 + 2 * total + slope)
+            total = total + K * i / j
+    # Softer up to a tenth of the clearance.
+    share = np.where(x < 0.1, 1 - soft * (0.1 - x), 1.0)
+    return E_star * np.sqrt(R_i * R_j) * harder(np.maximum(x, 0.0), total) * share
 
 
-def untranslatable(penetration, pair, n=1.5):
-    return pair.E_star * abs(penetration) ** n
+def untranslatable(penetration, E_star, n=1.5):
+    """Return a load that other languages have not."""
+    return E_star * np.tanh(penetration) ** n
+
+
+def double(penetration, E_star, n=1.5):
+    """Return a load by a name that C has for something else."""
+    return E_star * penetration**n
+
+
+def cased(penetration, E_star, K=1.0, k=0.5):
+    """Return a load of names that Fortran takes for one."""
+    return E_star * penetration * (K + k)
+
+
+def awkward(penetration, E_star, γ=1.0):  # noqa: PLC2401
+    """Return a load of a name that is not ASCII."""
+    return γ * E_star * penetration

@@ -124,6 +124,13 @@ class Material(OfArrays):
             require(expansion < 1e-3, source, key, value, rule, remedy)
         self._own_arrays()
 
+    @property
+    def title(self) -> str:
+        """The name, or the modulus of a body without one."""
+        if self.name or np.ndim(self.E):
+            return self.name
+        return f"{float(self.E) / 1e3:.4g} GPa"
+
     @classmethod
     def named(cls, name: str) -> Material:
         """Return a material of the package's table.

@@ -389,17 +389,18 @@ class CylinderPair(OfArrays):
         rule, remedy = "has no pin and no hole", "this is for internal contact"
         require(self.contact == "internal", source, "contact", self.contact, rule, remedy)
         grown, rates = [], []
-        for R, body, T in zip(
+        for R, body, T, role in zip(
             self.radii("a temperature"),
             (self.material_i, self.material_j),
             (hole, pin),
+            ("the hole", "the pin"),
             strict=True,
         ):
             warmer = 0.0 if T is None else T - reference
             sound = np.isfinite(warmer) and (T is None or T > -273.15)
             rule, remedy = "must be a temperature above -273.15 °C", "e.g. 80"
             require(bool(sound), source, "temperature", T, rule, remedy)
-            key, rule = f"{body.name}.thermal_expansion", "is not known"
+            key, rule = f"{body.name or role}.thermal_expansion", "is not known"
             known = body.thermal_expansion is not None or warmer == 0
             require(known, source, key, None, rule, "give the material one in 1/K")
             require_known_at(body, warmer)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import typer
 
 import cylcontact
-from cylcontact.cli import fit, init, laws, mechanism, reporting
+from cylcontact.cli import data, fit, init, laws, mechanism, reporting
 from cylcontact.cli.options import keep_inputs, option
 
 
@@ -36,7 +36,7 @@ def _common(
 # The groups of `cylcontact --help`: each command with an example, which its own help ends with.
 _GROUPS: dict[str, dict[Callable[..., None], str]] = {
     "Data and fits": {
-        fit.sample: "sample datasets/internal.toml -o build/internal.parquet",
+        data.sample: "sample datasets/internal.toml -o build/internal.parquet",
         fit.fit: "fit fitting/external-E1000.toml",
         fit.choose: "choose datasets/examples/pin-in-hole.csv --contact internal",
         fit.predict: 'predict build/data/result.json --load "4500 N"',
@@ -51,7 +51,7 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         mechanism.simulate: "simulate datasets/slider_crank.toml --law explicit --revolutions 3",
         mechanism.sweep: "sweep datasets/slider_crank.toml --law johnson,explicit --revolutions 3 "
         "-o build/sweep.csv",
-        fit.finite_element: "finite-element datasets/finite_element/recommended.toml",
+        data.finite_element: "finite-element datasets/finite_element/recommended.toml",
     },
     "Figures and claims": {
         reporting.figure: "figure fig12 --width column --format pdf,svg",

@@ -1,9 +1,11 @@
-"""The commands `sample`, `finite-element`, `fit`, `choose`, `predict`, `design` and others."""
+"""The commands `fit`, `choose`, `predict`, `design`, `compare` and `verify`."""
 
 from __future__ import annotations
 
 import json
+import math
 from collections import Counter
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +28,6 @@ from cylcontact.cli.options import (
     option,
     output,
     reader,
-    require_output,
     several,
     takes,
 )
@@ -51,12 +52,11 @@ from cylcontact.support.choices import (
     listed,
 )
 from cylcontact.support.errors import InputError, require
+from cylcontact.support.plain_text import item
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from cylcontact.fitting import Campaign, FitResult, TableCampaign
-    from cylcontact.fitting.table_campaign import MeasuredTable
+    from cylcontact.fitting.tables import Table
 
 # Loads among which a design chooses.
 _DESIGN_LOADS = 41
@@ -133,53 +133,6 @@ PARAMETERS: Options = {
     "ties": (list[str] | None, several("Set a parameter from others.", "--tie",
              of=_named(str, "b=a/10"), metavar="NAME=EXPR")),
 }  # fmt: skip
-
-
-def sample(
-    spec: Path = argument("A grid spec, e.g. datasets/internal.toml."),
-    out: Path = output("The .parquet or .csv file to write.", default=...),
-) -> None:
-    """Sample a reference law over a grid, in bounded memory."""
-    from cylcontact.datasets import read_grid
-
-    require_output(out)
-    grid = read_grid(spec)
-    with progress_bars() as progress:
-        counts = grid.sample(out, progress)
-    say(
-        f"{out}: {counts.samples:,} samples, {counts.masked:,} masked by the domain of "
-        f"{grid.reference}"
-    )
-
-
-def finite_element(
-    spec: Path = argument("A set-up, e.g. datasets/finite_element/recommended.toml."),
-    out: Path | None = output("The table; SPEC-embedded.csv beside the set-up."),
-    jobs: int = JOBS,
-    resume: bool = RESUME,
-    force: bool = FORCE,
-) -> None:
-    """Solve a pin in a hole by finite elements."""
-    from cylcontact.datasets.finite_element import read_study, run_study, write_table
-    from cylcontact.datasets.finite_element.study import require_same_inputs, solver_name
-
-    study = read_study(spec)
-    target = out or spec.with_name(f"{spec.stem}-embedded.csv")
-    require_output(target, ".csv")
-    if out is None and not force:
-        require_same_inputs(target, study)
-    with resumable(target, "case", resume) as (journal, progress):
-        rows, failures = run_study(study, jobs, progress, journal, resume)
-        if failures:
-            say("\n".join(f"cylcontact: {failure}" for failure in failures), err=True)
-            cases = len(study.setups) * len(study.dR) * len(study.load)
-            rule = f"{cases - len(rows)} of {cases} cases have no solution, for the reasons above"
-            remedy = "correct the set-up"
-            if len(rows):
-                remedy = f"{journal} keeps the others, and --resume solves only what is missing"
-            raise InputError(str(spec), "", None, rule, remedy)
-        write_table(target, study, solver_name(), rows)
-    say(f"{target}: {len(rows)} cases by {solver_name()}")
 
 
 @takes("settings", SETTINGS)
@@ -294,7 +247,7 @@ def choose(
         choice = choose_law(measured, law or (), progress, scheduler or jobs)
     write_choice(choice, folder)
     if as_json:
-        say(_rows_as_json(choice.table.reset_index(), left_out=choice.left_out))
+        say(_rows_as_json(choice.table.reset_index().to_dict("list"), left_out=choice.left_out))
         return
     say(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
 
@@ -349,20 +302,19 @@ def predict(
 ) -> None:
     """Predict readings of the penetration with their bands."""
     from cylcontact.fitting import DataFit
-    from cylcontact.fitting.words import item
 
     fitted = DataFit.read(result)
-    table = (fitted if law is None else fitted.with_law(law)).predict(load, level)
+    fitted = fitted if law is None else fitted.with_law(law)
+    columns = fitted.predicted_columns(load, level)
     if as_json:
-        say(_rows_as_json(table, level=level or fitted.level))
+        say(_rows_as_json(columns, level=level or fitted.level))
         return
-    beyond = table.pop("beyond")
+    beyond = columns.pop("beyond")
     # In the units of the table, which come last.
     starts = ("pair", "load", "penetration", "low", "high")
-    columns = [[name for name in map(str, table) if name.startswith(start)] for start in starts]
-    shown = table[[names[-1] for names in columns if names]]
+    named = ([name for name in columns if name.startswith(start)] for start in starts)
     say("\n".join(item(line, "") for line in fitted.data.read))
-    say(shown.to_string(index=False, float_format="{:.5g}".format))
+    say(_aligned({names[-1]: columns[names[-1]] for names in named if names}))
     if beyond.any():
         loads = fitted.optimum.fit.data.load
         rows = ", ".join(str(row) for row, is_beyond in enumerate(beyond, start=1) if is_beyond)
@@ -370,9 +322,27 @@ def predict(
         say(f"\n! beyond the readings, which {reach}: row {rows}")
 
 
-def _rows_as_json(table: pd.DataFrame, **others: object) -> str:
+def _aligned(columns: Mapping[str, Any]) -> str:
+    """Return columns of texts and numbers under their names, aligned on the right."""
+    cells = [
+        [name, *(value if isinstance(value, str) else f"{value:.5g}" for value in column)]
+        for name, column in columns.items()
+    ]
+    widths = [max(map(len, column)) for column in cells]
+    rows = (map(str.rjust, row, widths) for row in zip(*cells, strict=True))
+    return "\n".join("  ".join(row) for row in rows)
+
+
+def _rows_as_json(columns: Mapping[Any, Any], **others: object) -> str:
     """Return the rows of a table as JSON, with null for what is not a number."""
-    rows = json.loads(table.to_json(orient="records", double_precision=15))
+    import numpy as np
+
+    values = [np.asarray(column, object).tolist() for column in columns.values()]
+    cells = (
+        [None if isinstance(v, float) and not math.isfinite(v) else v for v in row]
+        for row in zip(*values, strict=True)
+    )
+    rows = [dict(zip(columns, row, strict=True)) for row in cells]
     return json.dumps({**others, "rows": rows}, ensure_ascii=False, indent=1)
 
 
@@ -422,9 +392,9 @@ def _measured(
     given: dict[str, Any],
     seed: int | None = None,
     runs: int | None = None,
-) -> MeasuredTable:
+) -> Table:
     """Return a table with the options for it."""
-    from cylcontact.fitting.table_campaign import read_table
+    from cylcontact.fitting.tables import read_table
 
     source = str(path)
     require(is_table(path), source, "", None, "is not a table", "name a table of measurements")
@@ -446,7 +416,7 @@ def _measured(
         "starts": runs,
     }
     with blaming_options(blamed):
-        return read_table(path, law, contact, constants, **settings)
+        return read_table(path, law, None, contact, constants, **settings)
 
 
 def _tables(source: str, given: dict[str, Any]) -> dict[str, Any]:

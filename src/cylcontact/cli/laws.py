@@ -35,7 +35,7 @@ from cylcontact.support.errors import InputError, require
 if TYPE_CHECKING:
     from cylcontact.bodies.fits import Fit
     from cylcontact.bodies.pair import CylinderPair
-    from cylcontact.laws import Housing
+    from cylcontact.laws import ContactLaw, Housing
 
 
 def _temperatures(text: str) -> tuple[float, float]:
@@ -272,36 +272,36 @@ def _refuse(given: Mapping[str, Any], rule: str, remedy: str) -> None:
 
 
 def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) -> None:
-    """Write a law, in a housing that of one pair, to a file or to standard output."""
+    """Write a law, conformal contact that of one pair, to a file or to standard output."""
     from cylcontact.export import export as exported
-    from cylcontact.export import export_named
-    from cylcontact.export.in_housing import law_in_housing
-    from cylcontact.export.language import require_callable
+    from cylcontact.export import header, law_named
+    from cylcontact.export.notation import require_callable
     from cylcontact.laws.housing_spec import in_housing
 
     if out is not None:
         require_callable(target, out.stem)
-    housing = read_housing(pair, "export")
-    source: str | bytes
+    housing, contact, origin, of_pair = read_housing(pair, "export"), None, "", None
+    law: ContactLaw
     if housing is not None:
-        conformal = in_housing(what, housing, "export", "RESULT|LAW")
-        law, words = law_in_housing(conformal, pair_of(pair, "export"))
-        say(f"{what} in this housing: {words}", err=True)
-        source = exported(law, None, target, words)
+        law = in_housing(what, housing, "export", "RESULT|LAW")
     else:
-        contact = pair.pop("contact", None)
-        others = {option_of(name): value for name, value in pair.items()}
-        _refuse(others, "is for a law in a housing or a joint", "leave it out, or add --R-o")
-        source = export_named(what, contact, target)
-    if out is not None:
-        _write(what, {out: source})
+        law, contact, origin = law_named(what, pair.get("contact"))
+    if law.name == "conformal" and (housing is not None or {*pair} - {"contact"}):
+        of_pair = pair_of(pair, "export")
+    else:
+        others = {option_of(name): value for name, value in pair.items() if name != "contact"}
+        _refuse(others, "is for conformal contact or a joint", "leave it out, or export conformal")
+    source = exported(law, contact, target, origin, of_pair)
+    if out is None:
+        typer.echo(source, nl=False)
         return
-    remedy = "name the file, e.g. -o law.fmu"
-    require(isinstance(source, str), "export", "--out", None, "is missing for an FMU", remedy)
-    typer.echo(source, nl=False)
+    texts = {out: source}
+    if target == "c":
+        texts[out.with_suffix(".h")] = header(law, contact, of_pair)
+    _write(what, texts)
 
 
-def _write(name: str, texts: Mapping[Path, str | bytes]) -> None:
+def _write(name: str, texts: Mapping[Path, Any]) -> None:
     """Write what is exported, all of its files or none."""
     with replacing_all(texts) as files:
         for file, text in zip(files, texts.values(), strict=True):

@@ -305,5 +305,4 @@ def _body(
     yields, expansion = (*more, None, None)[:2]
     with blaming_options({"nu": options[f"nu{key}"], "yield_stress": option}, source):
         E = f"{constants[f'E{key}_MPa']!r} MPa"
-        label = f"the {role}" if own else "the material"
-        return Material(label, E, constants[f"nu{key}"], yields, expansion)
+        return Material("", E, constants[f"nu{key}"], yields, expansion)

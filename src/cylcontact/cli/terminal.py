@@ -10,7 +10,7 @@ from pathlib import Path
 import typer
 
 from cylcontact.support.plain_text import brief, visible
-from cylcontact.support.progress import Progress
+from cylcontact.support.progress import Progress, silent
 
 
 def say(text: object, err: bool = False) -> None:
@@ -21,10 +21,12 @@ def say(text: object, err: bool = False) -> None:
 @contextmanager
 def progress_bars() -> Iterator[Progress]:
     """Give a callback that draws progress bars if standard error is a terminal."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield silent
+        return
     from rich import progress
     from rich.console import Console
 
-    terminal = sys.stderr is not None and sys.stderr.isatty()
     columns = (
         progress.TextColumn("{task.description:>10}", markup=False),
         progress.BarColumn(),
@@ -32,7 +34,7 @@ def progress_bars() -> Iterator[Progress]:
         progress.TimeElapsedColumn(),
     )
     console = Console(stderr=True)
-    with progress.Progress(*columns, console=console, disable=not terminal) as bars:
+    with progress.Progress(*columns, console=console) as bars:
         tasks = {}
 
         def update(stage: str, done: int, total: int) -> None:

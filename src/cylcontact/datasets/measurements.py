@@ -154,10 +154,6 @@ class Measurements:
         columns = {name: column[rows] for name, column in self.columns.items()}
         return Measurements(self.data, self.rows[rows], columns)
 
-    def with_values(self, **columns: FloatArray) -> Measurements:
-        """Return the same rows with other loads, penetrations or deviations."""
-        return replace(self, columns=self.columns | columns)
-
     def line(self, row: int) -> int:
         """Return the position of a row in the table."""
         return self.data.lines[int(self.rows[row])]

@@ -1,4 +1,4 @@
-"""Laws and clearance joints as source text for other programs: C, Fortran, MATLAB and others."""
+"""Laws and clearance joints as source text for other programs: C, Fortran and MATLAB."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from cylcontact.laws import LAWS, refuse_gone
-from cylcontact.laws.law import ContactLaw, has_formula
+from cylcontact.laws.law import ContactLaw
 from cylcontact.laws.user import user_law
 from cylcontact.support.arrays import require
 from cylcontact.support.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, Contact, listed
 from cylcontact.support.errors import InputError
 
 if TYPE_CHECKING:
+    from cylcontact.bodies.pair import CylinderPair
+    from cylcontact.export.law import ExportedLaw
     from cylcontact.export.parameters import contact_parameters
     from cylcontact.mechanism import ClearanceJoint, SpatialJoint
 
@@ -42,65 +44,111 @@ def __getattr__(name: str) -> Any:
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-# A law without a closed form is known too, and refused when it is exported.
-EXPORTABLE = tuple(name for name, law in LAWS.items() if has_formula(law()))
+EXPORTABLE = tuple(LAWS)
+# What 1.0.0rc1 could write and this release cannot, with what to use instead.
+_GONE = {
+    "cpp": 'choose c: it compiles as C++, and its header has extern "C"',
+    "python": "install cylcontact and call a law's load, or a joint's evaluate and accept",
+    "jax": "install cylcontact and call cylcontact.laws",
+    "fmu": "export a joint with this law as an FMU: --joint JOINT --to fmu",
+}
 
 
-def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str | bytes:
-    """Return a law with its coefficients as self-contained source text, or as an FMU.
+def export(
+    law: ContactLaw,
+    contact: str | None,
+    target: str,
+    origin: str = "",
+    pair: CylinderPair | None = None,
+) -> str:
+    """Return a law with its coefficients as self-contained source text.
 
-    The text has a function of penetration (mm), E* (MPa) and ΔR (mm), for some laws also of R_i,
-    R_j and the length (mm), α and β. It returns load (N/mm) and stiffness (N/mm²), both NaN outside
-    the law's domain and 0 where the bodies do not touch. For JAX it has `load` and `penetration`,
-    which differentiate.
+    The text has a function for the load (N/mm) and one for the stiffness (N/mm²) of penetration
+    (mm), E* (MPa) and ΔR (mm), for some laws also of R_i, R_j and the length (mm), α and β. Both
+    are NaN outside the law's domain and 0 where the bodies do not touch.
 
     Parameters
     ----------
     law : ContactLaw
-        A law with a formula, of the package, of your own or scaled.
+        A law of the package, of your own or scaled.
     contact : {"internal", "external"} or None
         The contact; may be None if the law or its coefficients determine it, or if it makes no
         difference.
-    target : {"c", "cpp", "fortran", "matlab", "python", "jax", "fmu"}
+    target : {"c", "fortran", "matlab"}
         The language.
     origin : str, optional
         Where user-defined coefficients come from, for the comments.
+    pair : CylinderPair, optional
+        The materials of conformal contact, and the radii in a housing, for which it is a table.
 
     Returns
     -------
-    str or bytes
-        The text of one file, which for MATLAB must have the name of the function; of an FMU the
-        bytes.
+    str
+        The text of one file, which for MATLAB must have the name of the function.
 
     Raises
     ------
     InputError
-        If the target or contact is unknown, the law has no formula that can be written in another
-        language or is not for the contact, its load is negative or decreases for some pair, or an
-        FMU finds no C compiler.
+        If the target or contact is unknown, the law cannot be written in another language or is
+        not for the contact, or its load is negative or decreases for some pair.
 
     Examples
     --------
     >>> from cylcontact import laws
     >>> source = export(laws.Enhanced(), "internal", "c")
-    >>> print(*[line.strip() for line in source.splitlines() if "double a =" in line])
-    static const double a = 0.965;
+    >>> print(*[line.strip() for line in source.splitlines() if "double a =" in line][:1])
+    const double a = 0.965;
     """
-    from cylcontact.export.exported_law import exported, require_contact_law, source
+    from cylcontact.export.law import source
 
-    _require_target(target)
+    _require_target(target, TARGETS)
+    return source(_exported(law, contact, origin, pair), target)
+
+
+def header(law: ContactLaw, contact: str | None, pair: CylinderPair | None = None) -> str:
+    """Return the C header of a law, which C++ takes too."""
+    from cylcontact.export import law as of_law
+
+    return of_law.header(_exported(law, contact, "", pair))
+
+
+def _exported(
+    law: ContactLaw, contact: str | None, origin: str, pair: CylinderPair | None
+) -> ExportedLaw:
+    from cylcontact.export.law import exported, require_contact_law
+
     rule, remedy = "is not a contact", f"choose {listed(CONTACTS)}"
     require(contact in (*CONTACTS, None), "export", "--contact", contact, rule, remedy)
-    chosen = exported(law, cast("Contact | None", contact), origin)
-    require_contact_law(law, chosen.contact)
-    if target != "fmu":
-        return source(chosen, target)
-    from cylcontact.export import fmu
-
-    return fmu.source(chosen)
+    chosen = exported(law, cast("Contact | None", contact), origin, pair)
+    if pair is None:
+        require_contact_law(law, chosen.contact)
+    return chosen
 
 
-def export_named(what: str, contact: str | None, target: str) -> str | bytes:
+def law_named(what: str, contact: str | None) -> tuple[ContactLaw, str | None, str]:
+    """Return a law by its name or by the path of a fit result, its contact and its origin."""
+    if what in LAWS:
+        return LAWS[what](), contact, ""
+    refuse_gone(what, "export", "law")
+    if what.startswith("power"):
+        rule, remedy = "has no coefficients of its own", "name a fit result of it"
+        raise InputError("export", "law", what, rule, remedy)
+    is_path = Path(what).suffix == ".json"
+    with suppress(OSError):  # of a name that is too long
+        is_path = is_path or Path(what).exists()
+    if is_path:
+        return _of_result(what, contact)
+    if ":" in what:
+        return user_law(what, Path.cwd()), contact, "a function of the user's own"
+    rule = "is neither a law that can be exported nor a fit result"
+    names = ", ".join(EXPORTABLE)
+    remedy = f"choose {names}, module:function of your own, or the path of a result"
+    raise InputError("export", "law", what, rule, remedy)
+
+
+def export_named(
+    what: str, contact: str | None, target: str, pair: CylinderPair | None = None
+) -> str:
     """Return `export` of a law given by name, or of a fit result given by path.
 
     Parameters
@@ -109,13 +157,15 @@ def export_named(what: str, contact: str | None, target: str) -> str | bytes:
         A law's name, e.g. "johnson", "module:function" of your own, or the path of a fit result.
     contact : {"internal", "external"} or None
         The contact; a result knows its own.
-    target : {"c", "cpp", "fortran", "matlab", "python", "jax", "fmu"}
+    target : {"c", "fortran", "matlab"}
         The language.
+    pair : CylinderPair, optional
+        As `export` takes it.
 
     Returns
     -------
-    str or bytes
-        The text of one file, or an FMU.
+    str
+        The text of one file.
 
     Raises
     ------
@@ -128,25 +178,8 @@ def export_named(what: str, contact: str | None, target: str) -> str | bytes:
     >>> print(*[line for line in source.splitlines() if line.startswith("module")])
     module cylcontact_johnson_law
     """
-    if what in LAWS:
-        return export(LAWS[what](), contact, target)
-    refuse_gone(what, "export", "law")
-    if what.startswith("power"):
-        rule, remedy = "has no coefficients of its own", "name a fit result of it"
-        raise InputError("export", "law", what, rule, remedy)
-    is_path = Path(what).suffix == ".json"
-    with suppress(OSError):  # of a name that is too long
-        is_path = is_path or Path(what).exists()
-    if is_path:
-        law, contact, origin = _of_result(what, contact)
-        return export(law, contact, target, origin)
-    if ":" in what:
-        law = user_law(what, Path.cwd())
-        return export(law, contact, target, "a function of the user's own")
-    rule = "is neither a law that can be exported nor a fit result"
-    names = ", ".join(EXPORTABLE)
-    remedy = f"choose {names}, module:function of your own, or the path of a result"
-    raise InputError("export", "law", what, rule, remedy)
+    law, contact, origin = law_named(what, contact)
+    return export(law, contact, target, origin, pair)
 
 
 def export_joint(
@@ -176,7 +209,7 @@ def export_joint(
     ------
     InputError
         If the target is unknown, the file's name is not one that the language can import, the
-        joint's name is taken in its Fortran or C++, or an FMU finds no C compiler.
+        joint's name is taken in its Fortran, or an FMU finds no C compiler.
 
     Examples
     --------
@@ -189,14 +222,13 @@ def export_joint(
         not stem or re.fullmatch(r"[\w+-][\w.+ -]*", stem, re.ASCII) is not None, "export", "--out",
         stem, "is not plain text", "name the file with ASCII letters, digits, spaces, - and _",
     )  # fmt: skip
-    from cylcontact.export import element, fmu, spatial
-    from cylcontact.export.joint import element_of
-    from cylcontact.mechanism import SpatialJoint
+    from cylcontact.export.joint import Element
 
-    chosen = spatial.element_of(joint) if isinstance(joint, SpatialJoint) else element_of(joint)
     if target == "fmu":
-        return fmu.joint_source(chosen, stem)
-    return element.source(chosen, target, stem)
+        from cylcontact.export.fmu import joint_fmu
+
+        return joint_fmu(Element(joint), stem)
+    return Element(joint).source(target, stem)
 
 
 def _of_result(path: str, contact: str | None) -> tuple[ContactLaw, Contact, str]:
@@ -217,6 +249,8 @@ def _of_result(path: str, contact: str | None) -> tuple[ContactLaw, Contact, str
     return result.to_law(path), result.contact, origin
 
 
-def _require_target(target: str, targets: Collection[str] = TARGETS) -> None:
+def _require_target(target: str, targets: Collection[str]) -> None:
+    if target in _GONE and target not in targets:
+        raise InputError("export", "--to", target, "is gone", _GONE[target])
     rule, remedy = "is not a known target", f"choose {listed(targets)}"
     require(target in targets, "export", "--to", target, rule, remedy)

@@ -1,27 +1,39 @@
-"""FMUs by FMI 2.0, of a law and of an element, around their C: archive, library and description."""
+"""A clearance joint as an FMU by FMI 2.0: its C, the standard's functions around it, a library.
+
+Unlike in other files, the joint's numbers are arguments, because instances may have parameters of
+their own: clearance, friction and restitution.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import io
+import math
+import re
 import shutil
 import subprocess
 import sys
 import uuid
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
+from typing import Annotated, Any, NamedTuple
 from xml.sax.saxutils import quoteattr
 
-from cylcontact.export.element import BODIES, UNITS, Element
-from cylcontact.export.element import source as element_text
-from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw
-from cylcontact.export.exported_law import source as law_text
-from cylcontact.export.language import Language, filled_template
-from cylcontact.impact import IMPACT_RATE_FLOOR
+import numpy as np
+
+from cylcontact.export.joint import MOTIONS, Element, with_clearance
+from cylcontact.export.notation import C, filled_template
+from cylcontact.export.plain import Program, Vector, fields_of
+from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
+from cylcontact.joint import ClearanceJoint, contact
+from cylcontact.joint.clearance import TANGENT_FROM
+from cylcontact.laws.tabulated import load_of_table
+from cylcontact.support.arrays import FloatArray
 from cylcontact.support.errors import InputError
 from cylcontact.support.plain_text import comment
 
@@ -34,121 +46,336 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 # At an event, bodies that approach each other within this distance in mm touch: whoever locates
 # the root of the penetration leaves a small error on either side.
 _TOUCH = 1e-6
+# The step in s that importers propose.
+_STEP = 1e-6
+# Parameters: clearances from a fifth to five times that of the file at these nodes, restitutions
+# from this on in even steps.
+_CLEARANCES = np.geomspace(0.2, 5.0, 33)
+_LEAST_RESTITUTION, _RESTITUTIONS = 0.05, 96
+# Units by the beginnings of names, with the unit of length for u, and their exponents of kg, m, s.
+_UNITS = {
+    "spin": "rad/s", "v_": "u/s", "angle": "rad", "q_": "", "penetration_rate": "u/s",
+    "tangential_velocity": "u/s", "impact_rate": "u/s", "force": "N", "normal_force": "N",
+    "friction_force": "N", "moment": "N.u", "dissipated_power": "N.u/s", "elastic_energy": "N.u",
+    "friction": "", "restitution": "",
+}  # fmt: skip
+_EXPONENTS = {
+    "u": 'm="1"', "u/s": 'm="1" s="-1"', "rad": 'rad="1"', "rad/s": 'rad="1" s="-1"',
+    "N": 'kg="1" m="1" s="-2"', "N.u": 'kg="1" m="2" s="-2"', "N.u/s": 'kg="1" m="2" s="-3"',
+}  # fmt: skip
+_MOTION = {
+    "x": "position", "y": "position", "z": "position", "angle": "angle, anticlockwise",
+    "q_w": "quaternion from the body's axes to the world's, of any length but 0",
+    "v": "velocity", "spin": "angular velocity",
+}  # fmt: skip
+
+Nodes = Annotated[FloatArray, 0]
+_TUNE = """
+def tune(clearance, friction, restitution, joint, law):
+    '''Set what depends on the parameters; the clearance is in the unit of the joint.'''
+    joint.friction = friction
+    joint.chi = cubic_at((restitution - {first!r}) / {step!r}, table_chi, {last}) / restitution
+"""
+_END = """
+    deepest = {part!r} * {end}
+    joint.last_penetration = deepest
+    joint.last_load = load_at(deepest, joint, law)
+    more = load_at(deepest * 1.000006, joint, law)
+    joint.last_slope = (more - load_at(deepest * 0.999994, joint, law)) / (deepest * 1.2e-5)
+"""
+
+
+def cubic_at(place: float, values: Nodes, last: int) -> float:
+    """Return the cubic through the four values around a place that is counted in intervals."""
+    k = int(min(max(place - 1.0, 0.0), last - 3.0))
+    x = place - k
+    first = values[k] * (x - 1.0) * (x - 2.0) * (3.0 - x) / 6.0
+    second = values[k + 1] * x * (x - 2.0) * (x - 3.0) / 2.0
+    third = values[k + 2] * x * (x - 1.0) * (3.0 - x) / 2.0
+    return float(first + second + third + values[k + 3] * x * (x - 1.0) * (x - 2.0) / 6.0)
 
 
 class Variable(NamedTuple):
-    """A variable of an FMU, real with a unit or an integer without one."""
+    """A real variable: its name, unit, causality and description, and its start and bounds."""
 
     name: str
     unit: str
     causality: str
-    description: str
-    start: float = 0.0
+    about: str
+    start: float | None = None
+    bounds: tuple[float, float] | None = None
 
-
-class Model(NamedTuple):
-    """What an FMU says of its model.
-
-    `units` has the exponents of kg, m and s, and a factor, by the units of the variables, whose
-    order is that of the value references.
-    """
-
-    name: str
-    title: str
-    text: str
-    variables: Sequence[Variable]
-    units: Mapping[str, Mapping[str, float]]
-    indicators: int = 0
-
-    def description(self, guid: str) -> str:
-        """Return modelDescription.xml."""
-        name = quoteattr(self.name)
-        abilities = (
-            f'modelIdentifier={name} canNotUseMemoryManagementFunctions="true" '
-            'canGetAndSetFMUstate="true" canSerializeFMUstate="true"'
+    def line(self, reference: int) -> str:
+        """Return its line in modelDescription.xml."""
+        kind = {"local": ' variability="discrete"', "parameter": ' variability="tunable"'}
+        more = f' unit="{self.unit}"' if self.unit else ""
+        if self.bounds is not None:
+            more += "".join(
+                f' {end}="{x!r}"' for end, x in zip(("min", "max"), self.bounds, strict=True)
+                if math.isfinite(x)
+            )  # fmt: skip
+        more += "" if self.start is None else f' start="{self.start!r}"'
+        return (
+            f'<ScalarVariable name="{self.name}" valueReference="{reference}" '
+            f'causality="{self.causality}"{kind.get(self.causality, "")}\n'
+            f"    description={quoteattr(self.about)}><Real{more}/></ScalarVariable>"
         )
-        files = "".join(f'      <File name="{self.name}{end}"/>\n' for end in (".c", "_fmi2.c"))
-        sources = f"    <SourceFiles>\n{files}    </SourceFiles>\n"
-        outputs = [k for k, v in enumerate(self.variables, 1) if v.causality == "output"]
-        unknowns = "".join(f'      <Unknown index="{index}"/>\n' for index in outputs)
-        units = ""
-        for unit, exponents in self.units.items():
-            base = " ".join(f'{name}="{power}"' for name, power in exponents.items())
-            units += f'    <Unit name="{unit}"><BaseUnit {base}/></Unit>\n'
-        return f"""\
-<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName={quoteattr(self.title)} guid="{guid}"
-    description={quoteattr(self.text)} generationTool="cylcontact {version("cylcontact")}"
-    variableNamingConvention="structured" numberOfEventIndicators="{self.indicators}">
-  <ModelExchange {abilities}>
-{sources}  </ModelExchange>
-  <CoSimulation {abilities}
-      canHandleVariableCommunicationStepSize="true">
-{sources}  </CoSimulation>
-  <UnitDefinitions>
-{units}  </UnitDefinitions>
-  <LogCategories>
-    <Category name="logStatusError"/>
-  </LogCategories>
-  <ModelVariables>
-{self._variables()}  </ModelVariables>
-  <ModelStructure>
-    <Outputs>
-{unknowns}    </Outputs>
-    <InitialUnknowns>
-{unknowns}    </InitialUnknowns>
-  </ModelStructure>
-</fmiModelDescription>
-"""
 
-    def _variables(self) -> str:
-        """Return the variables; the order is that of the indices in the model's structure."""
-        lines, reals = [], 0
-        for v in self.variables:
-            kinds = {"parameter": "tunable", "local": "discrete"}
-            kind = kinds.get(v.causality, "" if v.unit else "discrete")
-            changes = f' variability="{kind}"' if kind else ""
-            given = v.causality in ("input", "parameter")
-            start = f' start="{v.start!r}"' if given else ""
-            unit = f' unit="{v.unit}"' if v.unit != "-" else ""
-            lines.append(
-                f'    <ScalarVariable name="{v.name}" valueReference="{reals if v.unit else 0}" '
-                f'causality="{v.causality}"{changes}\n'
-                f"        description={quoteattr(v.description)}>"
-                f"{f'<Real{unit}{start}/>' if v.unit else '<Integer/>'}</ScalarVariable>\n"
+
+class _Passed(C):
+    """C in which the joint's numbers are an argument; records have the fields that are used."""
+
+    def record(self, kind: Any, fields: Mapping[str, Any]) -> str:
+        """Return a type."""
+        used = {**fields}
+        if kind == self.program.records["joint"]:
+            used = {name: part for name, part in fields.items() if self.uses(name)}
+        return super().record(kind, used)
+
+    @cached_property
+    def all_text(self) -> str:
+        """The text of all functions."""
+        return "\n".join(self.function(f) for f in self.program.functions.values())
+
+    def uses(self, name: str) -> bool:
+        """Return whether a function uses a field of the joint."""
+        return re.search(rf"\bjoint->{name}\b", self.all_text) is not None
+
+
+@dataclass(frozen=True)
+class JointFmu:
+    """The FMU of a joint."""
+
+    element: Element
+
+    @property
+    def joint(self) -> ClearanceJoint:
+        """The joint in the plane."""
+        return self.element.planar
+
+    @cached_property
+    def law_record(self) -> Any:
+        """The type of the law's numbers."""
+        kinds = {float: np.float64, int: np.int64}
+        return np.dtype([(n, kinds[c.kind]) for n, c in self.element.law.numbers.items()])
+
+    @cached_property
+    def language(self) -> _Passed:
+        """The joint's functions in C."""
+        element, name = self.element, self.joint.identifier
+        record = element.record.dtype
+        records: dict[str, Any] = {"joint": Annotated[Any, record]}
+        constants: dict[str, Any] = {"law": element.law.numbers}
+        if element.law.tune:
+            records, constants = {**records, "law": Annotated[Any, self.law_record]}, {}
+        program = Program(constants, records=records)
+        element.read(program, "evaluate", "accept", "ahead")
+        program.functions["tune"] = program.read_text(self._tune(), self._names(), {"return": None})
+        program.records = {n: kind.__metadata__[0] for n, kind in records.items()}
+        public = {**element.public, record: f"{name}_joint", self.law_record: f"{name}_law"}
+        public |= {f: f"{name}_{f}" for f in ("ahead", "tune")}
+        return _Passed(program, public, scratch="w")
+
+    def _names(self) -> dict[str, Any]:
+        """Return what the names of `tune` mean."""
+        names = {**self.element.law.names, "load_of_table": load_of_table, "cubic_at": cubic_at}
+        names |= {"load_at": contact.load_at, "sqrt": math.sqrt}
+        nodes = np.linspace(_LEAST_RESTITUTION, 1.0, _RESTITUTIONS + 1)
+        chi = hysteresis_factor(self.joint.data["dissipation"]["factor"])
+        names["table_chi"] = nodes * chi(nodes)
+        if self.joint.can_yield and self.element.law.tune:
+            x = np.log(self.clearances * self.joint.in_mm)
+            y = np.log([with_clearance(self.joint, dR).first_yield for dR in np.exp(x)])
+            names |= {
+                "yield_dR": x,
+                "yield_load": y,
+                "yield_slopes": np.gradient(y, x, edge_order=2),
+            }
+        return names
+
+    @property
+    def clearances(self) -> FloatArray:
+        """The clearances of the nodes, which a pin can have."""
+        most = 0.5 * float(self.joint.pair.radii("the joint")[0])
+        mm = np.minimum(_CLEARANCES * self.joint.radial, most)
+        return np.unique(mm) / self.joint.in_mm
+
+    def _tune(self) -> str:
+        """Return the text of `tune`."""
+        joint, law, spatial = self.joint, self.element.law, self.element.contacts > 1
+        step = (1.0 - _LEAST_RESTITUTION) / _RESTITUTIONS
+        text = _TUNE.format(first=_LEAST_RESTITUTION, step=step, last=_RESTITUTIONS)
+        if not law.tune:
+            return text.replace("clearance, ", "").replace(
+                "; the clearance is in the unit of the joint", ""
             )
-            reals += bool(v.unit)
-        return "".join(lines)
+        lines = [
+            f"dR = clearance * {joint.in_mm!r}",
+            *law.tune,
+            f"joint.clearance = dR * {1.0 if spatial else 1e-3!r}",
+            f"joint.R_pin = joint.{'R_hole' if spatial else 'R_bearing'} - joint.clearance",
+        ]
+        if spatial and (edge := float(self.element.record["edge"])) > 0.0:
+            R_pin, clearance = (float(self.element.record[n]) for n in ("R_pin", "clearance"))
+            edge *= math.sqrt(clearance / R_pin)
+            lines.append(f"joint.edge = {edge!r} * sqrt(joint.R_pin / joint.clearance)")
+        if law.end != "inf":
+            lines += _END.format(part=TANGENT_FROM, end=law.end).strip().splitlines()
+        if joint.can_yield:
+            size = self.clearances.size
+            load = f"load_of_table(dR, yield_dR, yield_load, yield_slopes, {size})"
+            per = f" / {joint.pair.contact_length('the joint')!r}" if spatial else ""
+            lines.append(f"joint.{'yields' if spatial else 'first_yield'} = {load}{per}")
+        return text + "".join(f"    {line.strip()}\n" for line in lines)
 
-    def fmu(self, sources: Mapping[str, str], parts: Mapping[str, str]) -> bytes:
-        """Return an FMU, the same for the same sources, version and compiler.
+    # --- the files ---
 
-        `parts` are what the model has for the template fmi2.c. Raises `InputError` if there is no
+    @cached_property
+    def variables(self) -> list[Variable]:
+        """The real variables in the order of their references: parameters are the last ones."""
+        element, u = self.element, self.element.unit
+        names = MOTIONS[element.size]
+        rows: list[tuple[str, str, str, str, float | None]] = [
+            (f"{body}.{n}", n, "input", f"{_about_motion(n)} of the {what}", float(n == "q_w"))
+            for body, what in (("bearing", "body with the hole"), ("pin", "body with the pin"))
+            for n in names
+        ]
+        for key, kind in fields_of(element.module.WRENCH).items():
+            what, _, body = key.rpartition("_")
+            name = f"{body}.{what}" if body in ("bearing", "pin") else key
+            size = kind.size if isinstance(kind, Vector) else 0
+            ends = [f"_{'xyz'[k] if size < 4 else k + 1}" for k in range(size)] or [""]
+            about = element.meaning(key).partition(", ")[2] or element.meaning(key)
+            about = "rate of the penetration" if key == "penetration_rate" else about
+            rows += [(name + end, key, "output", about, None) for end in ends if key != "flag"]
+        ends = [f"_{k + 1}" for k in range(element.contacts)] if element.contacts > 1 else [""]
+        about = "penetration rate at first touch; 0: no contact"
+        rows += [(f"impact_rate{end}", "impact_rate", "local", about, None) for end in ends]
+        variables = [
+            Variable(name, _unit_of(key, u), causality, about, start)
+            for name, key, causality, about, start in rows
+        ]
+        return [*variables, *self.parameters]
+
+    @cached_property
+    def parameters(self) -> list[Variable]:
+        """The parameters, in the order of the arguments of `tune`."""
+        joint = self.joint
+        restitution = float(joint.data["dissipation"]["restitution"])
+        least = min(_LEAST_RESTITUTION, restitution)
+        parameters = [
+            Variable("friction", "", "parameter", "friction coefficient", joint.friction,
+                     (0.0, math.inf)),
+            Variable("restitution", "", "parameter", "coefficient of restitution", restitution,
+                     (least, 1.0)),
+        ]  # fmt: skip
+        if self.element.law.tune:
+            ends = self.clearances[0].item(), self.clearances[-1].item()
+            about = "radial clearance: the pin's radius and the law follow it"
+            start = joint.radial / joint.in_mm
+            clearance = Variable("clearance", self.element.unit, "parameter", about, start, ends)
+            parameters.insert(0, clearance)
+        return parameters
+
+    def files(self, stem: str = "") -> dict[str, bytes]:
+        """Return the FMU by its file name, with sources and a library for this platform.
+
+        It is the same for the same joint, version and compiler. Raises `InputError` if there is no
         C compiler, or it fails.
         """
-        inputs = [v for v in self.variables if v.causality in ("input", "parameter")]
-        parts = {
-            **parts,
-            "name": self.name,
-            "contacts": "contacts" if self.indicators else "",
-            "inputs": str(len(inputs)),
-            "indicators": str(self.indicators),
-            "reals": str(sum(bool(v.unit) for v in self.variables)),
-            "first": ", ".join(repr(v.start) for v in inputs),
-        }
-        wrapper = filled_template("fmi2.c", {**parts, "guid": ""})
-        content = "\0".join((*sources.values(), wrapper, self.description("")))
-        hashed = hashlib.sha256(content.encode()).digest()
-        guid = f"{{{uuid.UUID(bytes=hashed[:16])}}}"
-        wrapper = filled_template("fmi2.c", {**parts, "guid": guid})
-        texts = {**sources, f"{self.name}_fmi2.c": wrapper}
+        name, parts = self.joint.identifier, {**self._parts(), "guid": ""}
+        sources = self.element.files(self.language, name)
+        templates = "fmi2.c", "modelDescription.xml"
+        texts = [*sources.values(), *(filled_template(each, parts) for each in templates)]
+        hashed = hashlib.sha256("\0".join(texts).encode()).digest()
+        parts["guid"] = f"{{{uuid.UUID(bytes=hashed[:16])}}}"
+        sources[f"{name}_fmi2.c"] = filled_template("fmi2.c", parts)
         system, suffix = _LIBRARIES.get(sys.platform, _LIBRARIES["linux"])
-        library = f"binaries/{system}{64 if sys.maxsize > 2**32 else 32}/{self.name}{suffix}"
-        return _archive({
-            "modelDescription.xml": self.description(guid).encode(),
-            **{f"sources/{file}": text.encode() for file, text in texts.items()},
-            library: _library(texts, self.name + suffix),
+        library = f"binaries/{system}{64 if sys.maxsize > 2**32 else 32}/{name}{suffix}"
+        archive = _archive({
+            "modelDescription.xml": filled_template("modelDescription.xml", parts).encode(),
+            **{f"sources/{file}": text.encode() for file, text in sources.items()},
+            library: _library(sources, name + suffix),
         })  # fmt: skip
+        return {f"{stem or name}.fmu": archive}
+
+    def _parts(self) -> dict[str, str]:
+        """Return what the templates ask for."""
+        joint, element = self.joint, self.element
+        name, u = joint.identifier, element.unit
+        factor = "" if u == "m" else ' factor="0.001"'
+        units = [
+            f'<Unit name="{unit.replace("u", u)}"><BaseUnit {base}{factor if "u" in unit else ""}/>'
+            "</Unit>"
+            for unit, base in _EXPONENTS.items()
+        ]
+        wrench = fields_of(element.module.WRENCH)
+        sizes = [kind.size if isinstance(kind, Vector) else 1 for kind in wrench.values()]
+        at = [*wrench].index("penetration")
+        flag = quoteattr(element.meaning("flag"))
+        lines = [variable.line(k) for k, variable in enumerate(self.variables)]
+        lines.append(
+            '<ScalarVariable name="flag" valueReference="0" causality="output" '
+            f'variability="discrete"\n    description={flag}><Integer/></ScalarVariable>'
+        )
+        outputs = [k for k, line in enumerate(lines, 1) if 'causality="output"' in line]
+        first = [v.start for v in self.variables if v.causality == "input"]
+        law = "law" in self.language.program.records
+        bounds = [v.bounds for v in self.parameters if v.bounds]
+        given = [f"parameter[{k}]" for k in range(len(self.parameters))]
+        return {
+            "name": name, "title": quoteattr(comment(joint.name)), "version": version("cylcontact"),
+            "text": quoteattr(f"Clearance joint, law '{comment(joint.law.name)}'"),
+            "size": str(element.size), "contacts": str(element.contacts),
+            "outputs": str(sum(sizes) - 1), "depths": str(sum(sizes[:at])),
+            "first": ", ".join(map(repr, first)),
+            "touch": repr(_TOUCH / joint.in_mm), "floor": repr(IMPACT_RATE_FLOOR / joint.in_mm),
+            "units": "\n".join(units), "variables": "\n".join(lines), "step": repr(_STEP),
+            "unknowns": "\n".join(f'<Unknown index="{k}"/>' for k in outputs),
+            "parameters": str(len(self.parameters)),
+            "starts": ", ".join(repr(v.start) for v in self.parameters),
+            "low": ", ".join(repr(low) for low, _ in bounds),
+            "high": ", ".join(self.language.number(high) for _, high in bounds),
+            "numbers": "\n".join(self._numbers()), "passed": self._passed(),
+            "given": ", ".join(f"memory->{each}" for each in given),
+            "law_field": f"{name}_law law;" if law else "",
+            "law_start": "memory->law = FIRST_LAW;" if law else "",
+        }  # fmt: skip
+
+    def _passed(self) -> str:
+        """Return the arguments of the joint's functions behind the wrench."""
+        return "&memory->joint" + (
+            ", &memory->law" if "law" in self.language.program.records else ""
+        )
+
+    def _numbers(self) -> Iterator[str]:
+        """Yield the numbers of joint and law that an instance starts with."""
+        name, language = self.joint.identifier, self.language
+        used = {n: c for n, c in self.element.constants.items() if language.uses(n)}
+        both = {"joint": used, "law": self.element.law.numbers}
+        for of, fields in both.items():
+            if of in language.program.records:
+                yield f"static const {name}_{of} FIRST_{of.upper()} = {{"
+                for key, c in fields.items():
+                    about = f" /* {c.about} */" if c.about else ""
+                    yield f"    .{key} = {language.value(c.kind, c.value)},{about}"
+                yield "};"
+
+
+def _about_motion(name: str) -> str:
+    """Return what a number of a motion is."""
+    return _MOTION.get(name) or _MOTION.get(name.partition("_")[0]) or "quaternion"
+
+
+def _unit_of(key: str, u: str) -> str:
+    """Return the unit of a variable."""
+    unit = next((unit for start, unit in _UNITS.items() if key.startswith(start)), "u")
+    return unit.replace("u", u) if unit != "" else ""
+
+
+def joint_fmu(element: Element, stem: str = "") -> dict[str, bytes]:
+    """Return the FMU of a joint by its file name."""
+    return JointFmu(element).files(stem)
 
 
 def _library(sources: Mapping[str, str], file: str) -> bytes:
@@ -182,103 +409,3 @@ def _archive(files: Mapping[str, bytes]) -> bytes:
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             archive.writestr(entry, content)
     return out.getvalue()
-
-
-# --- of a law ---
-
-# Where nothing else is given, a steel pin in a hole of 10 mm.
-_LAW_START = {"E_star": 113736.26, "dR": 0.05, "R_i": 10.0, "R_j": 9.95, "length": 10.0}
-_LAW_UNITS = {
-    "mm": {"m": 1, "factor": 1e-3},
-    "MPa": {"kg": 1, "m": -1, "s": -2, "factor": 1e6},
-    "N/mm": {"kg": 1, "s": -2, "factor": 1e3},
-    "N/mm2": {"kg": 1, "m": -1, "s": -2, "factor": 1e6},
-}
-
-
-def source(law: ExportedLaw) -> bytes:
-    """Return the FMU: the penetration is its input, the pair's arguments are its parameters."""
-    kinds = {law.arguments[0]: "input", "load": "output", "stiffness": "output"}
-    rows = {**{name: MEANINGS[name] for name in law.arguments}, **RESULTS}
-    variables = [
-        Variable(
-            name, unit.replace("^", ""), kinds.get(name, "parameter"), meaning,
-            _LAW_START.get(name, 0.0),
-        )
-        for name, (unit, meaning) in rows.items()
-    ]  # fmt: skip
-    parts = {
-        "parameters": ", ".join(f"double {name}" for name in law.arguments),
-        "given": ", ".join(f"all[{k}]" for k in range(len(law.arguments))),
-    }
-    text = f"The contact law '{comment(law.law.name)}': load and stiffness per unit of length"
-    model = Model(law.name, law.name, text, variables, _LAW_UNITS)
-    return model.fmu({f"{law.name}.c": law_text(law, "c")}, parts)
-
-
-# --- of an element ---
-
-
-def joint_source(element: Element, stem: str) -> dict[str, bytes]:
-    """Return the FMU by its file name, with sources and a library for this platform."""
-    in_mm = 1.0 if element.units == "mm" else 1e3
-    one = "&" if element.contacts == 1 else ""
-    inputs = [
-        (body, each.name, each.ahead or each.name) for body in BODIES for each in element.motion
-    ]
-    bodies = []
-    for k, (body, _, ahead) in enumerate(inputs):
-        names = {name: f"input[{n}]" for n, (of, name, _) in enumerate(inputs) if of == body}
-        bodies.append(f"bodies[{k}] = {Language(names).formula(ahead)};")
-    reals = [
-        f"wrench.{each.name}" + (f"[{k}]" if each.size else "")
-        for each in element.results if each.quantity for k in range(max(each.size, 1))
-    ]  # fmt: skip
-    reals += [
-        "memory->contact.impact_rate" + ("" if one else f"[{k}]") for k in range(element.contacts)
-    ]
-    parts = {
-        "bodies": "\n".join(bodies),
-        "outputs": "\n".join(f"all[{k}] = {real};" for k, real in enumerate(reals, len(inputs))),
-        "rates": f"{one}memory->contact.impact_rate",
-        "accepted": f"{one}next.impact_rate",
-        "depths": f"{one}wrench.penetration",
-        "speeds": f"{one}wrench.penetration_rate",
-        "touch": repr(_TOUCH / in_mm),
-        "floor": repr(IMPACT_RATE_FLOOR / in_mm),
-    }
-    sources = element_text(element, "c", "")
-    return {f"{stem or element.name}.fmu": model_of(element).fmu(sources, parts)}
-
-
-def model_of(element: Element) -> Model:
-    """Return what the FMU of an element says of it."""
-    in_units, bases = {"": ""}, {}
-    quantities = {each.quantity for each in element.motion}
-    quantities |= {each.quantity for each in element.results}
-    for quantity, unit in UNITS.items():
-        if quantity not in quantities:
-            continue
-        name = in_units[quantity] = unit.with_m if element.units == "SI" else unit.with_mm
-        scaled = {} if name == unit.with_m else {"factor": 0.001}
-        if unit.exponents:
-            bases[name] = {**unit.exponents, **scaled}
-    rows = [
-        (f"{body}.{each.name}", each.quantity, "input", f"{each.meaning} {of}")
-        for body, of in BODIES.items() for each in element.motion
-    ]  # fmt: skip
-    for each in element.results:
-        what, _, body = each.name.rpartition("_")
-        name = f"{body}.{what}" if body in BODIES else each.name
-        rows += ((name + part, each.quantity, "output", each.meaning) for part in each.parts)
-    rate = "penetration rate at first touch; 0: no contact"
-    numbers = [f"_{k}" for k in range(1, element.contacts + 1)] if element.contacts > 1 else [""]
-    rows[-1:-1] = [(f"impact_rate{number}", "speed", "local", rate) for number in numbers]
-    return Model(
-        element.name,
-        comment(element.title),
-        f"The clearance joint '{comment(element.title)}': law {element.law_text}",
-        [Variable(name, in_units[q], causality, text) for name, q, causality, text in rows],
-        bases,
-        element.contacts,
-    )

@@ -1,144 +1,406 @@
-"""The clearance joint in the plane as an element, from the functions of `mechanism.contact`."""
+"""A clearance joint as a force element in C, Fortran and MATLAB, in the plane and in space.
+
+Both are `evaluate` and `accept` of `cylcontact.joint`, translated with what they call.
+"""
 
 from __future__ import annotations
 
+import inspect
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from importlib.metadata import version
+from textwrap import wrap
+from types import ModuleType
+from typing import Any, NamedTuple
+
 import numpy as np
 
-from cylcontact.bodies.material import Material
-from cylcontact.export.element import Element, Motion, law_function
-from cylcontact.export.program import Program
+from cylcontact.bodies.pair import CylinderPair
+from cylcontact.export import conformal
+from cylcontact.export.notation import (
+    WIDTH,
+    C,
+    Fortran,
+    Matlab,
+    filled_template,
+    require_callable,
+)
+from cylcontact.export.plain import Constant, Program, fields_of
 from cylcontact.impact import RATIO_BEND
-from cylcontact.joint import contact
-from cylcontact.joint.clearance import TANGENT_FROM, ClearanceJoint, JointState, JointWrench
-from cylcontact.joint.contact import DEEPEST_SHARE, LEFT_HOLE
-from cylcontact.laws.kernels import CURVE, TABLE
+from cylcontact.joint import (
+    ClearanceJoint,
+    JointState,
+    SpatialJoint,
+    SpatialState,
+    contact,
+    spatial_forces,
+)
+from cylcontact.joint.contact import DEEPEST_SHARE
+from cylcontact.laws import Conformal
+from cylcontact.laws.kernels import TABLE
+from cylcontact.laws.lambert import branch_distance, branch_distance_of_number
+from cylcontact.laws.law import has_formula
+from cylcontact.laws.tabulated import load_of_table
+from cylcontact.support.arrays import require
 from cylcontact.support.plain_text import comment
 
-_MOTION = (
-    Motion("x", "length", "position of the reference point", "x + ahead*v_x"),
-    Motion("y", "length", "position of the reference point", "y + ahead*v_y"),
-    Motion("angle", "angle", "angle, anticlockwise", "angle + ahead*spin"),
-    Motion("v_x", "speed", "velocity of the reference point"),
-    Motion("v_y", "speed", "velocity of the reference point"),
-    Motion("spin", "spin", "rate of the angle"),
-)
-_MEANINGS = {
-    "force_bearing": ("force", "force on the body with the hole"),
-    "moment_bearing": ("moment", "about the reference point of this body"),
-    "force_pin": ("force", "force on the body with the pin"),
-    "moment_pin": ("moment", "about the reference point of this body"),
-    "penetration": ("length", "negative where the bodies do not touch"),
-    "penetration_rate": ("speed", "rate of the penetration"),
-    "normal_force": (
-        "force", "not negative, on the hole along -n, n from the pin's centre to the hole's"
+LANGUAGES: dict[str, type[C]] = {"c": C, "fortran": Fortran, "matlab": Matlab}
+# What a body is, by how many numbers.
+MOTIONS = {
+    6: ("x", "y", "angle", "v_x", "v_y", "spin"),
+    13: (
+        "x", "y", "z", "q_w", "q_x", "q_y", "q_z",
+        "v_x", "v_y", "v_z", "spin_x", "spin_y", "spin_z",
     ),
-    "friction_force": ("force", "on the hole along t = (n_y, -n_x)"),
-    "tangential_velocity": ("speed", "of the hole against the pin, along t"),
-    "dissipated_power": ("power", "by damping and friction, not negative"),
-    "flag": ("", "sum of 1 above first yield, 2 beyond the law's domain, 32 pin left its hole"),
 }  # fmt: skip
-# Units and meanings of the numbers of a joint's record.
-_CONSTANTS = {
-    "clearance": ("m", "radial clearance"),
-    "R_bearing": ("m", "radius of the hole"),
-    "R_pin": ("m", "radius of the pin"),
-    "x_i": ("m", "centre of the hole, in the"),
-    "y_i": ("m", "  axes of its body"),
-    "x_j": ("m", "centre of the pin, in the"),
-    "y_j": ("m", "  axes of its body"),
-    "length": ("mm", "axial length; the law is per mm"),
-    "metres": ("m", "the unit of length"),
-    "rate_floor": ("m/s", "slowest impact rate that counts"),
-    "chi": ("-", "hysteresis factor"),
-    "friction": ("-", "friction coefficient"),
-    "v0": ("m/s", "no friction up to this speed"),
-    "v1": ("m/s", "all of the friction from this speed"),
-    "last_penetration": ("mm", "end of the law;"),
-    "last_load": ("N/mm", "  beyond it the tangent:"),
-    "last_slope": ("N/mm^2", "  its load and slope"),
-    "first_yield": ("N", "elastic force at first yield"),
+# The meanings of a joint's constants.
+_ABOUT = {
+    "clearance": "m, radial", "R_bearing": "m, radius of the hole", "R_pin": "m, radius of the pin",
+    "length": "mm, of the contact", "metres": "m, the unit of length of the arguments",
+    "rate_floor": "m/s, slowest impact rate that counts", "chi": "hysteresis factor",
+    "friction": "coefficient", "v0": "m/s, no friction below", "v1": "m/s, all of it above",
+    "last_penetration": "mm, end of the law", "last_load": "N/mm, there",
+    "last_slope": "N/mm^2, there", "first_yield": "N, elastic force at first yield",
+    "x_i": "m, centre of the hole in the axes of its body", "y_i": "m",
+    "x_j": "m, centre of the pin in the axes of its body", "y_j": "m",
+}  # fmt: skip
+_ABOUT_SPATIAL = {
+    "clearance": "mm, radial", "R_hole": "mm", "R_pin": "mm", "half": "mm, half of the length",
+    "in_mm": "mm, the unit of length of the arguments", "rate_floor": "mm/s",
+    "chi": "hysteresis factor", "friction": "coefficient", "v0": "mm/s, no friction below",
+    "v1": "mm/s, all of it above", "last_penetration": "mm, end of the law",
+    "yields": "N/mm, line load at first yield",
+}  # fmt: skip
+# The meanings of the numbers of a wrench; {u} is the unit of length.
+MEANINGS = {
+    "force_bearing": "N, on the body with the hole",
+    "moment_bearing": "N {u}, about its reference point",
+    "force_pin": "N, on the body with the pin",
+    "moment_pin": "N {u}, about its reference point",
+    "penetration": "{u}, negative where the bodies do not touch",
+    "penetration_rate": "{u}/s",
+    "normal_force": "N, not negative",
+    "friction_force": "N, on the hole along t",
+    "tangential_velocity": "{u}/s, of the hole against the pin along t",
+    "dissipated_power": "N {u}/s, by damping and friction, not negative",
+    "elastic_energy": "N {u}, stored in the contacts",
+    "touched": "{u}, length of the wall that touches",
+    "flag": "sum of 1 above first yield, 2 beyond the law, 32 pin has left its hole",
 }
-_FUNCTIONS = (
-    contact.elastic_force, contact.bounded_ratio, contact.friction_force, contact.relative_motion,
-    contact.forces, contact.move, contact.evaluate, contact.accept,
-)  # fmt: skip
+_SPATIAL_FLAG = (
+    "sum of 1 above first yield, 2 beyond the law, 4 no rims, 8 tilt above 0.1, 16 unlike "
+    "materials at a rim, 32 pin has left its hole"
+)
+_FRAMES = {
+    contact: (
+        "The mechanics is in SI, the law in mm and N/mm. Body i has the hole, body j the pin; n "
+        "points from the pin's centre to the hole's, and t = (n_y, -n_x)."
+    ),
+    spatial_forces: (
+        "Inside, lengths are in mm and forces in N. The frame is that of the hole, z along its "
+        "axis; b is the body with the hole and p the body with the pin."
+    ),
+}
 
 
-def element_of(joint: ClearanceJoint) -> Element:
-    """Return a joint as functions, constants and words."""
-    pair = joint.pair
-    form = "its formula at this pair"
-    if joint.kernel.kind == TABLE:
-        form = "a table, cubic in ln f over ln d"
-    elif joint.kernel.kind == CURVE:
-        form = "a curve, a cubic between even nodes in ln(1 + D/d), within 1e-8 of the load"
-    origin = f"; {comment(joint.origin)}" if joint.origin else ""
-    R_i, R_j = map(float, pair.radii("the joint"))
-    bodies = {"hole": (pair.material_i, R_i), "pin": (pair.material_j, R_j)}
-    law, numbers = law_function(joint.law, pair, joint.kernel)
-    return Element(
-        name=joint.identifier,
-        title=joint.name,
-        units=joint.units,
-        law_text=f"'{comment(joint.law.name)}', {form}{origin}",
-        motion=_MOTION,
-        meanings=_MEANINGS,
-        constants={
-            f"joint_{name}": (float(joint.block[name]), *about)
-            for name, about in _CONSTANTS.items()
-        },
-        about=[_body_text(name, *body) for name, body in bodies.items()],
-        assumptions=_assumptions(joint),
-        checks=_checks(joint),
-        program=Program(_FUNCTIONS, joint.block, contact.WORK, law, numbers),
-    )
+@dataclass(frozen=True)
+class Element:
+    """A joint with the module of its compiled functions."""
+
+    joint: ClearanceJoint | SpatialJoint
+
+    @property
+    def planar(self) -> ClearanceJoint:
+        """The joint in the plane."""
+        return self.joint if isinstance(self.joint, ClearanceJoint) else self.joint.planar
+
+    @property
+    def module(self) -> ModuleType:
+        """The module of the functions."""
+        return contact if self.joint is self.planar else spatial_forces
+
+    @property
+    def contacts(self) -> int:
+        """How many impact rates there are."""
+        return int(np.prod(self.module.STATE["impact_rate"].shape, dtype=int))
+
+    @property
+    def size(self) -> int:
+        """How many numbers say where a body is and how it moves."""
+        return 6 if self.module is contact else 13
+
+    @property
+    def unit(self) -> str:
+        """The unit of length of arguments and results."""
+        return "m" if self.planar.units == "SI" else "mm"
+
+    @property
+    def record(self) -> Any:
+        """The joint's numbers."""
+        return self.planar.block if self.joint is self.planar else self.joint.record
+
+    @cached_property
+    def constants(self) -> dict[str, Constant]:
+        """The joint's numbers with their meanings."""
+        about = _ABOUT if self.module is contact else _ABOUT_SPATIAL
+        kinds = fields_of(self.module.Joint.__metadata__[0])
+        return {n: Constant(k, self.record[n], about.get(n, "")) for n, k in kinds.items()}
+
+    def meaning(self, name: str) -> str:
+        """Return what a number of the wrench is, with its unit."""
+        if name == "flag" and self.module is spatial_forces:
+            return _SPATIAL_FLAG
+        return MEANINGS[name].format(u=self.unit)
+
+    @cached_property
+    def program(self) -> Program:
+        """`evaluate` and `accept`, with what they call."""
+        program = Program({"joint": self.constants, "law": self.law.numbers})
+        self.read(program, "evaluate", "accept")
+        return program
+
+    @cached_property
+    def law(self) -> Law:
+        """The law at the pair."""
+        return law_of(self.planar)
+
+    def read(self, program: Program, *functions: str) -> None:
+        """Read functions of the module into a program, after the law that they call."""
+        text = _LOAD.format(call=self.law.call)
+        program.instead[branch_distance] = branch_distance_of_number
+        program.instead[contact.load_at] = program.read_text(text, self.law.names)
+        for name in functions:
+            program.read(getattr(self.module, name))
+
+    def source(self, target: str, stem: str = "") -> dict[str, str]:
+        """Return the texts of the files by their names."""
+        name = self.planar.identifier
+        stem = stem or name
+        require_callable(target, stem)
+        functions = {f.name.lower() for f in self.program.functions.values()} | {"start"}
+        called = {"fortran": ("name", name), "matlab": ("--out", stem)}.get(target, ("", ""))
+        taken = functions | ({"law", "joint"} if target == "fortran" else set())
+        rule, remedy = f"is taken by something else in {target}", "choose another name"
+        require(called[1].lower() not in taken, "export", *called, rule, remedy)
+        language = LANGUAGES[target](self.program, self.public, scratch="w")
+        return self.files(language, stem)
+
+    def files(self, language: C, stem: str) -> dict[str, str]:
+        """Return the texts of the files in a language, by their names."""
+        suffixes = (".c", ".h") if language.suffix == ".c" else (language.suffix,)
+        parts = {**self.parts(language), "stem": stem}
+        return {f"{stem}{suffix}": filled_template(f"joint{suffix}", parts) for suffix in suffixes}
+
+    @property
+    def public(self) -> dict[Any, str]:
+        """The public names of functions and records."""
+        name = self.planar.identifier
+        public: dict[Any, str] = {f: f"{name}_{f}" for f in ("evaluate", "accept")}
+        return public | {
+            self.module.STATE: f"{name}_state", self.module.WRENCH: f"{name}_wrench",
+        }  # fmt: skip
+
+    def parts(self, language: C) -> dict[str, str]:
+        """Return what the templates of a language ask for."""
+        name, module, mark = self.planar.identifier, self.module, language.comment
+        rate = language.declared("impact_rate", fields_of(module.STATE)["impact_rate"])
+        wrench = [
+            f"{language.declared(n, kind)}{language.end} {mark} {self.meaning(n)}"
+            for n, kind in fields_of(module.WRENCH).items()
+        ]
+        zeros = [f"[{k}]" for k in range(self.contacts)] if self.contacts > 1 else [""]
+        parts = {
+            **language.parts(), "name": name, "capitals": name.upper(),
+            "contacts": str(self.contacts), "size": str(self.size), "state": rate,
+            "about": f"\n{mark} ".join(wrap(_FRAMES[module], WIDTH)), "wrench": "\n".join(wrench),
+            "comment": "\n".join(f"{mark} {x}".rstrip() for x in self._comment()),
+            "start": "\n".join(f"state->impact_rate{k} = 0.0;" for k in zeros),
+        }  # fmt: skip
+        if isinstance(language, Matlab):
+            numbers = [language.number_of(*each) for each in language.program.numbers.items()]
+            parts |= {
+                "wrench": language.wrapped(language.parts_of_zero(module.WRENCH)),
+                "fields": "\n".join(language.constants()),
+                "numbers": "\n\n".join(filter(None, numbers)),
+            }
+        elif isinstance(language, Fortran):
+            uses = "ieee_value" in "".join(parts.values())
+            parts["nan_module"] = "use, intrinsic :: ieee_arithmetic" if uses else ""
+        else:
+            functions = {f.name: f for f in language.program.functions.values()}
+            records = language.program.records
+            parts["records"] = "\n\n".join(
+                language.record(k, fields_of(k)) for k in records.values()
+            )
+            parts["more"] = "".join(f", &{record}" for record in records)
+            parts["heads"] = "\n".join(
+                f"{language.head(f)};" for f in functions.values() if f.name in language.public
+            )
+        return {key: text.replace("\xa0", " ") for key, text in parts.items()}
+
+    def _comment(self) -> list[str]:
+        """Return the lines at the top of a file."""
+        joint, pair, u = self.planar, self.planar.pair, self.unit
+        origin = f"; {comment(joint.origin)}" if joint.origin else ""
+        texts = [
+            f"{joint.identifier}: a pin in its bearing with clearance, '{comment(joint.name)}'.",
+            f"Written by cylcontact {version('cylcontact')}.",
+            "",
+            f"Units: lengths in {u}, times in s, angles in rad, forces in N, moments in N {u}, "
+            f"powers in N {u}/s.",
+            f"Law: '{comment(joint.law.name)}', {self.law.form}{origin}.",
+        ]
+        radii = map(float, pair.radii("the joint"))
+        for name, body, R in zip(
+            ("Hole", "Pin"), (pair.material_i, pair.material_j), radii, strict=True
+        ):
+            stress = "unknown" if body.yield_stress is None else f"{body.yield_stress!r} MPa"
+            texts.append(
+                f"{name}: R = {R!r} mm, {comment(body.name)}, E = {float(body.E)!r} MPa, "
+                f"nu = {float(body.nu)!r}, yield stress {stress}."
+            )
+        texts += [
+            f"Arguments: bearing and pin are {', '.join(MOTIONS[self.size])} of the reference "
+            "points of the two bodies. evaluate changes nothing: call it as often as the solver "
+            "likes. Call accept once after each accepted step, or at the onset of a contact, "
+            "located as the root of the penetration, and whenever the contact ends: it alone "
+            "changes the state, the penetration rate at first touch (impact_rate, 0 without "
+            "contact). Each joint needs a state of its own.",
+            "Assumptions: rigid bodies but for the contact; the load is that of the law times "
+            "1 + chi*s, never negative, s the ratio of penetration rate and impact rate, bounded "
+            f"smoothly above {RATIO_BEND:g}; an impact slower than 1 mm/s counts as one of 1 mm/s; "
+            "beyond the end of the law the load follows its tangent; beyond a penetration of "
+            f"{DEEPEST_SHARE:g} times the hole's radius the load means nothing (flag 32).",
+            *self._check(),
+        ]  # fmt: skip
+        return [
+            line for text in texts for line in wrap(text, WIDTH, subsequent_indent="  ") or [""]
+        ]
+
+    def _check(self) -> list[str]:
+        """Return a motion and its wrench, to check a build against."""
+        joint, mm = self.planar, self.planar.in_mm
+        away, speed = 1.004 * joint.radial / mm, 50.0 / mm
+        if isinstance(self.joint, SpatialJoint):
+            lean = 0.3 * joint.radial / self.joint.spec.length
+            bearing = [0.0] * 3 + [1.0] + [0.0] * 9
+            pin = [away, 0.0, 0.0, 1.0, 0.0, lean, 0.0, 0.25 * speed, 0.0, 0.0, 0.0, 0.5, 0.0]
+            rates: Any = np.array([0.0, speed, 0.0, 0.0])
+            wrench: Any = self.joint.evaluate(SpatialState(rates), bearing, pin)
+        else:
+            x, y = (point / mm for point in joint.point_bearing)
+            bearing = [0.0, 0.0, 0.0, 0.0, 0.0, -30.0]
+            pin = [x + 0.6 * away, y + 0.8 * away, 0.0, 0.15 * speed, 0.2 * speed, 0.0]
+            rates = speed
+            wrench = joint.evaluate(JointState(rates), bearing, pin)
+        given = {"impact_rate": rates, "bearing": bearing, "pin": pin}
+        names = ("force_pin", "moment_pin", "moment_bearing", "penetration")
+        return ["Check: with", *_rows(given), "evaluate gives",
+                *_rows({name: getattr(wrench, name) for name in names})]  # fmt: skip
 
 
-def _assumptions(joint: ClearanceJoint) -> list[str]:
-    """Return what the element assumes, in words."""
-    tangent = (
-        f"beyond last_penetration, {TANGENT_FROM:.0%} of the largest penetration of the law or its "
-        "table, the load goes on along the tangent, and flag has the bit 2"
-    )
+def _rows(numbers: Mapping[str, Any]) -> list[str]:
+    """Return numbers by their names, a line each."""
     return [
-        "two rigid bodies in the plane; the contact is a line load over the length, at one point "
-        "on the surface of the hole",
-        "load = law(penetration)*length*(1 + chi*s), never negative, with s the ratio of the "
-        "penetration rate to the impact rate",
-        f"s itself up to {RATIO_BEND:g}, bounded smoothly by twice that beyond, so that damping is "
-        f"at most {2 * RATIO_BEND:g}*chi times the elastic load in sustained contact",
-        "an impact slower than rate_floor counts as one at rate_floor",
-        "friction = friction*normal force, linearly from none at v0 to all at v1",
-        *([tangent] if np.isfinite(joint.block["last_penetration"]) else []),
-        "the material is elastic; above first_yield, von Mises, flag has the bit 1"
-        if joint.can_yield
-        else "the material is elastic, and as the yield stresses are not both known, flag never "
-        "has the bit 1",
-        f"beyond a penetration of {DEEPEST_SHARE:g} times the hole's radius the pin has left its "
-        f"hole: flag has the bit {LEFT_HOLE}",
+        f"  {name} {', '.join(map(repr, np.ravel(each).tolist()))}"
+        for name, each in numbers.items()
     ]
 
 
-def _checks(joint: ClearanceJoint) -> list[tuple[float, list[float], list[float], JointWrench]]:
-    """Return states and their wrenches: free, first touch, pressed and sliding, leaving."""
-    mm, checks = joint.in_mm, []
-    start, speed = [x / mm for x in joint.point_bearing], 50.0 / mm
-    for kept, part, rate, spin in (
-        (0.0, 0.5, 1.0, 0.0), (0.0, 1.001, 1.0, 2.0), (1.0, 1.004, 0.25, -30.0),
-        (1.0, 1.002, -0.75, 30.0),
-    ):  # fmt: skip
-        away, fast = part * (joint.radial / mm), rate * speed
-        bearing = [0.0, 0.0, 0.0, 0.0, 0.0, spin]
-        pin = [start[0] + 0.6 * away, start[1] + 0.8 * away, 0.0, 0.6 * fast, 0.8 * fast, 0.0]
-        wrench = joint.evaluate(JointState(kept * speed), bearing, pin)
-        checks.append((kept * speed, bearing, pin, wrench))
-    return checks
+# --- the law in a file ---
 
 
-def _body_text(name: str, material: Material, radius: float) -> str:
-    """Return radius and material of a body on one line."""
-    stress = "unknown" if material.yield_stress is None else f"{material.yield_stress!r} MPa"
-    return (
-        f"{name}: R = {radius!r} mm, {comment(material.name)}, E = {float(material.E)!r} MPa, "
-        f"nu = {float(material.nu)!r}, yield stress {stress}"
-    )
+class Law(NamedTuple):
+    """A law at a pair in a file, as text of plain Python.
+
+    `call` is the load at `depth` in mm, from `numbers`, which are those of `law`; `names` are what
+    the text calls. `tune` sets the numbers for a clearance `dR` in mm, empty if that has no
+    formula, and `end` is the largest penetration.
+    """
+
+    call: str
+    names: dict[str, Any]
+    numbers: dict[str, Constant]
+    form: str
+    tune: tuple[str, ...] = ()
+    end: str = "inf"
+
+
+_LOAD = """
+def load_at(depth, joint, law):
+    '''Return the load in N/mm at a penetration in mm, NaN at NaN.'''
+    if depth <= 0.0:
+        return 0.0
+    if not depth > 0.0:
+        return depth
+    return {call}
+"""
+
+
+def with_clearance(joint: ClearanceJoint, dR: float) -> ClearanceJoint:
+    """Return a joint with another clearance in mm, by the pin's radius."""
+    pair = joint.pair
+    other = CylinderPair.from_dR(
+        "internal", dR, length=pair.length, R_i=pair.R_i, pin=pair.material_j,
+        hole=pair.material_i, plane=pair.plane,
+    )  # fmt: skip
+    return replace(joint, pair=other)
+
+
+def _moved(joint: ClearanceJoint, asked: Mapping[str, Any]) -> dict[str, str]:
+    """Return the constants that depend on the clearance, as Johnson's c does, by ln(R_i/R_j)."""
+    law: Any = joint.law
+    if not has_formula(law):
+        return {}
+    R_i = float(joint.pair.radii("the joint")[0])
+    dR = 0.5 * joint.radial
+    other = law.constants_at(with_clearance(joint, dR).pair)
+    by = math.log(R_i / (R_i - dR)) - math.log(R_i / (R_i - joint.radial))
+    slopes = {name: (float(value) - asked[name]) / by for name, value in other.items()}
+    start = math.log(R_i / (R_i - joint.radial))
+    return {
+        name: f"{asked[name] - slope * start!r} + {slope!r} * log({R_i!r} / ({R_i!r} - dR))"
+        for name, slope in slopes.items() if slope != 0.0
+    }  # fmt: skip
+
+
+def law_of(joint: ClearanceJoint) -> Law:
+    """Return the law of a joint at its pair."""
+    law: Any = joint.law
+    pair, form = joint.pair, "its formula at this pair"
+    if isinstance(law, Conformal):
+        formula, constants = conformal.table_of(law, pair, conformal.FINE)
+        form = f"a curve, within {conformal.FINE[-1]:g} of its load"
+    elif joint.kernel.kind == TABLE:
+        x, y, slopes = np.reshape(joint.kernel.parameters[1:], (3, -1))
+        arrays = {"table_x": x, "table_y": y, "table_slopes": slopes}
+        call = f"load_of_table(depth, {', '.join([*arrays, str(x.size)])})"
+        return Law(call, {"load_of_table": load_of_table, **arrays}, {}, "a table of ln f by ln d")
+    else:
+        formula, constants = law.formula_for("internal"), law.constants_at(pair)
+    given = {name: getattr(pair, name) for name in formula.of_pair} | {**constants}
+    asked = {n: v if np.ndim(v) or isinstance(v, int) else float(v) for n, v in given.items()}
+    wanted = list(inspect.signature(formula.load).parameters)[1:]
+    values = dict(zip(wanted, formula.numbers_of(**asked), strict=True))
+    arrays = {f"table_{name}": value for name, value in values.items() if np.ndim(value)}
+    named = [f"table_{name}" if np.ndim(values[name]) else f"law.{name}" for name in wanted]
+    numbers = {
+        name: Constant(int, value) if isinstance(value, int) else Constant(float, float(value))
+        for name, value in values.items() if not np.ndim(value)
+    }  # fmt: skip
+    tuned = {"dR": "dR", "R_j": f"{asked.get('R_i')!r} - dR", **_moved(joint, asked)}
+    if formula.numbers is None:
+        tune = [f"law.{name} = {text}" for name, text in tuned.items() if name in numbers]
+    else:
+        at = ", ".join(tuned.get(name, repr(asked[name])) for name in formula.asked)
+        tune = [f"at = numbers({at})", *(f"law.{name} = at.{name}" for name in wanted)]
+    end = "inf"
+    if formula.end is not None and math.isfinite(joint.kernel.max_penetration):
+        end = f"end({', '.join(f'law.{name}' for name in formula.taken_by_end)})"
+    elif math.isfinite(constants.get("largest", math.inf)):
+        end = "law.largest * dR"
+    functions = {n: f for n in ("load", "numbers", "end") if (f := getattr(formula, n)) is not None}
+    names = {**functions, **arrays, "inf": math.inf, "log": math.log}
+    return Law(f"load(depth, {', '.join(named)})", names, numbers, form, tuple(tune), end)

@@ -3,15 +3,22 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from cylcontact.support.errors import refuse_gone_name
+
 if TYPE_CHECKING:
     from cylcontact.fitting.calibration import calibrate
     from cylcontact.fitting.campaign import Campaign
     from cylcontact.fitting.choice import Choice, choose
     from cylcontact.fitting.comparison import compare
-    from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
-    from cylcontact.fitting.results import DataFit, FitResult, LawFit
-    from cylcontact.fitting.table_campaign import TableCampaign, campaign_of_table, read_campaign
-    from cylcontact.fitting.table_fit import fit, fit_table
+    from cylcontact.fitting.data_fit import DataFit
+    from cylcontact.fitting.results import FitResult, LawFit
+    from cylcontact.fitting.tables import (
+        TableCampaign,
+        campaign_of_table,
+        fit,
+        fit_table,
+        read_campaign,
+    )
 
 __all__ = [
     "Campaign",
@@ -19,15 +26,12 @@ __all__ = [
     "DataFit",
     "FitResult",
     "LawFit",
-    "PowerFit",
     "TableCampaign",
     "calibrate",
     "campaign_of_table",
     "choose",
     "compare",
     "fit",
-    "fit_power",
-    "fit_power_to_law",
     "fit_table",
     "read_campaign",
 ]
@@ -38,17 +42,22 @@ _NAMES = {
     "campaign": ("Campaign",),
     "choice": ("Choice", "choose"),
     "comparison": ("compare",),
-    "power_fit": ("PowerFit", "fit_power", "fit_power_to_law"),
-    "results": ("DataFit", "FitResult", "LawFit"),
-    "table_campaign": ("TableCampaign", "campaign_of_table", "read_campaign"),
-    "table_fit": ("fit", "fit_table"),
+    "data_fit": ("DataFit",),
+    "results": ("FitResult", "LawFit"),
+    "tables": ("TableCampaign", "campaign_of_table", "fit", "fit_table", "read_campaign"),
 }
+# Names of 1.0.0rc1 that are gone, with what to use instead. Kept for one release.
+_GONE = dict.fromkeys(
+    ("PowerFit", "fit_power", "fit_power_to_law"),
+    "use numpy.polyfit(numpy.log(penetration), numpy.log(load), 1)",
+)
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 
 def __getattr__(name: str) -> object:
     if name in _MODULES:
         return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    refuse_gone_name(__name__, name, _GONE)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.files.journal import Journal
@@ -23,7 +22,7 @@ from cylcontact.fitting.records import (
 from cylcontact.fitting.reference import OnMoments, OnSamples, Samples, max_abs_difference_percent
 from cylcontact.fitting.results import LawFit
 from cylcontact.fitting.runs import best_of, published_on, run_all, searches
-from cylcontact.support.arrays import FloatArray
+from cylcontact.support.arrays import FloatArray, on_one_thread
 from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Workers, call, collect
 from cylcontact.support.progress import Progress, silent
@@ -174,7 +173,7 @@ def _profiles(
         even = np.linspace(p.low, p.high, _CURVE)
         values.append(np.union1d(even, others) if p.name in names else np.empty(0))
     optimum = space.value_of(best)
-    with threadpool_limits(limits=1):
+    with on_one_thread():
         profiles = Profiles(space, space.point(best), values)
         ends = profiles.ends(partial(_distance, optimum))
     return {

@@ -15,6 +15,7 @@ from cylcontact.files.provenance import made_with, spec_hash
 from cylcontact.files.reading import beside_or_above
 from cylcontact.files.spec import parse_spec, read_toml
 from cylcontact.fitting.law_models import grid_model_of, units_of
+from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.specs import (
     CampaignSpec,
     MeasuredSpec,
@@ -22,7 +23,6 @@ from cylcontact.fitting.specs import (
     parameters_of,
     with_parameters,
 )
-from cylcontact.laws.law import LawModel, Parameter
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.errors import InputError
 from cylcontact.support.html_repr import table_html

@@ -29,31 +29,34 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants, Indices
-from cylcontact.fitting.diagnose import LEVEL, uncertainty_of
-from cylcontact.fitting.law_models import RIG_NAMES, is_user_law
-from cylcontact.fitting.measured import Fit
+from cylcontact.fitting.checks import (
+    COMPLIANCE,
+    LEVEL,
+    data_warnings,
+    describes,
+    uncertainty_of,
+)
+from cylcontact.fitting.law_models import RIG_NAMES, fittable_laws, is_user_law
 from cylcontact.fitting.noise import Covariance
-from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.results import DataFit
-from cylcontact.fitting.table_campaign import MeasuredTable, TableCampaign, table_of
-from cylcontact.fitting.table_fit import fit_table
-from cylcontact.fitting.words import COMPLIANCE, data_warnings, describes, item
-from cylcontact.laws import LAW_TYPES
+from cylcontact.fitting.readings import Optimum
+from cylcontact.fitting.search import EXACT, descend
+from cylcontact.fitting.tables import Table, TableCampaign, fit_table, read_table
 from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Workers, call, collect
-from cylcontact.support.plain_text import advice, brief
+from cylcontact.support.plain_text import advice, brief, item
 from cylcontact.support.progress import Progress, silent
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import Table as Cells
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
+    from cylcontact.fitting.data_fit import DataFit
     from cylcontact.plots.figure import Drawing
 
 # Starts of each fit; the usual start is one of them.
@@ -112,7 +115,7 @@ class Choice:
 
     Attributes
     ----------
-    data : MeasuredTable
+    data : Table
         The measurements.
     laws : tuple of RankedLaw
         In the order of AICc.
@@ -126,7 +129,7 @@ class Choice:
         Whether the best law describes the readings at all; if not, none does.
     """
 
-    data: MeasuredTable
+    data: Table
     laws: tuple[RankedLaw, ...]
     left_out: dict[str, str]
     parts: str
@@ -161,6 +164,8 @@ class Choice:
         best, undecided or worse, or misses if no law describes the data. None is best where
         several are undecided.
         """
+        import pandas as pd
+
         behind = np.array([law.aicc - self.best.aicc for law in self.laws])
         weight = np.exp(-behind / 2)
         rows = [
@@ -202,6 +207,14 @@ class Choice:
         return pictures.choice_drawing(self.data.name, self._optima, self.table)
 
     @property
+    def _unit(self) -> str:
+        """The unit of the cross-validated error."""
+        fit = self.best.optimum.fit
+        if fit.noise.is_log:
+            return "%"
+        return "mm" if fit.noise.unit == "mm" else "std. dev."
+
+    @property
     def _optima(self) -> dict[str, Optimum]:
         return {law.law: law.optimum for law in self.laws}
 
@@ -210,7 +223,7 @@ class Choice:
         return str(self)
 
     def __str__(self) -> str:
-        unit = _unit(self.best.optimum.fit)
+        unit = self._unit
         head = ("", "free", "AICc behind", "CV error", "compliance", "verdict")
         factor = 100 if unit == "%" else 1
         rows = [
@@ -233,7 +246,7 @@ class Choice:
         count = len(self.data.measurements)
         title = f"{brief(self.data.name)}: {len(self.laws)} laws fitted to {count:,} measurements"
         read = (item(line, "", _WIDTH) for line in self.data.measurements.read)
-        return "\n".join([*read, title, "", str(Table(head, rows)), *items])
+        return "\n".join([*read, title, "", str(Cells(head, rows)), *items])
 
     def _conclusion(self) -> str:
         undecided = self.undecided
@@ -280,14 +293,6 @@ class Choice:
         return f"{read}{numbers.to_html()}{below}"
 
 
-def _unit(fit: Fit) -> str:
-    if fit.is_log:
-        return "%"
-    if fit.noise is not None or fit.has_sigma:
-        return "std. dev."
-    return "mm"
-
-
 def _with_error(factor: float, value: float, error: float) -> str:
     """Return a number with its standard error; one that is held has none."""
     if np.isnan(error):
@@ -297,16 +302,12 @@ def _with_error(factor: float, value: float, error: float) -> str:
 
 def laws_for(contact: Contact, pairs: int) -> list[str]:
     """Return the laws that may be fitted to a contact; for a single pair each power law once."""
-    names: list[str] = []
-    for law in LAW_TYPES:
-        models = [model.law for model in law.models() if model.contact == contact]
-        names += models or [law.name] * (contact in law.contacts)
     left_out = _SAME_FOR_ONE if pairs == 1 else _IF_NAMED
-    return [name for name in dict.fromkeys(names) if name not in left_out]
+    return [name for name in fittable_laws(contact) if name not in left_out]
 
 
 def choose_law(
-    table: MeasuredTable, names: Iterable[str] = (), progress: Progress = silent, jobs: Workers = 1
+    table: Table, names: Iterable[str] = (), progress: Progress = silent, jobs: Workers = 1
 ) -> Choice:
     """Fit all laws that apply to measurements, and rank them."""
     data, spec = table.measurements, table.spec
@@ -320,7 +321,7 @@ def choose_law(
     left_out = {name: end for name, end in outcomes.items() if isinstance(end, str)}
     _require_some(fitted, left_out, table, "measure more, or hold some (--fix compliance=0)")
     aicc = {name: _aicc(optimum, table.source) for name, optimum in fitted.items()}
-    parts, words = _parts(next(iter(fitted.values())).fit, spec.seed)
+    parts, words = _parts(next(iter(fitted.values())), spec.seed)
     calls = [call(_missed, optimum, parts) for optimum in fitted.values()]
     missed = dict(zip(fitted, collect(calls, jobs, progress, "predicting"), strict=True))
     for name in [name for name in fitted if not np.isfinite(missed[name]).all()]:
@@ -331,10 +332,12 @@ def choose_law(
         )
     remedy = "look at the readings: a kink, an outlier or a few only?"
     _require_some(fitted, left_out, table, remedy)
-    order = sorted(fitted, key=lambda name: aicc[name])
+    # Laws of one shape differ by round-off, and keep their order.
+    order = sorted(fitted, key=lambda name: round(aicc[name], 6))
     best = fitted[order[0]]
     # Deviations are those of the best law's noise model, so that the errors of laws compare.
-    scale = 1.0 if best.fit.noise is None else best.fit.noise.scale
+    noise = best.covariance_of_readings
+    scale = 1.0 if noise is None else noise.scale
     sizes = np.array([float(part.size) for part in parts])
     ranked = []
     for name in order:
@@ -347,7 +350,7 @@ def choose_law(
     return Choice(table, tuple(ranked), left_out, words, warnings, describes(uncertainty))
 
 
-def _fit_or_reason(table: MeasuredTable, name: str, is_named: bool) -> Optimum | str:
+def _fit_or_reason(table: Table, name: str, is_named: bool) -> Optimum | str:
     """Return the fit of a law, or why it is left out."""
     try:
         with on_one_thread():
@@ -371,7 +374,7 @@ def _fit_or_reason(table: MeasuredTable, name: str, is_named: bool) -> Optimum |
 
 
 def _require_some(
-    fitted: Mapping[str, object], left_out: dict[str, str], table: MeasuredTable, remedy: str
+    fitted: Mapping[str, object], left_out: dict[str, str], table: Table, remedy: str
 ) -> None:
     """Refuse measurements to which no law is left, with the reason of the first."""
     if not fitted:
@@ -380,7 +383,7 @@ def _require_some(
         raise InputError(table.source, "", None, rule, remedy)
 
 
-def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> TableCampaign:
+def _campaign(table: Table, law: str, starts: int | None = None) -> TableCampaign:
     """Return the campaign of a law with offset and, in an unknown housing, compliance free.
 
     The housing is only for laws that know it, and a law of one's own has a stiffness like others.
@@ -396,10 +399,10 @@ def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Tabl
     return replace(table, spec=spec).campaign(law, free)
 
 
-def _parts(fit: Fit, seed: int) -> tuple[list[Indices], str]:
+def _parts(optimum: Optimum, seed: int) -> tuple[list[Indices], str]:
     """Return the parts of the data that are left out in turn, and what they are."""
-    data = fit.data
-    if "group" in data.data.labels and fit.noise is None:
+    data = optimum.fit.data
+    if "group" in data.data.labels and optimum.covariance_of_readings is None:
         names, index = data.groups("group")
         if len(names) >= _FEWEST_SERIES:
             return [np.flatnonzero(index == k) for k in range(len(names))], f"{len(names)} series"
@@ -411,8 +414,8 @@ def _parts(fit: Fit, seed: int) -> tuple[list[Indices], str]:
 def _fitted(campaign: TableCampaign) -> Optimum:
     fit = campaign.fit()
     starts = fit.starts(campaign.nominal, _STARTS, campaign.spec.seed)
-    first = min((fit.minimise(start, most=1) for start in starts), key=lambda end: end.value)
-    return Optimum(fit, fit.minimise(first.point).point)
+    ends, values = descend(fit, starts)
+    return Optimum(fit, fit.minimise(ends[values.argmin()])[0])
 
 
 def _aicc(optimum: Optimum, source: str) -> float:
@@ -430,22 +433,22 @@ def _missed(optimum: Optimum, parts: Sequence[Indices]) -> FloatArray:
     with on_one_thread():
         for part in parts:
             rest = fit.take(np.setdiff1d(np.arange(missed.size), part))
-            point = rest.minimise(optimum.point, most=1).point
-            if fit.noise is None:
-                missed[part] = fit.raw(point[None, :])[0][part]
+            points, _ = descend(rest, optimum.point[None], EXACT)
+            if isinstance(fit.noise, Covariance):
+                added = _of_series(Optimum(rest, points[0]), fit.noise)
+                missed[part] = (fit.differences(points)[0] + added)[part]
             else:
-                added = _of_series(rest, point, fit.noise)
-                missed[part] = (fit.differences(point[None, :])[0] + added)[part]
+                missed[part] = fit.raw(points)[0][part]
     return missed
 
 
-def _of_series(rest: Fit, point: FloatArray, noise: Covariance) -> FloatArray:
+def _of_series(rest: Optimum, noise: Covariance) -> FloatArray:
     """Return what the series add to all readings in mm, estimated from a part of them."""
-    estimated = Optimum(rest, point).series
-    if estimated is None or rest.noise is None:
+    estimated, of_rest = rest.series, rest.covariance_of_readings
+    if estimated is None or of_rest is None:
         return np.zeros(noise.load.size)
     effects = np.zeros((int(noise.series.max()) + 1, len(noise.model.effects)))
-    effects[np.unique(rest.noise.series)] = estimated
+    effects[np.unique(of_rest.series)] = estimated
     return as_floats((noise.columns * effects[noise.series]).sum(axis=1))
 
 
@@ -486,6 +489,7 @@ def choose(
 
     Examples
     --------
+    >>> import pandas as pd
     >>> import cylcontact as cc
     >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
     >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
@@ -497,5 +501,6 @@ def choose(
     """
     names = [laws] if isinstance(laws, str) else [*laws]
     first = names[0] if names else "johnson"
-    table = table_of(data, first, pair, contact, constants, fixed, **settings)
+    settings |= {"fixed": dict(fixed)} if fixed else {}
+    table = read_table(data, first, pair, contact, constants, **settings)
     return choose_law(table, names, jobs=jobs)

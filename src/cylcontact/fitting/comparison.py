@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.fitting.calibration import calibrate, space_of
-from cylcontact.fitting.results import DataFit, FitResult, LawFit
+from cylcontact.fitting.data_fit import DataFit
+from cylcontact.fitting.results import FitResult, LawFit, Rows, label_of
 from cylcontact.fitting.space import Space
-from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
-from cylcontact.fitting.table_fit import fit_table
-from cylcontact.fitting.words import Rows, item, label_of
+from cylcontact.fitting.tables import TableCampaign, campaign_of, fit_table
 from cylcontact.support.parallel import Workers
-from cylcontact.support.plain_text import brief
+from cylcontact.support.plain_text import brief, item
 from cylcontact.support.progress import Progress
 from cylcontact.support.text_tables import Table
 

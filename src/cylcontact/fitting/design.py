@@ -14,16 +14,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.fitting.optimum import Optimum, half_width
-from cylcontact.fitting.words import item
+from cylcontact.fitting.readings import Optimum, half_width
 from cylcontact.support.arrays import FloatArray, as_floats
 from cylcontact.support.errors import InputError
-from cylcontact.support.plain_text import as_label
+from cylcontact.support.plain_text import as_label, item
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
     from cylcontact.plots.figure import Drawing
@@ -177,7 +176,7 @@ class _Candidates:
     @classmethod
     def of(cls, optimum: Optimum, loads: FloatArray, dR: FloatArray | None) -> _Candidates:
         """Return the candidates of all loads at all clearances."""
-        fit, base = optimum.fit, _pair_of(optimum)
+        base = _pair_of(optimum)
         clearances = np.atleast_1d(as_floats(base.dR if dR is None else dR))
         load, gap = (grid.ravel() for grid in np.meshgrid(loads, clearances))
         pair = base
@@ -190,16 +189,18 @@ class _Candidates:
             rule, remedy = "leaves the domain of the fitted law", "stay within it"
             raise InputError("design", "loads", load[~np.isfinite(centre)][0], rule, remedy)
         depth = as_floats(centre - optimum.best.get("offset", 0.0))
-        shared, spread = np.empty((load.size, 0)), None
-        if fit.noise is None:
+        shared, spread, noise = np.empty((load.size, 0)), None, optimum.covariance_of_readings
+        if noise is None:
             variance = optimum.variance_of_reading(centre, load)
         else:
-            variance = fit.noise.scatter_variance(depth, load)
-            if fit.noise.model.effects:
+            variance = noise.scatter_variance(depth, load)
+            if noise.model.effects:
                 columns = {"offset": np.ones_like(depth), "gain": depth, "drift": 0.5 + 0 * depth}
-                shared = np.stack([columns[name] for name in fit.noise.model.effects], axis=1)
-                if fit.noise.is_random:
-                    spread = fit.noise.spread(fit.noise.deviations)
+                shared = np.stack([columns[name] for name in noise.model.effects], axis=1)
+                if noise.is_random:
+                    spread = noise.spread(noise.deviations)
+        import pandas as pd
+
         table = pd.DataFrame({"load_N_per_mm": load, "dR_mm": gap})
         return cls(table, slopes, variance, shared, spread)
 
@@ -225,8 +226,10 @@ class _Candidates:
 
 
 def _intervals(optimum: Optimum, covariance: FloatArray, add: int, level: float) -> pd.DataFrame:
+    import pandas as pd
+
     before = optimum.degrees_of_each()
-    plain = optimum.satterthwaite is None and not optimum.known
+    plain = optimum.satterthwaite is None and not optimum.fit.noise.is_given
     after = before + add if plain else before
     errors = np.sqrt(np.diag(covariance))
     return pd.DataFrame(

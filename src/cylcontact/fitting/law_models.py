@@ -19,17 +19,16 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.bodies.pair import Contact
-from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw, refuse_gone
+from cylcontact.fitting.parameters import LawModel, Parameter, package_models
+from cylcontact.laws import LAWS, ContactLaw, contacts_of, refuse_gone
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.conformal.housings import Housing
 from cylcontact.laws.housing_spec import HousingSpec, in_housing
-from cylcontact.laws.law import Coefficients, LawModel, Parameter
+from cylcontact.laws.law import Coefficients
 from cylcontact.laws.user import UserFunction, UserLaw
 from cylcontact.support.errors import InputError
 
-MODELS: dict[tuple[str, Contact], LawModel] = {
-    (m.law, m.contact): m for law in LAW_TYPES for m in law.models()
-}
+MODELS: dict[tuple[str, Contact], LawModel] = {(m.law, m.contact): m for m in package_models()}
 
 _RIG = (
     Parameter("stiffness_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="factor of the load"),
@@ -82,7 +81,7 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
     if (law, contact) in MODELS:
         return MODELS[law, contact]
     refuse_gone(law, source, "law")
-    plain = {each.name: each.contacts for each in LAW_TYPES if each.name in LAWS}
+    plain = {name: contacts_of(name) for name in LAWS}
     if contact in plain.get(law, ()):
         return _without_constants(law, contact, LAWS[law]())
     others = [*(place for name, place in MODELS if name == law), *plain.get(law, ())]
@@ -98,6 +97,12 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
 
 def _without_constants(law: str, contact: Contact, built: ContactLaw) -> LawModel:
     return LawModel(law, contact, (), lambda _: built, nominal_is_published=False)
+
+
+def fittable_laws(contact: Contact) -> list[str]:
+    """Return the names of the laws that can be fitted to a contact."""
+    plain = [name for name in LAWS if contact in contacts_of(name)]
+    return [*dict.fromkeys([*plain, *(name for name, place in MODELS if place == contact)])]
 
 
 def units_of(law: str, contact: Contact) -> dict[str, str]:
@@ -125,8 +130,8 @@ def user_model(law: str, contact: Contact, source: str, *folders: Path) -> LawMo
         user = UserFunction.named(law, *folders)
         constants = user.formula.constants
         if not constants:
-            rule = "has no constant to fit after the penetration and the pair"
-            remedy = "write it as def load(penetration, pair, K, n): ..."
+            rule = "has no constant to fit besides the penetration and what it asks of the pair"
+            remedy = "write it as def load(penetration, E_star, dR, K, n): ..."
             raise InputError(law, "law", None, rule, remedy)
     except InputError as error:
         raise InputError(source, "law", law, error.rule, error.remedy) from error

@@ -20,6 +20,14 @@ fixed effects among them, the deviations minimise the restricted likelihood
 with constant scatter alone it gives Σr²/(N − k). The degrees of freedom of an estimate are
 Satterthwaite's: 2C²/(gᵀAg), with C its variance, g the derivatives of C by the logarithms of the
 deviations, and A their covariance from the curvature of ℓ.
+
+The noise alone says what the residuals of a fit are:
+
+| objective | noise | residual |
+|---|---|---|
+| rms-log-penetration | `Plain`, relative to δ | ln(δ_law(f)/δ) |
+| rms-penetration | `Plain`, in mm or given as σ_δ | δ_law(f) − δ, or (δ_law(f) − δ)/σ_δ |
+| rms-standardised | `Covariance` of a `NoiseModel` | V^(−½)·(δ_law(f) − δ), no unit |
 """
 
 from __future__ import annotations
@@ -28,16 +36,26 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from scipy.optimize import minimize
 
 from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.errors import InputError
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.specs import MeasuredSpec
 
 NOISES = ("constant", "proportional", "both")
+LOG, ABSOLUTE, STANDARDISED = "rms-log-penetration", "rms-penetration", "rms-standardised"
+# Objectives of 1.0.0rc1, with what to use instead. Kept for one release.
+_GONE = dict.fromkeys(
+    ("rms-load", "rms-log-load"),
+    "leave it out: penetrations are compared; a column load_std, or --load-error, gives the errors "
+    "of loads",
+)
 # With fewer series than this, their effects are fixed.
 FEWEST_RANDOM = 5
 # Deviations relative to the penetration; the others are in mm.
@@ -49,6 +67,63 @@ _STEP, _WIDE_STEP = 1e-4, 1e-2
 _OPTIONS: Any = {"ftol": 1e-14, "gtol": 1e-7, "maxiter": 500}
 # A deviation is zero if −2ℓ loses no more than this by it.
 _NO_LOSS = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Plain:
+    """Independent noise of one size: relative to the penetration, in mm, or as given in mm."""
+
+    is_log: bool = True
+    given: FloatArray | None = None
+
+    @property
+    def objective(self) -> str:
+        """The name of the objective."""
+        return LOG if self.is_log else ABSOLUTE
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the standard deviations are given with the data."""
+        return self.given is not None
+
+    @property
+    def unit(self) -> str:
+        """What the residuals are in."""
+        if self.is_given:
+            return "given standard deviations"
+        return "share of the penetration" if self.is_log else "mm"
+
+    def residuals(self, predicted: FloatArray, observed: FloatArray) -> FloatArray:
+        """Return the residuals of predictions, shape (..., N)."""
+        if self.is_log:
+            return as_floats(np.log(predicted / observed))
+        return as_floats((predicted - observed) / (1.0 if self.given is None else self.given))
+
+    def log_likelihood(self, residuals: FloatArray, observed: FloatArray) -> float | None:
+        """Return ln L of the readings in mm; None if all residuals are zero.
+
+        They are readings whatever the residuals, so that fits with different noise can be compared.
+        An estimated standard deviation has its value of largest likelihood, √(Σr²/N).
+        """
+        variance = 1.0 if self.is_given else float((residuals**2).mean())
+        if variance == 0:
+            return None
+        # From the residual to the reading: |dr/dy| = 1/y for logarithms, else 1/σ.
+        size = np.abs(observed) if self.is_log else self.given
+        scale = 0.0 if size is None else float(np.log(size).sum())
+        squares = float((residuals**2).sum()) / variance
+        return -0.5 * (residuals.size * float(np.log(2 * np.pi * variance)) + squares) - scale
+
+    def new_variance(self, depth: FloatArray, sigma: float) -> FloatArray:
+        """Return the variance of new readings in mm²; given deviations have their median."""
+        if self.is_log:
+            return as_floats((sigma * depth) ** 2)
+        median = 1.0 if self.given is None else float(np.median(self.given))
+        return np.full_like(depth, (sigma * median) ** 2)
+
+    def take(self, rows: Indices) -> Plain:
+        """Return the noise of a selection of rows."""
+        return self if self.given is None else replace(self, given=self.given[rows])
 
 
 @dataclass(frozen=True)
@@ -66,6 +141,11 @@ class NoiseModel:
     drift: bool = False
     load_error: float = 0.0
     has_offset: bool = False
+
+    @property
+    def objective(self) -> str:
+        """The name of the objective."""
+        return STANDARDISED
 
     @property
     def scatter(self) -> tuple[str, ...]:
@@ -100,6 +180,56 @@ class NoiseModel:
         )
 
 
+def noise_of(
+    spec: MeasuredSpec, data: Measurements, has_offset: bool, source: str
+) -> Plain | NoiseModel:
+    """Return the noise that a campaign states, or the usual one for its data."""
+    sigma = data.columns.get("penetration_std")
+    keys = {"group": spec.group, "drift": spec.drift or None, "load_error": spec.load_error}
+    chosen = [key for key, value in keys.items() if value is not None]
+    # Scatter in proportion to the penetration is not in proportion to a reading with an offset.
+    if spec.noise == "both" or (spec.noise == "proportional" and has_offset):
+        chosen.append("noise")
+    if not chosen and "load_std" not in data.columns:
+        return _plain_of(spec, data, sigma, source)
+    if spec.objective not in (None, STANDARDISED):
+        key = chosen[0] if chosen else "load_std"
+        rule, remedy = f"conflicts with {key}, which has a likelihood of its own", "keep one"
+        raise InputError(source, "objective", spec.objective, rule, remedy)
+    if spec.noise is not None and sigma is not None:
+        rule = "conflicts with the column penetration_std, which gives the noise"
+        raise InputError(source, "noise", spec.noise, rule, "keep one of them")
+    return NoiseModel(
+        noise=spec.noise or ("both" if chosen and sigma is None else None),
+        over="group" if spec.group is not None else None,
+        drift=bool(spec.drift),
+        load_error=spec.load_error or 0.0,
+        has_offset=has_offset,
+    )
+
+
+def _plain_of(
+    spec: MeasuredSpec, data: Measurements, sigma: FloatArray | None, source: str
+) -> Plain:
+    given, noise = spec.objective, spec.noise
+    key, rule, remedy = "objective", "", "keep one of them"
+    if noise is not None and (given or sigma is not None):
+        key, said = "noise", "objective" if given else "penetration_std"
+        rule = f"conflicts with {said}, which says the same"
+    elif given in _GONE:
+        rule, remedy = "is gone", _GONE[given]
+    elif given not in (None, LOG, ABSOLUTE):
+        rule, remedy = "is not an objective for measurements", f"choose {LOG}, {ABSOLUTE}"
+    elif given == LOG and sigma is not None:
+        rule = "leaves the column penetration_std unused"
+        remedy = f"choose {ABSOLUTE}, or list the column under ignore"
+    if rule:
+        raise InputError(source, key, getattr(spec, key), rule, remedy)
+    if given is None and noise is None:
+        return Plain(sigma is None and bool((data.penetration > 0).all()), sigma)
+    return Plain(given == LOG or noise == "proportional", sigma)
+
+
 def positions(series: Indices, time: FloatArray | None) -> FloatArray:
     """Return the position of each row in its series, from 0 for the first to 1 at most."""
     along = np.empty(series.size)
@@ -128,6 +258,24 @@ class Covariance:
     position: FloatArray
     random: bool | None = None
     deviations: Mapping[str, float] = field(default_factory=dict)
+
+    is_log: ClassVar[bool] = False
+    objective: ClassVar[str] = STANDARDISED
+
+    @property
+    def is_given(self) -> bool:
+        """Whether all standard deviations are given with the data."""
+        return not self.names
+
+    @property
+    def unit(self) -> str:
+        """What the residuals are in."""
+        return f"{'given' if self.is_given else 'estimated'} standard deviations"
+
+    @property
+    def estimated(self) -> int:
+        """The number of deviations and fixed effects that are estimated."""
+        return len(self.names) + int(self.fixed.shape[1])
 
     @cached_property
     def is_random(self) -> bool:
@@ -175,45 +323,38 @@ class Covariance:
         """Return the deviations of the columns of Z, shape (q,)."""
         return np.array([deviations[name] for name in self.model.effects])
 
-    def take(self, rows: Indices, series: Indices | None = None) -> Covariance:
-        """Return the covariance of a selection of rows, in the series given."""
+    def take(self, rows: Indices) -> Covariance:
+        """Return the covariance of a selection of rows."""
         return replace(
             self,
             load=self.load[rows],
             given=self.given[rows],
             depth=self.depth[rows],
-            series=self.series[rows] if series is None else series,
+            series=self.series[rows],
             position=self.position[rows],
             random=self.is_random,
         )
 
     # --- at the estimated deviations ----------------------------------------------------------
 
+    def at(self, deviations: Mapping[str, float]) -> Covariance:
+        """Return the covariance at some deviations."""
+        return replace(self, deviations=deviations)
+
     @cached_property
     def scale(self) -> FloatArray:
         """The standard deviations of single readings in mm, shape (N,)."""
         return as_floats(np.sqrt(self.variance(self.deviations)))
 
-    def whitened(self, residuals: FloatArray) -> FloatArray:
-        """Return residuals in mm, (..., N), times the symmetric root of V⁻¹; fixed effects go."""
-        u = residuals / self.scale
-        for rows, Q, S in self._blocks:
-            part = u[..., rows]
-            u[..., rows] = part - ((part[..., None, :] @ Q) @ S @ Q.mT)[..., 0, :]
-        return as_floats(u)
-
     @cached_property
-    def _blocks(self) -> list[tuple[Indices, FloatArray, FloatArray]]:
-        """Rows, Q and S of V^(−1/2) = I − Q·S·Qᵀ for G series of n rows each, Q orthonormal.
+    def _blocks(self) -> list[tuple[Indices, FloatArray, FloatArray, FloatArray]]:
+        """For G series of n rows their rows, shape (G, n), and the effects, scaled, by axes.
 
-        They have the shapes (G, n), (G, n, m) and (G, m, m).
+        These are Q of shape (G, n, m), orthonormal, and of the matrix between them the squares
+        (G, m) and the axes (G, m, m).
         """
-        if not self.is_random and not self.fixed.size:
-            return []
         if not self.is_random:
-            basis = _basis_of(as_floats(self.fixed / self.scale[:, None]))
-            rows = np.arange(self.scale.size)[None, :]
-            return [(rows, basis[None, :], np.eye(basis.shape[1])[None, :])]
+            return []
         columns = self.columns / self.scale[:, None] * self.spread(self.deviations)
         order = np.argsort(self.series, kind="stable")
         _, first, sizes = np.unique(self.series[order], return_index=True, return_counts=True)
@@ -222,9 +363,32 @@ class Covariance:
             rows = order[first[sizes == n, None] + np.arange(n)]
             Q, R = np.linalg.qr(columns[rows])
             values, vectors = np.linalg.eigh(R @ R.mT)
-            shrunk = 1 - 1 / np.sqrt(1 + np.maximum(values, 0.0))
-            blocks.append((rows, Q, (vectors * shrunk[:, None, :]) @ vectors.mT))
+            blocks.append((rows, Q, np.maximum(values, 0.0), vectors))
         return blocks
+
+    @property
+    def log_det(self) -> float:
+        """ln|V|."""
+        shared = sum(np.log1p(values).sum() for _, _, values, _ in self._blocks)
+        return float(2 * np.log(self.scale).sum() + shared)
+
+    def white(self, values: FloatArray) -> FloatArray:
+        """Return values in mm, (..., N), times a root of V⁻¹, symmetric but for the scale."""
+        u = values / self.scale
+        for rows, Q, squares, axes in self._blocks:
+            part, shrunk = u[..., rows], 1 - 1 / np.sqrt(1 + squares)
+            S = (axes * shrunk[:, None, :]) @ axes.mT
+            u[..., rows] = part - ((part[..., None, :] @ Q) @ S @ Q.mT)[..., 0, :]
+        return as_floats(u)
+
+    @cached_property
+    def _fixed_basis(self) -> FloatArray:
+        return _basis_of(self.fixed / self.scale[:, None])
+
+    def residuals(self, predicted: FloatArray, observed: FloatArray) -> FloatArray:
+        """Return the whitened differences, (..., N), less what fixed effects explain."""
+        u = self.white(predicted - observed)
+        return as_floats(u - (u @ self._fixed_basis) @ self._fixed_basis.T)
 
     def series_effects(self, residuals: FloatArray) -> FloatArray:
         """Return the effects of each series, shape (G, q), from fitted less measured in mm.
@@ -232,19 +396,16 @@ class Covariance:
         Offsets and drifts are in mm, gains relative. Random effects are the best linear unbiased
         predictions, fixed ones their least squares.
         """
+        names, place = np.unique(self.series, return_inverse=True)
+        effects = np.zeros((names.size, len(self.model.effects)))
         if self.is_random:
-            spread = self.spread(self.deviations)
-            U = self.columns / self.scale[:, None] * spread
-            inner = _by_series(self.series, U[:, :, None] * U[:, None, :])
-            right = _by_series(self.series, U * (-residuals / self.scale)[:, None])
-            solved = np.linalg.solve(np.eye(spread.size) + inner, right[..., None])[..., 0]
-            return as_floats(spread * solved)
+            weighted = self.white(-self.scale * self.white(residuals)) / self.scale  # −V⁻¹·r
+            np.add.at(effects, place, self.columns * weighted[:, None])
+            return as_floats(self.spread(self.deviations) ** 2 * effects)
         values = np.linalg.lstsq(self.fixed / self.scale[:, None], -residuals / self.scale)[0]
-        shared = self.fixed @ values
-        member = self.series[:, None] == np.unique(self.series)
-        design = (member[:, :, None] * self.columns[:, None, :]).reshape(len(shared), -1)
-        own = np.linalg.lstsq(design, shared)[0]
-        return as_floats(own.reshape(-1, len(self.model.effects)))
+        member = place[:, None] == np.arange(names.size)
+        design = (member[:, :, None] * self.columns[:, None, :]).reshape(place.size, -1)
+        return as_floats(np.linalg.lstsq(design, self.fixed @ values)[0].reshape(effects.shape))
 
     def scatter_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
         """Return the variance of single new readings in mm², without what their series shares."""
@@ -267,14 +428,7 @@ def _basis_of(columns: FloatArray) -> FloatArray:
     length = np.linalg.norm(columns, axis=0)
     scaled = columns / np.where(length > 0, length, 1.0)
     left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
-    return as_floats(left[:, singular > 1e-10 * singular[0]])
-
-
-def _by_series(series: Indices, values: FloatArray) -> FloatArray:
-    """Return sums over the rows of each series, shape (N, ...) to (G, ...)."""
-    order = np.argsort(series, kind="stable")
-    starts = np.flatnonzero(np.diff(series[order], prepend=-1))
-    return as_floats(np.add.reduceat(values[order], starts, axis=0))
+    return as_floats(left[:, singular > 1e-10 * singular.max(initial=0.0)])
 
 
 # --- the deviations by restricted maximum likelihood ------------------------------------------
@@ -306,43 +460,28 @@ class Likelihood:
 
     def _terms(self, deviations: Mapping[str, float]) -> tuple[float, FloatArray, float]:
         """Return ln|V|, XᵀV⁻¹X in an orthonormal basis of the columns of X, and rᵀPr."""
-        inner, log_det = self._inner(deviations, self._reduced)
+        V = self.covariance.at(deviations)
+        white = V.white(self._reduced)
+        inner = white @ white.T
         normal = inner[1:, 1:]
         rest = inner[0, 0] - inner[0, 1:] @ np.linalg.solve(normal, inner[1:, 0])
-        return log_det, normal, float(rest)
+        return V.log_det, normal, float(rest)
 
     def parameter_covariance(self, deviations: Mapping[str, float]) -> FloatArray:
         """Return the covariance of the free parameters, shape (k, k)."""
         design = np.hstack([self.slopes, self.covariance.fixed])
         size = np.linalg.norm(design, axis=0)
         size = np.where(size > 0, size, 1.0)
-        inner, _ = self._inner(deviations, design / size)
-        inverse = np.linalg.pinv(inner, hermitian=True) / np.outer(size, size)
+        X = self.covariance.at(deviations).white((design / size).T)
         k = self.slopes.shape[1]
+        inverse = np.linalg.pinv(X @ X.T, hermitian=True) / np.outer(size, size)
         return as_floats(inverse[:k, :k])
 
     @cached_property
     def _reduced(self) -> FloatArray:
         """The residuals, then an orthonormal basis of the derivatives and fixed effects."""
         basis = _basis_of(np.hstack([self.slopes, self.covariance.fixed]))
-        return np.column_stack([self.residuals, basis])
-
-    def _inner(
-        self, deviations: Mapping[str, float], columns: FloatArray
-    ) -> tuple[FloatArray, float]:
-        """Return MᵀV⁻¹M of columns M, shape (m, m), and ln|V|."""
-        covariance = self.covariance
-        variance = covariance.variance(deviations)
-        weighted = columns / variance[:, None]
-        inner, log_det = columns.T @ weighted, float(np.log(variance).sum())
-        if not covariance.is_random:
-            return inner, log_det
-        Z = covariance.columns * covariance.spread(deviations)
-        own = _by_series(covariance.series, Z[:, :, None] * Z[:, None, :] / variance[:, None, None])
-        shared = _by_series(covariance.series, Z[:, :, None] * weighted[:, None, :])
-        core = np.eye(Z.shape[1]) + own
-        inner = inner - np.einsum("gqa,gqb->ab", shared, np.linalg.solve(core, shared))
-        return inner, log_det + float(np.linalg.slogdet(core)[1].sum())
+        return np.vstack([self.residuals, basis.T])
 
 
 def estimate(likelihood: Likelihood) -> dict[str, float]:
@@ -364,6 +503,8 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
     def slopes(at: FloatArray) -> FloatArray:
         steps = _STEP * np.eye(at.size)
         return np.array([(value(at + step) - value(at - step)) / (2 * _STEP) for step in steps])
+
+    from scipy.optimize import minimize  # slow to import
 
     solution = minimize(
         value,

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cylcontact.datasets.measurements import Indices, Measurements
-from cylcontact.fitting.optimum import Optimum
-from cylcontact.fitting.records import Outlier
+from cylcontact.fitting.readings import Optimum
 from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.measured import Curve, draw_curves, draw_readings, draw_residuals
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.plain_text import as_label, brief
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # Points of a curve, and the most pairs and laws with curves of their own.
 _POINTS, _PAIRS, _LAWS = 121, 5, 4
@@ -29,7 +31,7 @@ _APART = 0.005
 
 def plot(optimum: Optimum, law: str, level: float, ax: Axes | None = None) -> Axes:
     """Draw the data, the fitted law and the band of a new reading."""
-    data, noise = optimum.fit.data, optimum.fit.noise
+    data, noise = optimum.fit.data, optimum.covariance_of_readings
     # The curve and its band lack the fixed effects of series.
     fixed = None if noise is None or noise.is_random else optimum.series_in_mm
     with axes_for(ax, "plot", "column", 68.0) as axes:
@@ -43,14 +45,13 @@ def plot(optimum: Optimum, law: str, level: float, ax: Axes | None = None) -> Ax
 
 
 def plot_residuals(
-    data: Measurements, table: pd.DataFrame, outliers: Sequence[Outlier], ax: Axes | None = None
+    data: Measurements, standardised: FloatArray, outliers: Collection[int], ax: Axes | None = None
 ) -> Axes:
-    """Draw the residuals of a table over the load."""
-    load, standardised = table["load_N_per_mm"].to_numpy(), table["standardised"].to_numpy()
-    lines = {outlier.line for outlier in outliers}
-    words = {k: f"line {line}" for k, line in enumerate(table["line"]) if line in lines}
+    """Draw residuals over the load, and name the lines of outliers."""
+    lines = {k: data.line(k) for k in range(len(data))}
+    words = {k: f"line {line}" for k, line in lines.items() if line in outliers}
     with axes_for(ax, "plot_residuals", "column", 45.0) as axes:
-        draw_residuals(axes, load, standardised, "residual (std. dev.)", _series(data), words)
+        draw_residuals(axes, data.load, standardised, "residual (std. dev.)", _series(data), words)
     return axes
 
 

@@ -46,7 +46,7 @@ class RunRecord(Spec):
 
     index: int
     seed: int
-    # The budget of every search; None for a descent.
+    # The budget of a search; None for a descent.
     population: int | None
     crossover: str | None
     objective_before_polish: float
@@ -54,7 +54,7 @@ class RunRecord(Spec):
     coefficients_before_polish: dict[str, float] | None
     objective: float
     coefficients: dict[str, float]
-    evaluations: int
+    evaluations: int | None  # None for a descent
     seconds: float
 
 

@@ -22,8 +22,9 @@ from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import blocks, require_samples
+from cylcontact.fitting.parameters import LawModel
 from cylcontact.fitting.space import Space, central_differences, law_of
-from cylcontact.laws.law import ContactLaw, LawModel
+from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import FloatArray, IndexArray, as_floats
 from cylcontact.support.parallel import Workers, call, run_calls
 from cylcontact.support.progress import Progress, silent

@@ -8,16 +8,15 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from cylcontact.files.journal import Journal, call_for, run_recorded
 from cylcontact.files.spec import parse_spec
-from cylcontact.fitting.measured import Fit
+from cylcontact.fitting.readings import Fit
 from cylcontact.fitting.records import Published, RunRecord
-from cylcontact.fitting.search import Minimum, genetic_search, minimise
+from cylcontact.fitting.search import genetic_search, minimise
 from cylcontact.fitting.space import Space
 from cylcontact.fitting.specs import GeneticSpec
-from cylcontact.support.arrays import FloatArray
+from cylcontact.support.arrays import FloatArray, on_one_thread
 from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Call, Workers, call
 from cylcontact.support.progress import Progress
@@ -41,46 +40,44 @@ def run_search(
     turn, place = divmod(index, len(genetic.populations))
     population = genetic.populations[place]
     crossover = genetic.crossovers[turn % len(genetic.crossovers)]
-    with threadpool_limits(limits=1):
+    with on_one_thread():
         best = genetic_search(space, population, genetic.generations, crossover, seed)
-        point, value = minimise(space, best.point, seed)
-    if not np.isfinite(value):
+        end = minimise(space, best.point, seed)
+    if not np.isfinite(end[1]):
         rule = f"run {index} found no coefficients for which the law is defined"
         remedy = "narrow the bounds, or raise populations and generations"
         raise InputError(source, "genetic.populations", population, rule, remedy)
-    end = Minimum(point, value, best.evaluations)
-    return _record(space, best, end, started, index, seed, population, crossover)
+    budget = {"population": population, "crossover": crossover, "evaluations": best.evaluations}
+    return _record(space, (best.point, best.value), end, started, index, seed, **budget)
 
 
 def descend_from(fit: Fit, start: FloatArray, index: int, seed: int) -> RunRecord:
     """Descend from one start on one thread and return the record of the run."""
-    started, before = time.perf_counter(), Minimum(start, fit.value(start), 1)
-    with threadpool_limits(limits=1):  # matrices this small are slower on several threads
+    started = time.perf_counter()
+    with on_one_thread():  # matrices this small are slower on several threads
         end = fit.minimise(start)
-    return _record(fit, before, end, started, index, seed)
+    budget = {"population": None, "crossover": None, "evaluations": None}
+    return _record(fit, (start, fit.value(start)), end, started, index, seed, **budget)
 
 
 def _record(
     space: Space,
-    before: Minimum,
-    end: Minimum,
+    before: tuple[FloatArray, float],
+    end: tuple[FloatArray, float],
     started: float,
     index: int,
     seed: int,
-    population: int | None = None,
-    crossover: str | None = None,
+    **budget: Any,
 ) -> RunRecord:
     return RunRecord(
         index=index,
         seed=seed,
-        population=population,
-        crossover=crossover,
-        objective_before_polish=before.value,
-        coefficients_before_polish=space.coefficients(before.point),
-        objective=end.value,
-        coefficients=space.coefficients(end.point),
-        evaluations=end.evaluations,
+        objective_before_polish=before[1],
+        coefficients_before_polish=space.coefficients(before[0]),
+        objective=end[1],
+        coefficients=space.coefficients(end[0]),
         seconds=round(time.perf_counter() - started, 3),
+        **budget,
     )
 
 

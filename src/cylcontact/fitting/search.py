@@ -14,7 +14,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import linprog
 
 from cylcontact.fitting.space import Space
 from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
@@ -199,7 +198,9 @@ def _descend_squares(
     In coordinates t from 0 to 1, with residuals r, slopes J, A = JᵀJ, g = Jᵀr and v the distance to
     the bound that −g points to, a step solves
 
-        (A + diag(|g|/v) + λ·(tr A/k)·diag(1/v))·step = −g.
+        (A + diag(|g|/v) + λ·diag(c/v))·step = −g
+
+    with c the curvatures that the space scales its damping by.
 
     What is held has no slopes, and so no step.
     """
@@ -227,9 +228,9 @@ def _descend_squares(
                 break
         # In the unknowns step/√v the matrix is well conditioned up to the bounds.
         root = np.sqrt(np.where(g < 0, 1 - t, np.where(g > 0, t, 1.0)))
-        scale = damping * np.trace(A, axis1=1, axis2=2) / k + np.finfo(float).tiny
+        scale = damping[:, None] * space.curvatures(A) + np.finfo(float).tiny
         matrix = root[:, :, None] * A * root[:, None, :]
-        matrix += np.eye(k) * (np.abs(g) + scale[:, None])[:, None, :]
+        matrix += np.eye(k) * (np.abs(g) + scale)[:, None, :]
         step = root * np.linalg.solve(matrix, -(root * g)[..., None])[..., 0]
         with np.errstate(divide="ignore", invalid="ignore"):
             way = np.where(step > 0, (1 - t) / step, np.where(step < 0, -t / step, np.inf))
@@ -302,6 +303,8 @@ def _least_largest(
     residuals: FloatArray, slopes: FloatArray, bounds: list[tuple[float, float]]
 ) -> tuple[FloatArray, float]:
     """Minimise max|residuals + slopes·step| within bounds; return the step and that largest."""
+    from scipy.optimize import linprog  # slow to import
+
     minus_t = -np.ones((residuals.size, 1))
     solution = linprog(
         np.append(np.zeros(len(bounds)), 1.0),

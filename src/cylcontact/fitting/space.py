@@ -14,8 +14,9 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.ties import evaluate
-from cylcontact.laws.law import ContactLaw, LawModel, Parameter
+from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import FloatArray, as_floats
 from cylcontact.support.errors import InputError
 
@@ -138,8 +139,16 @@ class Space:
         Maxima in the law are smoothed over one of the widths in `smoothing`.
         """
         assert not smooth, "this space smooths nothing"
-        residuals = self.finite_residuals
-        return residuals(points), central_differences(residuals, self.low, self.high, points)
+        return self.finite_residuals(points), self.slopes(points)
+
+    def curvatures(self, A: FloatArray) -> FloatArray:
+        """Return what damps the steps of P descents, shape (P, k), from JᵀJ: here its mean."""
+        mean = np.trace(A, axis1=1, axis2=2)[:, None] / A.shape[1]
+        return as_floats(np.repeat(mean, A.shape[1], axis=1))
+
+    def slopes(self, points: FloatArray) -> FloatArray:
+        """Return the derivatives of the residuals, shape (P, k, q)."""
+        return central_differences(self.finite_residuals, self.low, self.high, points)
 
 
 def central_differences(

@@ -14,11 +14,11 @@ from cylcontact.bodies.pair import Contact
 from cylcontact.datasets.readings import TableSpec
 from cylcontact.files.spec import Spec, broken
 from cylcontact.fitting.noise import NOISES
+from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.reference import OBJECTIVES
 from cylcontact.fitting.search import CROSSOVERS
 from cylcontact.fitting.ties import require_valid
 from cylcontact.laws.housing_spec import HousingSpec
-from cylcontact.laws.law import LawModel, Parameter
 from cylcontact.support.errors import InputError
 
 # Limit on the runs of a campaign and on a population, for memory.

@@ -9,7 +9,6 @@ The element has one state, the impact rate δ̇⁽⁻⁾ of the contact under wa
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -339,10 +338,13 @@ class ClearanceJoint:
             If the state says "no contact" where the surfaces overlap, as in a trial step across the
             onset, the impact rate is the penetration rate of these very arguments.
         """
-        rows, shape = rows_of(as_floats(state.impact_rate)[..., None], bearing, pin, 6)
-        work = np.zeros(len(rows[0]), contact.WORK)
-        _evaluate(*rows, work, self.block, self.kernel.parameters)
-        return JointWrench(**parts_of(work, JointWrench._fields, shape))
+        rates, bearings, pins, shape = rows_of(
+            as_floats(state.impact_rate)[..., None], bearing, pin, 6
+        )
+        wrench = np.zeros(len(rates), contact.WRENCH)
+        states = rates.view(contact.STATE)[:, 0]
+        _evaluate(states, bearings, pins, wrench, self.block, self.kernel.parameters)
+        return JointWrench(**parts_of(wrench, shape))
 
     def accept(self, state: JointState, bearing: ArrayLike, pin: ArrayLike) -> JointState:
         """Return the state after an accepted step, or at the onset of a contact.
@@ -358,9 +360,11 @@ class ClearanceJoint:
             Without contact, 0. At the first touch the penetration rate, at least 1 mm/s. Unchanged
             while the contact lasts.
         """
-        rows, shape = rows_of(as_floats(state.impact_rate)[..., None], bearing, pin, 6)
-        _accept(*rows, np.zeros(1, contact.WORK)[0], self.block)
-        return JointState(rows[0].reshape(shape) if shape else float(rows[0][0, 0]))
+        rates, bearings, pins, shape = rows_of(
+            as_floats(state.impact_rate)[..., None], bearing, pin, 6
+        )
+        _accept(rates.view(contact.STATE)[:, 0], bearings, pins, self.block)
+        return JointState(rates.reshape(shape) if shape else float(rates[0, 0]))
 
 
 # What a body is, by how many numbers.
@@ -370,12 +374,9 @@ _BODIES = {
 }
 
 
-Rows = tuple[FloatArray, FloatArray, FloatArray]
-
-
 def rows_of(
     rates: FloatArray, bearing: ArrayLike, pin: ArrayLike, size: int
-) -> tuple[Rows, tuple[int, ...]]:
+) -> tuple[FloatArray, FloatArray, FloatArray, tuple[int, ...]]:
     """Return copies of impact rates and both bodies, one to a row, and the shape of the rows."""
     numbers = [rates]
     for key, body in (("bearing", bearing), ("pin", pin)):
@@ -388,29 +389,29 @@ def rows_of(
         np.broadcast_to(part, (*shape, part.shape[-1])).reshape(-1, part.shape[-1]).copy()
         for part in numbers
     )
-    return (first, second, third), shape
+    return first, second, third, shape
 
 
-def parts_of(work: Any, fields: Sequence[str], shape: tuple[int, ...]) -> dict[str, Any]:
+def parts_of(wrench: Any, shape: tuple[int, ...]) -> dict[str, Any]:
     """Return the parts of wrenches, each of the shape of the rows."""
-    parts = {name: work[name].reshape(shape + work[name].shape[1:]).copy() for name in fields}
-    return {**parts, "flag": parts["flag"].astype(np.int64)}
+    parts = {name: wrench[name] for name in wrench.dtype.names}
+    return {name: part.reshape(shape + part.shape[1:]).copy() for name, part in parts.items()}
 
 
 @compiled
 def _evaluate(
-    rates: FloatArray, bearing: FloatArray, pin: FloatArray, work: Any, joint: Any, law: FloatArray
+    states: Any, bearing: FloatArray, pin: FloatArray, wrench: Any, joint: Any, law: FloatArray
 ) -> None:
     """Write the wrench of each row."""
-    for k in range(len(work)):
-        contact.evaluate(rates[k], bearing[k], pin[k], work[k], joint, law)
+    for k in range(len(states)):
+        contact.evaluate(states[k], bearing[k], pin[k], wrench[k], joint, law)
 
 
 @compiled
-def _accept(rates: FloatArray, bearing: FloatArray, pin: FloatArray, work: Any, joint: Any) -> None:
+def _accept(states: Any, bearing: FloatArray, pin: FloatArray, joint: Any) -> None:
     """Update the impact rate of each row."""
-    for k in range(len(rates)):
-        contact.accept(rates[k], bearing[k], pin[k], work, joint)
+    for k in range(len(states)):
+        contact.accept(states[k], bearing[k], pin[k], joint)
 
 
 def read_joint(path: Path | str, materials: Path | str | None = None) -> ClearanceJoint:

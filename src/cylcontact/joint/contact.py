@@ -14,14 +14,16 @@ and the normal velocity is the penetration rate, (v_i − v_j)·n = ė·n = δ̇
 either centre moves C along t only.
 
 **Units.** The mechanics is in SI, the laws in mm and N/mm. Only `elastic_force` and `stored_energy`
-convert between them. `evaluate` and `accept`, of a joint by itself, take and give the joint's own
-unit of length; `cylcontact.export` translates them, and what they call.
+convert between them. `evaluate` and `accept` take and give the joint's own unit of length.
+
+`cylcontact.export` translates `evaluate`, `accept`, `ahead` and what they call: they keep to the
+rules of `export.plain`. The functions below them are for the integrator alone.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -29,12 +31,6 @@ from cylcontact.impact import RATIO_BEND
 from cylcontact.laws.kernels import inlined_load, kernel_energy
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.numba_cache import called, compiled, inlined
-
-# e in m, its rate in m/s, and the spins of the bodies with the bearing and with the pin in rad/s.
-Motion = tuple[float, float, float, float, float, float]
-# A joint with clearance, as compiled functions take it; in Python a record is of this type.
-Joint = Any
-Record = Any
 
 # The force is smooth in pieces. An integrator holds a piece through a step, beyond its ends if need
 # be, and changes it at events. Branches of friction: slip (±2), ramp (±1), none (0). Regimes of the
@@ -59,17 +55,22 @@ JOINT = np.dtype(
         *((name, np.float64) for name in ("metres", "first_yield")),
     ]
 )
-# What `evaluate` writes: a wrench, and the arms from the reference points to the centres in m.
-WORK = np.dtype(
+STATE = np.dtype([("impact_rate", np.float64)])
+WRENCH = np.dtype(
     [
         *(("force_bearing", np.float64, 2), ("moment_bearing", np.float64)),
         *(("force_pin", np.float64, 2), ("moment_pin", np.float64)),
         *((name, np.float64) for name in ("penetration", "penetration_rate")),
         *((name, np.float64) for name in ("normal_force", "friction_force", "tangential_velocity")),
-        *((name, np.float64) for name in ("dissipated_power", "flag")),
-        *((name, np.float64, 2) for name in ("arm_bearing", "arm_pin")),
+        *(("dissipated_power", np.float64), ("flag", np.int64)),
     ]
 )
+# The arguments of compiled functions: records, the law's numbers, and x, y, angle and their rates.
+Joint = Annotated[Any, JOINT]
+State = Annotated[Any, STATE]
+Wrench = Annotated[Any, WRENCH]
+Law = FloatArray
+Body = Annotated[FloatArray, 6]
 
 # The bits of a wrench's flag; those between are of a joint in space.
 YIELDS, BEYOND_LAW, LEFT_HOLE = 1, 2, 32
@@ -78,37 +79,76 @@ YIELDS, BEYOND_LAW, LEFT_HOLE = 1, 2, 32
 DEEPEST_SHARE = 0.1
 
 
-@inlined
-def elastic_force(penetration: float, joint: Joint, law: FloatArray) -> float:
-    """Return the elastic force in N at a penetration in m.
+class Arms(NamedTuple):
+    """From the reference points to the centres of hole and pin in m, along the world's axes."""
 
-    Beyond `last_penetration` the load continues along a straight line.
+    x_i: float
+    y_i: float
+    x_j: float
+    y_j: float
+
+
+class Motion(NamedTuple):
+    """e in m, its rate in m/s, and the spins of the bodies with the hole and with the pin."""
+
+    e_x: float
+    e_y: float
+    u_x: float
+    u_y: float
+    omega_i: float
+    omega_j: float
+
+
+class Relative(NamedTuple):
+    """n, the penetration in m and its rate, and the tangential velocity in m/s."""
+
+    n_x: float
+    n_y: float
+    delta: float
+    rate: float
+    v_t: float
+
+
+class Forces(NamedTuple):
+    """Forces in N, moments in N m, powers in W; δ in m.
+
+    The force is f_i of Eq 13a, on the bearing at C. The moments are those of this force about the
+    bearing's centre and of the opposite force about the pin's, positive anticlockwise.
     """
-    delta = penetration * 1e3
-    if delta <= 0.0:
+
+    x: float
+    y: float
+    moment_i: float
+    moment_j: float
+    normal: float
+    normal_power: float
+    friction_power: float
+    delta: float
+    elastic: float
+
+
+@inlined
+def load_at(depth: float, joint: Joint, law: Law) -> float:
+    """Return the load in N/mm at a penetration in mm."""
+    return float(inlined_load(joint.kernel, law, depth))
+
+
+@inlined
+def elastic_force(delta: float, on_line: bool, joint: Joint, law: Law) -> float:
+    """Return the elastic force in N at δ in m, by the law or along its tangent."""
+    depth = 1e3 * delta
+    if depth <= 0.0:
         return 0.0
-    if joint.regime == LINE or (joint.regime == ANY and delta > joint.last_penetration):
-        load = joint.last_load + joint.last_slope * (delta - joint.last_penetration)
+    if on_line:
+        load = joint.last_load + joint.last_slope * (depth - joint.last_penetration)
     else:
-        load = inlined_load(joint.kernel, law, delta)
+        load = load_at(depth, joint, law)
     return float(load * joint.length)
-
-
-@compiled
-def stored_energy(penetration: float, joint: Joint, law: FloatArray) -> float:
-    """Return ∫ F_el dδ in J up to a penetration in m."""
-    turn = joint.last_penetration * 1e-3
-    # N/mm·mm times the length in mm is N mm.
-    within = kernel_energy(joint.kernel, law, 1e3 * min(penetration, turn)) * joint.length * 1e-3
-    if penetration <= turn:
-        return float(within)
-    ends = elastic_force(turn, joint, law) + elastic_force(penetration, joint, law)
-    return float(within + 0.5 * (penetration - turn) * ends)
 
 
 @inlined
 def bounded_ratio(ratio: float) -> float:
-    """Return `impact.bounded_ratio` of one number."""
+    """Return a ratio of rates, bounded smoothly where it is above ten."""
     v = abs(ratio) / RATIO_BEND - 1.0
     if v <= 0.0:
         return ratio
@@ -116,126 +156,156 @@ def bounded_ratio(ratio: float) -> float:
 
 
 @inlined
-def friction_force(normal: float, v_t: float, joint: Joint) -> float:
-    """Return f_t = −c_f·c_d·f_n·sgn(v_t) in N (Eqs 14–15), v_t in m/s."""
-    if joint.branch == ANY:
-        correction = min(max((abs(v_t) - joint.v0) / (joint.v1 - joint.v0), 0.0), 1.0)
-        correction = math.copysign(correction, v_t)
-    elif abs(joint.branch) == 1:
-        correction = (v_t - joint.branch * joint.v0) / (joint.v1 - joint.v0)
-    else:
-        correction = 0.5 * joint.branch
-    return float(-joint.friction * correction * normal)
+def normal_force(elastic: float, rate: float, impact_rate: float, joint: Joint) -> float:
+    """Return the elastic force with its damping, never negative."""
+    return float(max(elastic * (1.0 + joint.chi * bounded_ratio(rate / impact_rate)), 0.0))
 
 
 @inlined
-def relative_motion(motion: Motion, joint: Joint) -> tuple[float, float, float, float, float]:
-    """Return n_x, n_y, δ in m, and δ̇ and v_t in m/s.
+def friction_share(v_t: float, joint: Joint) -> float:
+    """Return c_d*sgn(v_t) of Eq 15: none at v0, all at v1."""
+    return math.copysign(min(max((abs(v_t) - joint.v0) / (joint.v1 - joint.v0), 0.0), 1.0), v_t)
 
-    Centres that coincide have the normal (1, 0).
-    """
-    e_x, e_y, u_x, u_y, omega_i, omega_j = motion
-    distance = math.sqrt(e_x * e_x + e_y * e_y)
+
+@inlined
+def relative_motion(motion: Motion, joint: Joint) -> Relative:
+    """Return the gap and its rates; centres that coincide have the normal (1, 0)."""
+    distance = math.sqrt(motion.e_x * motion.e_x + motion.e_y * motion.e_y)
     n_x, n_y = 1.0, 0.0
-    if distance > 0.0:
+    if not distance <= 0.0:  # NaN too
         per_distance = 1.0 / distance
-        n_x, n_y = e_x * per_distance, e_y * per_distance
+        n_x, n_y = motion.e_x * per_distance, motion.e_y * per_distance
     delta = distance - joint.clearance
-    rate = u_x * n_x + u_y * n_y
-    v_t = u_x * n_y - u_y * n_x + omega_i * joint.R_bearing - omega_j * (joint.R_pin - delta)
-    return n_x, n_y, delta, rate, v_t
+    rate = motion.u_x * n_x + motion.u_y * n_y
+    v_t = motion.u_x * n_y - motion.u_y * n_x + motion.omega_i * joint.R_bearing
+    v_t -= motion.omega_j * (joint.R_pin - delta)
+    return Relative(n_x, n_y, delta, rate, v_t)
 
 
-# What `forces` returns: f_i of Eq 13a in N, on the bearing at C, and the moments of it about the
-# bearing's centre and of the opposite force about the pin's, in N m, positive anticlockwise; f_n in
-# N, the powers in W that damping and friction dissipate, δ in m, and the elastic part of f_n in N.
-Forces = tuple[float, float, float, float, float, float, float, float, float]
-
-
-@inlined
-def forces(motion: Motion, impact_rate: float, joint: Joint, law: FloatArray) -> Forces:
-    """Return the contact of a pair that touches: δ̇⁽⁻⁾ in m/s, a joint, the numbers of its law."""
-    n_x, n_y, delta, rate, v_t = relative_motion(motion, joint)
-    elastic = elastic_force(delta, joint, law)
-    damping = joint.chi * bounded_ratio(rate / impact_rate)
-    normal = elastic * (1.0 + damping)
-    if normal < 0.0:  # noqa: PLR1730 - in C the larger of 0 and NaN is 0
-        normal = 0.0
-    tangential = friction_force(normal, v_t, joint)
-    force_x = -normal * n_x + tangential * n_y
-    force_y = -normal * n_y - tangential * n_x
-    # (−a·n) × (f_t·t) = a·f_t, as n × t = −1.
-    moment_i, moment_j = joint.R_bearing * tangential, -(joint.R_pin - delta) * tangential
-    normal_power, friction_power = (normal - elastic) * rate, -tangential * v_t
-    return (
-        force_x, force_y, moment_i, moment_j, normal, normal_power, friction_power, delta, elastic
+@called
+def arms_of(bearing: Body, pin: Body, joint: Joint) -> Arms:
+    """Return the arms of both bodies."""
+    c_i, s_i = math.cos(bearing[2]), math.sin(bearing[2])
+    c_j, s_j = math.cos(pin[2]), math.sin(pin[2])
+    return Arms(
+        c_i * joint.x_i - s_i * joint.y_i, s_i * joint.x_i + c_i * joint.y_i,
+        c_j * joint.x_j - s_j * joint.y_j, s_j * joint.x_j + c_j * joint.y_j,
     )  # fmt: skip
 
 
 @called
-def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Joint) -> Motion:
-    """Write the arms, and return the motion of a joint from x, y, angle and rates of its bodies."""
-    c, s = math.cos(bearing[2]), math.sin(bearing[2])
-    w.arm_bearing[0] = c * joint.x_i - s * joint.y_i
-    w.arm_bearing[1] = s * joint.x_i + c * joint.y_i
-    c, s = math.cos(pin[2]), math.sin(pin[2])
-    w.arm_pin[0] = c * joint.x_j - s * joint.y_j
-    w.arm_pin[1] = s * joint.x_j + c * joint.y_j
-    e_x = joint.metres * (bearing[0] - pin[0]) + w.arm_bearing[0] - w.arm_pin[0]
-    e_y = joint.metres * (bearing[1] - pin[1]) + w.arm_bearing[1] - w.arm_pin[1]
-    u_x = joint.metres * (bearing[3] - pin[3])
-    u_y = joint.metres * (bearing[4] - pin[4])
-    u_x = u_x - bearing[5] * w.arm_bearing[1] + pin[5] * w.arm_pin[1]
-    u_y = u_y + bearing[5] * w.arm_bearing[0] - pin[5] * w.arm_pin[0]
-    return e_x, e_y, u_x, u_y, bearing[5], pin[5]
+def motion_of(bearing: Body, pin: Body, arms: Arms, joint: Joint) -> Motion:
+    """Return the motion of the joint from x, y, angle and rates of its bodies."""
+    e_x = joint.metres * (bearing[0] - pin[0]) + arms.x_i - arms.x_j
+    e_y = joint.metres * (bearing[1] - pin[1]) + arms.y_i - arms.y_j
+    u_x = joint.metres * (bearing[3] - pin[3]) - bearing[5] * arms.y_i + pin[5] * arms.y_j
+    u_y = joint.metres * (bearing[4] - pin[4]) + bearing[5] * arms.x_i - pin[5] * arms.x_j
+    return Motion(e_x, e_y, u_x, u_y, bearing[5], pin[5])
 
 
 @called
 def evaluate(
-    state: FloatArray, bearing: FloatArray, pin: FloatArray, w: Record, joint: Joint,
-    law: FloatArray,
-) -> None:  # fmt: skip
-    """Write the wrench of bodies that move so, with this impact rate, in the joint's units."""
-    motion = move(bearing, pin, w, joint)
-    _, _, delta, rate, v_t = relative_motion(motion, joint)
-    w.penetration = delta / joint.metres
-    w.penetration_rate = rate / joint.metres
-    w.tangential_velocity = v_t / joint.metres
-    f_x, f_y, moment_i, moment_j = 0.0, 0.0, 0.0, 0.0
-    normal, lost, rubbed, elastic = 0.0, 0.0, 0.0, 0.0
-    if not delta <= 0.0:  # NaN too
-        onset = state[0] * joint.metres if state[0] > 0.0 else max(rate, joint.rate_floor)
-        f_x, f_y, moment_i, moment_j, normal, lost, rubbed, _, elastic = forces(
-            motion, onset, joint, law
-        )
-        moment_i += w.arm_bearing[0] * f_y - w.arm_bearing[1] * f_x
-        moment_j -= w.arm_pin[0] * f_y - w.arm_pin[1] * f_x
-    w.force_bearing[0] = f_x
-    w.force_bearing[1] = f_y
-    w.moment_bearing = moment_i / joint.metres
-    w.force_pin[0] = -f_x
-    w.force_pin[1] = -f_y
-    w.moment_pin = moment_j / joint.metres
-    w.normal_force = normal
-    w.friction_force = friction_force(normal, v_t, joint)
-    w.dissipated_power = (lost + rubbed) / joint.metres
-    w.flag = 0.0
+    state: State, bearing: Body, pin: Body, wrench: Wrench, joint: Joint, law: Law
+) -> None:
+    """Write the wrench at a motion of both bodies and an impact rate, in the joint's units."""
+    arms = arms_of(bearing, pin, joint)
+    m = relative_motion(motion_of(bearing, pin, arms, joint), joint)
+    beyond = 1e3 * m.delta > joint.last_penetration
+    elastic, normal = 0.0, 0.0
+    if not m.delta <= 0.0:  # NaN too
+        onset = state.impact_rate * joint.metres
+        if onset <= 0.0:
+            onset = max(m.rate, joint.rate_floor)
+        elastic = elastic_force(m.delta, beyond, joint, law)
+        normal = normal_force(elastic, m.rate, onset, joint)
+    tangential = -joint.friction * friction_share(m.v_t, joint) * normal
+    f_x = -normal * m.n_x + tangential * m.n_y
+    f_y = -normal * m.n_y - tangential * m.n_x
+    # (-a*n) x (f_t*t) = a*f_t, as n x t = -1.
+    moment_i = arms.x_i * f_y - arms.y_i * f_x + joint.R_bearing * tangential
+    moment_j = -(arms.x_j * f_y - arms.y_j * f_x) - (joint.R_pin - m.delta) * tangential
+
+    wrench.force_bearing[0] = f_x
+    wrench.force_bearing[1] = f_y
+    wrench.moment_bearing = moment_i / joint.metres
+    wrench.force_pin[0] = -f_x
+    wrench.force_pin[1] = -f_y
+    wrench.moment_pin = moment_j / joint.metres
+    wrench.penetration = m.delta / joint.metres
+    wrench.penetration_rate = m.rate / joint.metres
+    wrench.normal_force = normal
+    wrench.friction_force = tangential
+    wrench.tangential_velocity = m.v_t / joint.metres
+    wrench.dissipated_power = ((normal - elastic) * m.rate - tangential * m.v_t) / joint.metres
+    wrench.flag = 0
     if elastic > joint.first_yield:
-        w.flag += YIELDS
-    if delta * 1e3 > joint.last_penetration:
-        w.flag += BEYOND_LAW
-    if delta > DEEPEST_SHARE * joint.R_bearing:
-        w.flag += LEFT_HOLE
+        wrench.flag += YIELDS
+    if beyond:
+        wrench.flag += BEYOND_LAW
+    if m.delta > DEEPEST_SHARE * joint.R_bearing:
+        wrench.flag += LEFT_HOLE
 
 
 @called
-def accept(
-    state: FloatArray, bearing: FloatArray, pin: FloatArray, w: Record, joint: Joint
-) -> None:
+def accept(state: State, bearing: Body, pin: Body, joint: Joint) -> None:
     """Update the impact rate after an accepted step."""
-    motion = move(bearing, pin, w, joint)
-    _, _, delta, rate, _ = relative_motion(motion, joint)
-    if delta <= 0.0:
-        state[0] = 0.0
-    elif state[0] <= 0.0:
-        state[0] = max(rate, joint.rate_floor) / joint.metres
+    motion = motion_of(bearing, pin, arms_of(bearing, pin, joint), joint)
+    m = relative_motion(motion, joint)
+    if m.delta <= 0.0:
+        state.impact_rate = 0.0
+    elif state.impact_rate <= 0.0:
+        state.impact_rate = max(m.rate, joint.rate_floor) / joint.metres
+
+
+@called
+def ahead(body: Body, time: float) -> None:
+    """Move a body for a time at its velocity."""
+    for k in range(3):
+        body[k] += time * body[k + 3]
+
+
+# --- for the integrator, which keeps to one piece of the force through a step ---
+
+
+@inlined
+def forces(motion: Motion, impact_rate: float, joint: Joint, law: Law) -> Forces:
+    """Return the forces of a pair that touches, in the joint's present piece."""
+    m = relative_motion(motion, joint)
+    elastic = piece_force(m.delta, joint, law)
+    normal = normal_force(elastic, m.rate, impact_rate, joint)
+    tangential = -joint.friction * piece_share(m.v_t, joint) * normal
+    return Forces(
+        -normal * m.n_x + tangential * m.n_y, -normal * m.n_y - tangential * m.n_x,
+        joint.R_bearing * tangential, -(joint.R_pin - m.delta) * tangential,
+        normal, (normal - elastic) * m.rate, -tangential * m.v_t, m.delta, elastic,
+    )  # fmt: skip
+
+
+@inlined
+def piece_force(delta: float, joint: Joint, law: Law) -> float:
+    """Return the elastic force in N at δ in m in the joint's regime."""
+    beyond = 1e3 * delta > joint.last_penetration
+    on_line = joint.regime == LINE or (joint.regime == ANY and beyond)
+    return elastic_force(delta, on_line, joint, law)
+
+
+@inlined
+def piece_share(v_t: float, joint: Joint) -> float:
+    """Return c_d·sgn(v_t) on the joint's branch of friction."""
+    if joint.branch == ANY:
+        return friction_share(v_t, joint)
+    if abs(joint.branch) == 1:
+        return float((v_t - joint.branch * joint.v0) / (joint.v1 - joint.v0))
+    return float(0.5 * joint.branch)
+
+
+@compiled
+def stored_energy(penetration: float, joint: Joint, law: Law) -> float:
+    """Return ∫ F_el dδ in J up to a penetration in m."""
+    turn = joint.last_penetration * 1e-3
+    # N/mm·mm times the length in mm is N mm.
+    within = kernel_energy(joint.kernel, law, 1e3 * min(penetration, turn)) * joint.length * 1e-3
+    if penetration <= turn:
+        return float(within)
+    ends = piece_force(turn, joint, law) + piece_force(penetration, joint, law)
+    return float(within + 0.5 * (penetration - turn) * ends)

@@ -23,7 +23,6 @@ from cylcontact.joint.clearance import (
     BodySpec,
     ClearanceJoint,
     ClearanceJointSpec,
-    Rows,
     joint_from,
     parts_of,
     rows_of,
@@ -324,15 +323,18 @@ class SpatialJoint:
         InputError
             For arguments that are no motion, or if the axes are near a right angle.
         """
-        rows, shape = self._rows(state, bearing, pin)
-        work = np.zeros(len(rows[0]), spatial_forces.WORK)
-        _evaluate(*rows, work, self.record, self.planar.kernel.parameters)
-        moves = np.isfinite(np.hstack(rows[1:])).all(axis=1)  # else the wrench is NaN
+        rates, bearings, pins, shape = self._rows(state, bearing, pin)
+        wrench, work = np.zeros(len(rates), spatial_forces.WRENCH), np.zeros(1, spatial_forces.WORK)
+        states = rates.view(spatial_forces.STATE)[:, 0]
+        _evaluate(
+            states, bearings, pins, wrench, work[0], self.record, self.planar.kernel.parameters
+        )
+        moves = np.isfinite(np.hstack([bearings, pins])).all(axis=1)  # else the wrench is NaN
         require(
-            ~(moves & np.isnan(work["normal_force"])), self.planar.name, "pin", None,
+            ~(moves & np.isnan(wrench["normal_force"])), self.planar.name, "pin", None,
             "has its axis near a right angle to that of the hole", "give both axes in the file",
         )  # fmt: skip
-        return SpatialWrench(**parts_of(work, SpatialWrench._fields, shape))
+        return SpatialWrench(**parts_of(wrench, shape))
 
     def accept(self, state: SpatialState, bearing: ArrayLike, pin: ArrayLike) -> SpatialState:
         """Return the state after an accepted step, or at the onset of a contact.
@@ -348,18 +350,19 @@ class SpatialJoint:
             Of each rim and face: 0 without contact; at the first touch the penetration rate, at
             least 1 mm/s; unchanged while the contact lasts.
         """
-        rows, shape = self._rows(state, bearing, pin)
-        _accept(*rows, np.zeros(1, spatial_forces.WORK)[0], self.record)
-        return SpatialState(rows[0].reshape(*shape, 4))
+        rates, bearings, pins, shape = self._rows(state, bearing, pin)
+        work = np.zeros(1, spatial_forces.WORK)[0]
+        _accept(rates.view(spatial_forces.STATE)[:, 0], bearings, pins, work, self.record)
+        return SpatialState(rates.reshape(*shape, 4))
 
     def _rows(
         self, state: SpatialState, bearing: ArrayLike, pin: ArrayLike
-    ) -> tuple[Rows, tuple[int, ...]]:
-        rows, shape = rows_of(as_floats(state.impact_rate), bearing, pin, 13)
-        for key, body in zip(("bearing", "pin"), rows[1:], strict=True):
+    ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[int, ...]]:
+        rows = rows_of(as_floats(state.impact_rate), bearing, pin, 13)
+        for key, body in zip(("bearing", "pin"), rows[1:3], strict=True):
             rule, remedy = "has a quaternion of zeros", "give one of any length but 0"
             require((body[:, 3:7] != 0).any(axis=1), "joint", key, None, rule, remedy)
-        return rows, shape
+        return rows
 
 
 def _frame(axis: tuple[float, float, float]) -> FloatArray:
@@ -373,15 +376,16 @@ def _frame(axis: tuple[float, float, float]) -> FloatArray:
 
 @compiled
 def _evaluate(
-    rates: FloatArray, bearing: FloatArray, pin: FloatArray, work: Any, joint: Any, law: FloatArray
-) -> None:
+    states: Any, bearing: FloatArray, pin: FloatArray, wrench: Any, work: Any, joint: Any,
+    law: FloatArray,
+) -> None:  # fmt: skip
     """Write the wrench of each row."""
-    for k in range(len(work)):
-        spatial_forces.evaluate(rates[k], bearing[k], pin[k], work[k], joint, law)
+    for k in range(len(states)):
+        spatial_forces.evaluate(states[k], bearing[k], pin[k], wrench[k], work, joint, law)
 
 
 @compiled
-def _accept(rates: FloatArray, bearing: FloatArray, pin: FloatArray, work: Any, joint: Any) -> None:
+def _accept(states: Any, bearing: FloatArray, pin: FloatArray, work: Any, joint: Any) -> None:
     """Update the impact rates of each row."""
-    for k in range(len(rates)):
-        spatial_forces.accept(rates[k], bearing[k], pin[k], work, joint)
+    for k in range(len(states)):
+        spatial_forces.accept(states[k], bearing[k], pin[k], work, joint)

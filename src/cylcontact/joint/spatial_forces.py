@@ -32,23 +32,21 @@ with s the slope of the penetration out of the hole; see `spatial.EdgeSpec` for 
 
 **Faces.** A ring on each collar is an elastic foundation against the face of the bush.
 
-Lengths are in mm, forces in N. The functions keep to assignments, choices, loops and calls, and to
-names that differ in more than their case, because `cylcontact.export` translates them.
+Lengths are in mm, forces in N. `cylcontact.export` translates the functions, so they keep to the
+rules of `export.plain`.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from cylcontact.joint.contact import DEEPEST_SHARE, LEFT_HOLE, bounded_ratio
-from cylcontact.laws.kernels import inlined_load
+from cylcontact.joint import contact
+from cylcontact.joint.contact import BEYOND_LAW, DEEPEST_SHARE, LEFT_HOLE, YIELDS, bounded_ratio
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.numba_cache import called, inlined
-
-Record = Any
 
 
 def _numbers(names: str, size: int = 1) -> list[tuple[Any, ...]]:
@@ -57,7 +55,7 @@ def _numbers(names: str, size: int = 1) -> list[tuple[Any, ...]]:
     return [(name, *kind) for name in names.split()]
 
 
-# The numbers of a joint, and those of an evaluation: motion, section, sums, wrench.
+# The numbers of a joint, and those of an evaluation: motion, section and sums.
 SPATIAL = np.dtype(
     [
         *_numbers("point_b x_b y_b z_b point_p axis_p", 3),
@@ -75,10 +73,25 @@ WORK = np.dtype(
         *_numbers("low high tip_low tip_high deepest_at arm r n_x n_y g across drop"),
         *_numbers("G_x G_y P_x P_y delta slope rate deepest rim_load"),
         *_numbers("onset penetration penetration_rate", 4),
-        *_numbers("force_bearing moment_bearing force_pin moment_pin", 3),
-        *_numbers("normal_force dissipated_power elastic_energy touched flag"),
     ]
 )
+STATE = np.dtype(_numbers("impact_rate", 4))
+WRENCH = np.dtype(
+    [
+        *_numbers("force_bearing moment_bearing force_pin moment_pin", 3),
+        *_numbers("penetration penetration_rate", 4),
+        *_numbers("normal_force dissipated_power elastic_energy touched"),
+        ("flag", np.int64),
+    ]
+)
+Joint = Annotated[Any, SPATIAL]
+Work = Annotated[Any, WORK]
+State = Annotated[Any, STATE]
+Wrench = Annotated[Any, WRENCH]
+# Position, quaternion w, x, y, z, velocity and angular velocity.
+Body = Annotated[FloatArray, 13]
+Vector = Annotated[FloatArray, 3]
+Law = FloatArray
 
 # The bits of a flag; `contact` has 1, 2 and 32.
 RIM_MISSING, OUTSIDE, UNLIKE = 4, 8, 16
@@ -98,37 +111,37 @@ def _graded(nodes: int) -> tuple[FloatArray, FloatArray]:
 PART, PART_WEIGHT = np.concatenate([_graded(8), _graded(10)], axis=1)
 DEPTH, DEPTH_WEIGHT = _graded(20)
 _u, _weight = np.polynomial.legendre.leggauss(8)
-ARC, ARC_WEIGHT = np.concatenate([1 + _u, -1 - _u]) / 2, np.tile(_weight, 2) / 2
+FACE_PART, FACE_WEIGHT = np.concatenate([1 + _u, -1 - _u]) / 2, np.tile(_weight, 2) / 2
 # Along a crowned pin.
 SAMPLES = 17
 TINY = 1e-300
 
 
 @inlined
-def load_at(delta: float, joint: Record, law: FloatArray) -> float:
+def line_load(delta: float, joint: Joint, law: Law) -> float:
     """Return the load in N/mm, beyond the law's end along its tangent."""
     if delta > joint.last_penetration:
         return float(joint.last_load + joint.last_slope * (delta - joint.last_penetration))
-    return float(inlined_load(joint.kernel, law, delta))
+    return contact.load_at(delta, joint, law)
 
 
 @called
-def energy_at(delta: float, joint: Record, law: FloatArray) -> float:
+def energy_at(delta: float, joint: Joint, law: Law) -> float:
     """Return ∫ f dδ in N."""
     if delta <= 0.0:
         return 0.0
     inside = min(delta, joint.last_penetration)
     total = 0.0
     for k in range(20):
-        total += DEPTH_WEIGHT[k] * load_at(inside * DEPTH[k], joint, law)
+        total += DEPTH_WEIGHT[k] * line_load(inside * DEPTH[k], joint, law)
     total *= inside
     if delta > inside:
-        total += 0.5 * (delta - inside) * (joint.last_load + load_at(delta, joint, law))
+        total += 0.5 * (delta - inside) * (joint.last_load + line_load(delta, joint, law))
     return float(total)
 
 
 @inlined
-def rotate(body: FloatArray, vector: FloatArray, out: FloatArray) -> None:
+def rotate(body: Body, vector: Vector, out: Vector) -> None:
     """Write a vector in a body's axes in those of the world: v + 2·p × (p × v + p_w·v)/|p|²."""
     w = body[3]
     x = body[4]
@@ -144,9 +157,7 @@ def rotate(body: FloatArray, vector: FloatArray, out: FloatArray) -> None:
 
 
 @inlined
-def resolve(
-    vector: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray, out: FloatArray
-) -> None:
+def resolve(vector: Vector, x: Vector, y: Vector, z: Vector, out: Vector) -> None:
     """Write a vector of the world in a frame of these axes."""
     out[0] = x[0] * vector[0] + x[1] * vector[1] + x[2] * vector[2]
     out[1] = y[0] * vector[0] + y[1] * vector[1] + y[2] * vector[2]
@@ -154,7 +165,7 @@ def resolve(
 
 
 @inlined
-def cross(p: FloatArray, at: int, q: FloatArray, k: int) -> float:
+def cross(p: Annotated[FloatArray, 0], at: int, q: Vector, k: int) -> float:
     """Return the component k of a vector product; p begins `at` a place of its array."""
     i = (k + 1) % 3
     j = (k + 2) % 3
@@ -162,7 +173,7 @@ def cross(p: FloatArray, at: int, q: FloatArray, k: int) -> float:
 
 
 @called
-def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Record) -> None:
+def move(bearing: Body, pin: Body, w: Work, joint: Joint) -> None:
     """Write the motion of the pin in the hole's frame, and what the two share of the length."""
     rotate(bearing, joint.x_b, w.x)
     rotate(bearing, joint.y_b, w.y)
@@ -200,7 +211,7 @@ def move(bearing: FloatArray, pin: FloatArray, w: Record, joint: Record) -> None
 
 
 @inlined
-def section(z: float, w: Record, joint: Record) -> None:
+def section(z: float, w: Work, joint: Joint) -> None:
     """Write δ, its derivatives and its rate at z."""
     arm = z - w.c[2]
     x = arm * w.psi[0] - w.c[0]
@@ -238,7 +249,7 @@ def section(z: float, w: Record, joint: Record) -> None:
 
 
 @called
-def reach(w: Record, joint: Record) -> None:
+def reach(w: Work, joint: Joint) -> None:
     """Write the penetrations of rims A and B and of faces A and B, and their rates."""
     for side in range(4):
         w.penetration[side] = -joint.clearance
@@ -268,7 +279,7 @@ def reach(w: Record, joint: Record) -> None:
 
 
 @called
-def reach_faces(w: Record, joint: Record) -> None:
+def reach_faces(w: Work, joint: Joint) -> None:
     """Write the penetrations of the faces and their rates."""
     lean = math.sqrt(w.a[0] * w.a[0] + w.a[1] * w.a[1])
     lean_rate = 0.0
@@ -285,7 +296,7 @@ def reach_faces(w: Record, joint: Record) -> None:
 
 
 @called
-def seek(w: Record, joint: Record) -> None:
+def seek(w: Work, joint: Joint) -> None:
     """Write where along a crowned pin the penetration is largest, by samples and a parabola."""
     step = (w.high - w.low) / (SAMPLES - 1)
     best = 0
@@ -314,8 +325,9 @@ def slide(
     v_x: float,
     v_y: float,
     v_z: float,
-    w: Record,
-    joint: Record,
+    wrench: Wrench,
+    w: Work,
+    joint: Joint,
 ) -> None:
     """Add the friction at a point (x, y, z) from c that slides with a velocity."""
     speed = math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
@@ -331,11 +343,11 @@ def slide(
         w.moment[0] += y * f_z - z * f_y
         w.moment[1] += z * f_x - x * f_z
         w.moment[2] += x * f_y - y * f_x
-        w.dissipated_power += per_speed * speed * speed
+        wrench.dissipated_power += per_speed * speed * speed
 
 
 @inlined
-def press(elastic: float, sway: float, onset: float, w: Record, joint: Record) -> None:
+def press(elastic: float, sway: float, onset: float, wrench: Wrench, w: Work, joint: Joint) -> None:
     """Add an elastic load on the section, and `sway`, the derivative of a rim's energy by g."""
     load = elastic * max(1.0 + joint.chi * bounded_ratio(w.rate / onset), 0.0)
     turn = sway * w.across / w.r
@@ -346,8 +358,8 @@ def press(elastic: float, sway: float, onset: float, w: Record, joint: Record) -
     w.force[2] += e_x * w.psi[0] + e_y * w.psi[1] - load * w.drop
     w.K[0] += w.arm * e_x + load * w.P_x + sway * w.n_x
     w.K[1] += w.arm * e_y + load * w.P_y + sway * w.n_y
-    w.normal_force += load
-    w.dissipated_power += (load - elastic) * w.rate
+    wrench.normal_force += load
+    wrench.dissipated_power += (load - elastic) * w.rate
     if joint.friction > 0.0:
         # At the wall of the hole, less the part of the velocity along the section's normal.
         x = -joint.R_hole * w.n_x - w.c[0]
@@ -359,11 +371,11 @@ def press(elastic: float, sway: float, onset: float, w: Record, joint: Record) -
         v_x -= normal * w.n_x
         v_y -= normal * w.n_y
         v_z -= normal * w.g
-        slide(load, x, y, w.arm, v_x, v_y, v_z, w, joint)
+        slide(load, x, y, w.arm, v_x, v_y, v_z, wrench, w, joint)
 
 
 @inlined
-def onset_at(z: float, w: Record, joint: Record) -> float:
+def onset_at(z: float, w: Work, joint: Joint) -> float:
     """Return the mean impact rate of both rims, each as far as it touches."""
     x = 0.5 + 0.5 * z / joint.half
     upper = x * max(w.penetration[0], 0.0)
@@ -374,30 +386,30 @@ def onset_at(z: float, w: Record, joint: Record) -> float:
 
 @called
 def press_piece(
-    start: float, stop: float, energy: float, w: Record, joint: Record, law: FloatArray
+    start: float, stop: float, energy: float, wrench: Wrench, w: Work, joint: Joint, law: Law
 ) -> None:
     """Add the wall from `start`, where a section has that energy, to `stop`."""
     length = stop - start
     first = 8 if joint.crown > 0.0 else 0
     nodes = 10 if joint.crown > 0.0 else 8
-    if length == 0.0:
+    if abs(length) <= 0.0:
         nodes = 0
     for k in range(nodes):
         node = first + k
         z = start + length * PART[node]
         section(z, w, joint)
         if w.delta > 0.0:
-            line = load_at(w.delta, joint, law)
+            line = line_load(w.delta, joint, law)
             w.deepest = max(w.deepest, line)
             load = PART_WEIGHT[node] * abs(length) * line
-            w.elastic_energy += load * w.slope * length * (1.0 - PART[node])
-            press(load, 0.0, onset_at(z, w, joint), w, joint)
-    w.elastic_energy += abs(length) * energy
-    w.touched += abs(length)
+            wrench.elastic_energy += load * w.slope * length * (1.0 - PART[node])
+            press(load, 0.0, onset_at(z, w, joint), wrench, w, joint)
+    wrench.elastic_energy += abs(length) * energy
+    wrench.touched += abs(length)
 
 
 @called
-def press_straight(w: Record, joint: Record, law: FloatArray) -> None:
+def press_straight(wrench: Wrench, w: Work, joint: Joint, law: Law) -> None:
     """Add the wall of a pin without crown: the penetration grows with |e| alone."""
     square = w.psi[0] * w.psi[0] + w.psi[1] * w.psi[1]
     x = -w.c[0] - w.c[2] * w.psi[0]
@@ -409,8 +421,8 @@ def press_straight(w: Record, joint: Record, law: FloatArray) -> None:
     section(nearest, w, joint)
     if w.delta > 0.0:
         energy = energy_at(w.delta, joint, law)
-        press_piece(nearest, w.high, energy, w, joint, law)
-        press_piece(nearest, w.low, energy, w, joint, law)
+        press_piece(nearest, w.high, energy, wrench, w, joint, law)
+        press_piece(nearest, w.low, energy, wrench, w, joint, law)
     elif square > 0.0:
         across = x * w.psi[1] - y * w.psi[0]
         least = across * across / square
@@ -418,17 +430,17 @@ def press_straight(w: Record, joint: Record, law: FloatArray) -> None:
         root = math.sqrt(max(square * r * r - across * across, 0.0))
         # Both roots of a quadratic without cancellation.
         far = -(along + root) if along > 0.0 else root - along
-        inside = (x * x + y * y - r * r) / far if far != 0.0 else 0.0
+        inside = (x * x + y * y - r * r) / far if abs(far) > 0.0 else 0.0
         upper = max(far / square, inside)
         lower = min(far / square, inside)
         if w.penetration[0] > 0.0:
-            press_piece(max(upper, nearest), w.high, 0.0, w, joint, law)
+            press_piece(max(upper, nearest), w.high, 0.0, wrench, w, joint, law)
         if w.penetration[1] > 0.0:
-            press_piece(min(lower, nearest), w.low, 0.0, w, joint, law)
+            press_piece(min(lower, nearest), w.low, 0.0, wrench, w, joint, law)
 
 
 @called
-def free_distance(square: float, least: float, joint: Record) -> float:
+def free_distance(square: float, least: float, joint: Joint) -> float:
     """Return |e| without penetration, from tan² of the tilt and the least |e|²."""
     # From below Newton's method comes near monotonically, as δ is concave in |e|.
     most = joint.R_pin * square / (1.0 + math.sqrt(1.0 + square))
@@ -446,7 +458,7 @@ def free_distance(square: float, least: float, joint: Record) -> float:
 
 
 @called
-def first_touch(free: float, touching: float, w: Record, joint: Record) -> float:
+def first_touch(free: float, touching: float, w: Work, joint: Joint) -> float:
     """Return where the penetration changes its sign, by the Illinois method."""
     section(free, w, joint)
     below = w.delta
@@ -470,13 +482,13 @@ def first_touch(free: float, touching: float, w: Record, joint: Record) -> float
             if last == 2:
                 above *= 0.5
             last = 2
-        if abs(z - before) < 1e-14 * joint.half or w.delta == 0.0:
+        if abs(z - before) < 1e-14 * joint.half or abs(w.delta) <= 0.0:
             break
     return z
 
 
 @called
-def press_crowned(w: Record, joint: Record, law: FloatArray) -> None:
+def press_crowned(wrench: Wrench, w: Work, joint: Joint, law: Law) -> None:
     """Add the wall of a crowned pin: each part that touches in two halves, graded to its ends."""
     step = (w.high - w.low) / (SAMPLES - 1)
     place = int(min(max((w.deepest_at - w.low) / step, 0.0) + 0.5, SAMPLES - 1.0))
@@ -503,14 +515,14 @@ def press_crowned(w: Record, joint: Record, law: FloatArray) -> None:
             else:
                 stop = first_touch(z, before, w, joint)
             middle = 0.5 * (start + stop)
-            press_piece(start, middle, energy, w, joint, law)
-            press_piece(stop, middle, last, w, joint, law)
+            press_piece(start, middle, energy, wrench, w, joint, law)
+            press_piece(stop, middle, last, wrench, w, joint, law)
         inside = touches
         before = z
 
 
 @called
-def press_rims(w: Record, joint: Record, law: FloatArray) -> None:
+def press_rims(wrench: Wrench, w: Work, joint: Joint, law: Law) -> None:
     """Add the stiffness of both rims, and the force along the axis on an end inside the hole."""
     for side in range(2):
         sign = 1.0 if side == 0 else -1.0
@@ -527,9 +539,9 @@ def press_rims(w: Record, joint: Record, law: FloatArray) -> None:
                 load = stiff * full * (0.5 + 2.0 * full)
                 sway = sign * 2.0 * stiff * w.delta * slope * (share / square) * (share / square)
                 outward = load * w.slope + sway * w.across * w.across / w.r
-                w.elastic_energy += stiff * w.delta * full
+                wrench.elastic_energy += stiff * w.delta * full
                 w.rim_load += load
-                press(load, sway, w.onset[side], w, joint)
+                press(load, sway, w.onset[side], wrench, w, joint)
             if abs(z) < joint.half:
                 tip = w.tip_high if side == 0 else w.tip_low
                 force = -(sign * energy_at(w.delta, joint, law) + outward)
@@ -539,7 +551,7 @@ def press_rims(w: Record, joint: Record, law: FloatArray) -> None:
 
 
 @called
-def press_faces(w: Record, joint: Record) -> None:
+def press_faces(wrench: Wrench, w: Work, joint: Joint) -> None:
     """Add the rings on the collars: f = κ·δ per radian on the arc that touches."""
     lean = math.sqrt(w.a[0] * w.a[0] + w.a[1] * w.a[1])
     # (to_x, to_y) points down the slope of the ring's plane.
@@ -554,9 +566,9 @@ def press_faces(w: Record, joint: Record) -> None:
             if mean < swing:
                 half_arc = math.acos(-mean / swing)
             for node in range(16):
-                cosine = math.cos(half_arc * ARC[node])
+                cosine = math.cos(half_arc * FACE_PART[node])
                 delta = mean + swing * cosine
-                out = joint.face_radius * math.sin(half_arc * ARC[node])
+                out = joint.face_radius * math.sin(half_arc * FACE_PART[node])
                 along = -sign * joint.face_radius * cosine
                 x = sign * joint.face_gap * w.a[0] - along * to_x * w.a[2] + out * to_y
                 y = sign * joint.face_gap * w.a[1] - along * to_y * w.a[2] - out * to_x
@@ -564,100 +576,103 @@ def press_faces(w: Record, joint: Record) -> None:
                 v_x = w.V[0] + w.W[1] * z - w.W[2] * y
                 v_y = w.V[1] + w.W[2] * x - w.W[0] * z
                 rate = -sign * (w.V[2] + w.W[0] * y - w.W[1] * x)
-                elastic = joint.face_stiffness * half_arc * ARC_WEIGHT[node] * delta
+                elastic = joint.face_stiffness * half_arc * FACE_WEIGHT[node] * delta
                 ratio = bounded_ratio(rate / w.onset[2 + side])
                 load = elastic * max(1.0 + joint.face_chi * ratio, 0.0)
                 w.force[2] += sign * load
                 w.moment[0] += sign * y * load
                 w.moment[1] -= sign * x * load
-                w.dissipated_power += (load - elastic) * rate
-                w.elastic_energy += 0.5 * elastic * delta
+                wrench.dissipated_power += (load - elastic) * rate
+                wrench.elastic_energy += 0.5 * elastic * delta
                 if joint.friction > 0.0:
-                    slide(load, x, y, z, v_x, v_y, 0.0, w, joint)
+                    slide(load, x, y, z, v_x, v_y, 0.0, wrench, w, joint)
 
 
 @called
-def finish(w: Record, joint: Record) -> None:
+def finish(wrench: Wrench, w: Work, joint: Joint) -> None:
     """Write the wrench in the world's axes about the reference points, in the joint's units."""
     lever = w.K[0] * w.psi[0] + w.K[1] * w.psi[1]
     w.moment[0] += (w.a[1] * lever - w.a[2] * w.K[1]) / w.a[2]
     w.moment[1] += (w.a[2] * w.K[0] - w.a[0] * lever) / w.a[2]
     w.moment[2] += (w.a[0] * w.K[1] - w.a[1] * w.K[0]) / w.a[2]
     for k in range(3):
-        w.force_pin[k] = w.force[0] * w.x[k] + w.force[1] * w.y[k] + w.force[2] * w.z[k]
-        w.force_bearing[k] = -w.force_pin[k]
-        w.moment_pin[k] = w.moment[0] * w.x[k] + w.moment[1] * w.y[k] + w.moment[2] * w.z[k]
-        w.moment_bearing[k] = -w.moment_pin[k]
+        wrench.force_pin[k] = w.force[0] * w.x[k] + w.force[1] * w.y[k] + w.force[2] * w.z[k]
+        wrench.force_bearing[k] = -wrench.force_pin[k]
+        wrench.moment_pin[k] = w.moment[0] * w.x[k] + w.moment[1] * w.y[k] + w.moment[2] * w.z[k]
+        wrench.moment_bearing[k] = -wrench.moment_pin[k]
     for k in range(3):
-        w.moment_pin[k] = (w.moment_pin[k] + cross(w.arm_p, 0, w.force_pin, k)) / joint.in_mm
-        w.moment_bearing[k] = (
-            w.moment_bearing[k] - cross(w.lever, 0, w.force_pin, k)
+        wrench.moment_pin[k] = (
+            wrench.moment_pin[k] + cross(w.arm_p, 0, wrench.force_pin, k)
         ) / joint.in_mm
-    w.dissipated_power /= joint.in_mm
-    w.elastic_energy /= joint.in_mm
+        wrench.moment_bearing[k] = (
+            wrench.moment_bearing[k] - cross(w.lever, 0, wrench.force_pin, k)
+        ) / joint.in_mm
+    wrench.dissipated_power /= joint.in_mm
+    wrench.elastic_energy /= joint.in_mm
     if w.deepest > joint.yields or (w.rim_load > 0.0 and joint.yields < math.inf):
-        w.flag += 1.0
+        wrench.flag += YIELDS
     if max(w.penetration[0], w.penetration[1]) > joint.last_penetration:
-        w.flag += 2.0
-    little = w.touched < LEAST_SHARE * 2.0 * joint.half
-    if little and w.touched > 0.0 and joint.edge == 0.0:
-        w.flag += RIM_MISSING
+        wrench.flag += BEYOND_LAW
+    little = wrench.touched < LEAST_SHARE * 2.0 * joint.half
+    if little and wrench.touched > 0.0 and joint.edge <= 0.0:
+        wrench.flag += RIM_MISSING
     if w.psi[0] * w.psi[0] + w.psi[1] * w.psi[1] > MOST_TILT * MOST_TILT:
-        w.flag += OUTSIDE
+        wrench.flag += OUTSIDE
     if w.rim_load > 0.0 and joint.unlike > 0.0:
-        w.flag += UNLIKE
+        wrench.flag += UNLIKE
     if max(w.penetration[0], w.penetration[1]) > DEEPEST_SHARE * joint.R_hole:
-        w.flag += LEFT_HOLE
-    w.touched /= joint.in_mm
+        wrench.flag += LEFT_HOLE
+    wrench.touched /= joint.in_mm
 
 
 @called
-def reset(w: Record) -> None:
+def reset(wrench: Wrench, w: Work) -> None:
     """Set the sums to zero."""
     for k in range(3):
         w.force[k] = 0.0
         w.moment[k] = 0.0
-        w.force_pin[k] = 0.0
-        w.force_bearing[k] = 0.0
-        w.moment_pin[k] = 0.0
-        w.moment_bearing[k] = 0.0
+        wrench.force_pin[k] = 0.0
+        wrench.force_bearing[k] = 0.0
+        wrench.moment_pin[k] = 0.0
+        wrench.moment_bearing[k] = 0.0
     w.K[0] = 0.0
     w.K[1] = 0.0
     w.deepest = 0.0
     w.rim_load = 0.0
-    w.normal_force = 0.0
-    w.dissipated_power = 0.0
-    w.elastic_energy = 0.0
-    w.touched = 0.0
-    w.flag = 0.0
+    wrench.normal_force = 0.0
+    wrench.dissipated_power = 0.0
+    wrench.elastic_energy = 0.0
+    wrench.touched = 0.0
+    wrench.flag = 0
 
 
 @called
-def invalidate(w: Record) -> None:
+def invalidate(wrench: Wrench, w: Work) -> None:
     """Write NaN as the wrench of a motion that is not a number."""
     motion = 0.0
     for k in range(3):
         motion += w.c[k] + w.axis[k] + w.V[k] + w.W[k]
     if not abs(motion) < math.inf:
-        w.normal_force = math.nan
+        wrench.normal_force = math.nan
         for k in range(3):
-            w.force_pin[k] = math.nan
-            w.force_bearing[k] = math.nan
-            w.moment_pin[k] = math.nan
-            w.moment_bearing[k] = math.nan
+            wrench.force_pin[k] = math.nan
+            wrench.force_bearing[k] = math.nan
+            wrench.moment_pin[k] = math.nan
+            wrench.moment_bearing[k] = math.nan
 
 
 @called
 def evaluate(
-    state: FloatArray,
-    bearing: FloatArray,
-    pin: FloatArray,
-    w: Record,
-    joint: Record,
-    law: FloatArray,
+    state: State,
+    bearing: Body,
+    pin: Body,
+    wrench: Wrench,
+    w: Work,
+    joint: Joint,
+    law: Law,
 ) -> None:
-    """Write the wrench of bodies that move so, with these impact rates of rims and faces."""
-    reset(w)
+    """Write the wrench at a motion of both bodies and impact rates of rims and faces."""
+    reset(wrench, w)
     move(bearing, pin, w, joint)
     reach(w, joint)
     touching = False
@@ -665,38 +680,51 @@ def evaluate(
         w.onset[side] = 0.0
         if w.penetration[side] > 0.0:
             touching = True
-            w.onset[side] = state[side] * joint.in_mm
+            w.onset[side] = state.impact_rate[side] * joint.in_mm
             if w.onset[side] <= 0.0:
                 w.onset[side] = max(w.penetration_rate[side], joint.rate_floor)
     if w.a[2] < LEAST_COSINE:
-        w.flag = OUTSIDE
-        w.normal_force = math.nan
+        wrench.flag = OUTSIDE
+        wrench.normal_force = math.nan
         touching = False
     if touching:
         if w.penetration[0] > 0.0 or w.penetration[1] > 0.0:
             if joint.crown > 0.0:
-                press_crowned(w, joint, law)
+                press_crowned(wrench, w, joint, law)
             else:
-                press_straight(w, joint, law)
-            press_rims(w, joint, law)
+                press_straight(wrench, w, joint, law)
+            press_rims(wrench, w, joint, law)
         if joint.face_stiffness > 0.0:
-            press_faces(w, joint)
-        finish(w, joint)
-    invalidate(w)
+            press_faces(wrench, w, joint)
+        finish(wrench, w, joint)
+    invalidate(wrench, w)
     for side in range(4):
-        w.penetration[side] /= joint.in_mm
-        w.penetration_rate[side] /= joint.in_mm
+        wrench.penetration[side] = w.penetration[side] / joint.in_mm
+        wrench.penetration_rate[side] = w.penetration_rate[side] / joint.in_mm
 
 
 @called
-def accept(
-    state: FloatArray, bearing: FloatArray, pin: FloatArray, w: Record, joint: Record
-) -> None:
+def accept(state: State, bearing: Body, pin: Body, w: Work, joint: Joint) -> None:
     """Update the impact rates after an accepted step."""
     move(bearing, pin, w, joint)
     reach(w, joint)
     for side in range(4):
         if w.penetration[side] <= 0.0:
-            state[side] = 0.0
-        elif state[side] <= 0.0:
-            state[side] = max(w.penetration_rate[side], joint.rate_floor) / joint.in_mm
+            state.impact_rate[side] = 0.0
+        elif state.impact_rate[side] <= 0.0:
+            state.impact_rate[side] = max(w.penetration_rate[side], joint.rate_floor) / joint.in_mm
+
+
+@called
+def ahead(body: Body, time: float) -> None:
+    """Move a body for a time at its velocities."""
+    w, x, y, z = body[3], body[4], body[5], body[6]
+    square = body[10] * body[10] + body[11] * body[11] + body[12] * body[12]
+    # tan(x)/x of half the angle x turns the quaternion by all of it, but for its length.
+    half = 0.5 * time * (1.0 + time * time * square / 12.0)
+    for k in range(3):
+        body[k] += time * body[k + 7]
+    body[3] = w - half * (body[10] * x + body[11] * y + body[12] * z)
+    body[4] = x + half * (body[10] * w + body[11] * z - body[12] * y)
+    body[5] = y + half * (body[11] * w + body[12] * x - body[10] * z)
+    body[6] = z + half * (body[12] * w + body[10] * y - body[11] * x)

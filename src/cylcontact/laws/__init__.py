@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from cylcontact.bodies.pair import Contact
 from cylcontact.laws.conformal import Conformal, Housing, Persson, Sector
 from cylcontact.laws.enhanced import (
     PUBLISHED,
@@ -13,17 +14,7 @@ from cylcontact.laws.enhanced import (
 from cylcontact.laws.explicit import Explicit, ExplicitCoefficients
 from cylcontact.laws.law import ContactLaw, difference_percent
 from cylcontact.laws.liu import Liu
-from cylcontact.laws.logarithmic import (
-    DubowskyFreudenstein,
-    Esdu78035,
-    Goldsmith,
-    HertzCylinder,
-    Johnson,
-    LogarithmicLaw,
-    Radzimovsky,
-    RadzimovskyRadii,
-    RoarkYoung,
-)
+from cylcontact.laws.logarithmic import RELATIVES, Johnson, LogarithmicLaw
 from cylcontact.laws.power import (
     LankaraniNikravesh,
     PowerClearance,
@@ -32,20 +23,16 @@ from cylcontact.laws.power import (
 from cylcontact.support.errors import InputError
 
 __all__ = [
+    "FITTED",
     "LAWS",
-    "LAW_TYPES",
     "PUBLISHED",
     "REFERENCES",
     "Conformal",
     "ContactLaw",
-    "DubowskyFreudenstein",
     "Enhanced",
-    "Esdu78035",
     "Explicit",
     "ExplicitCoefficients",
     "ExternalCoefficients",
-    "Goldsmith",
-    "HertzCylinder",
     "Housing",
     "InternalCoefficients",
     "Johnson",
@@ -55,9 +42,6 @@ __all__ = [
     "Persson",
     "PowerClearance",
     "PowerLaw",
-    "Radzimovsky",
-    "RadzimovskyRadii",
-    "RoarkYoung",
     "Sector",
     "difference_percent",
     "reference_law",
@@ -68,15 +52,20 @@ __all__ = [
 GONE: Mapping[str, str] = {
     "parametric": "use conformal, which is exact and faster",
     "explicit-pair": "use conformal, which is exact and faster",
-    "winkler": "use conformal, or a law of your own: def load(penetration, pair): ...",
-    "palmgren": "write it as a law of your own: def load(penetration, pair): ...",
-    "iso-16281": "write it as a law of your own: def load(penetration, pair): ...",
+    "winkler": "use conformal, or a law of your own: def load(penetration, E_star, dR): ...",
+    "palmgren": "write it as a law of your own: def load(penetration, E_star, dR): ...",
+    "iso-16281": "write it as a law of your own: def load(penetration, E_star, dR): ...",
 }
 _GONE_FROM_PYTHON: Mapping[str, str] = {
     **dict.fromkeys(("Parametric", "ParametricCoefficients"), "use laws.Conformal"),
     **dict.fromkeys(("ExplicitPair", "ExplicitPairCoefficients"), "use laws.Conformal"),
     **dict.fromkeys(("Winkler", "Palmgren", "Iso16281"), "write it as a law of your own"),
     "explicit_penetration": "use laws.Explicit().penetration or laws.Conformal().penetration",
+    "LAW_TYPES": "use laws.LAWS, and laws.FITTED for those without default constants",
+    **{
+        "".join(part.capitalize() for part in name.split("-")): f'use laws.LAWS["{name}"]()'
+        for name in RELATIVES
+    },
     "Block": "give the depth in mm at which the plane is held, laws.Johnson(datum=depth)",
 }
 
@@ -97,33 +86,30 @@ def refuse_gone(name: str, source: str, key: str) -> None:
         raise InputError(source, key, name, "is gone", GONE[name])
 
 
-# Every law of the package; a new one is one more entry.
-LAW_TYPES: tuple[type[Any], ...] = (
-    Johnson,
-    RoarkYoung,
-    Radzimovsky,
-    RadzimovskyRadii,
-    Esdu78035,
-    DubowskyFreudenstein,
-    Goldsmith,
-    HertzCylinder,
-    Liu,
-    Persson,
-    Conformal,
-    Enhanced,
-    Explicit,
-    LankaraniNikravesh,
-    PowerLaw,
-    PowerClearance,
-)
+def _always(law: ContactLaw) -> Callable[[], ContactLaw]:
+    return lambda: law
 
-# The laws with default coefficients, by the names that specs and commands use.
+
+# The laws with default constants, by the names that specs and commands use; a new law is one more
+# entry.
 LAWS: dict[str, Callable[[], ContactLaw]] = {
-    law.name: law for law in LAW_TYPES if law not in (PowerLaw, PowerClearance)
+    Johnson().name: Johnson,
+    **{name: _always(law) for name, law in RELATIVES.items()},
+    **{law.name: law for law in (Liu, Persson, Conformal, Enhanced, Explicit, LankaraniNikravesh)},
 }
+# Those without, which a fit gives.
+FITTED: dict[str, type[ContactLaw]] = {"power": PowerLaw, "power-clearance": PowerClearance}
+
+
+def contacts_of(name: str) -> tuple[Contact, ...]:
+    """Return the contacts that a law of `LAWS` is for."""
+    law: Any = LAWS[name]()
+    contacts: tuple[Contact, ...] = law.contacts
+    return contacts
+
 
 # Those that need ΔR only, no radii or length, which a grid can sample.
-REFERENCES = tuple(name for name, law in LAWS.items() if not getattr(law, "needs", ()))
+REFERENCES = tuple(name for name, law in LAWS.items() if not getattr(law(), "needs", ()))
 
 
 def reference_law(name: str) -> ContactLaw:

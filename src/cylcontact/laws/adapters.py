@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.laws.law import Coefficients, ContactLaw, LawModel, OverLength, Parameter, depth_of
+from cylcontact.laws.law import ContactLaw, depth_of
 from cylcontact.support.arrays import FloatArray, as_floats, inside_or_nan, require
 
 # Newton's method takes about eight steps, more only near the end of a law's domain.
@@ -21,7 +21,7 @@ _SHORT_OF_THE_END = 1e-13
 
 
 @dataclass(frozen=True)
-class RigCompliance(OverLength):
+class RigCompliance:
     """δ = δ₀(f) + compliance·f + offset: the reading of a test rig, with δ₀ the law of the contact.
 
     Offset and compliance, in mm and mm per N/mm, are those of the rig and of another datum than the
@@ -130,7 +130,7 @@ class RigCompliance(OverLength):
 
 
 @dataclass(frozen=True)
-class ScaledLaw(OverLength):
+class ScaledLaw:
     """f = B·f₀(δ/D): a law with the load scaled by B and the penetration by D."""
 
     base: ContactLaw
@@ -171,21 +171,3 @@ class ScaledLaw(OverLength):
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest penetration in mm."""
         return as_floats(self.penetration_factor * self.base.max_penetration(pair))
-
-
-def scaled_model(base: ContactLaw) -> LawModel:
-    """Return the model of a law between f/(E*·ΔR) and δ/ΔR for internal contact.
-
-    It is fitted with modulus_factor·E* and clearance_factor·ΔR in place of E* and ΔR. The second is
-    fixed by default, because at small loads it is not identifiable beside the first.
-    """
-
-    def build(values: Coefficients) -> ContactLaw:
-        clearance = values["clearance_factor"]
-        return ScaledLaw(base, values["modulus_factor"] * clearance, clearance)
-
-    parameters = (
-        Parameter("modulus_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="factor of E*"),
-        Parameter("clearance_factor", 0.05, 20.0, nominal=1.0, value=1.0, meaning="factor of ΔR"),
-    )
-    return LawModel(base.name, "internal", parameters, build)

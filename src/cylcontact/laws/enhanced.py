@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-import numpy as np
-from numpy import log, maximum, nan, where
+from numpy import log, maximum, nan
 
 from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.laws.formula import Formula
-from cylcontact.laws.law import Constants, LawModel, constant
-from cylcontact.laws.power import IN_MM, PowerShaped, end, energy, load
-from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.laws.formula import Formula, choose
+from cylcontact.laws.law import Constants, constant
+from cylcontact.laws.power import IN_MM, Numbers, PowerShaped, power_formula
 from cylcontact.support.errors import InputError
 
 # Eq 6d defines Y for internal contact on [0.005, 10[ mm.
@@ -28,10 +26,10 @@ class InternalCoefficients(Constants):
     a: float = constant(0.1, 1.5, "slope of K* over ΔR", 0.965, unit="mm^(1-n)")
     b: float = constant(0.0, 0.5, "K* at ΔR = 0", 0.0965, unit="mm^(2-n)")
     Y_log_scale: float = constant(1.0, 3.0, "factor of the logarithmic branch of Y", 1.51)
-    Y_log_exponent: float = constant(-0.6, 0.0, "exponent of ln(1000·ΔR)", -0.151, shift=True)
-    Y_slope: float = constant(-0.1, 0.1, "slope of Y over ΔR", 0.0151, shift=True, unit="1/mm")
-    Y_offset: float = constant(0.8, 1.6, "Y of the linear branch at ΔR = 0", 1.151, shift=True)
-    n_exponent: float = constant(-0.1, 0.1, "exponent of ΔR in n", -0.005, shift=True)
+    Y_log_exponent: float = constant(-0.6, 0.0, "exponent of ln(1000·ΔR)", -0.151)
+    Y_slope: float = constant(-0.1, 0.1, "slope of Y over ΔR", 0.0151, unit="1/mm")
+    Y_offset: float = constant(0.8, 1.6, "Y of the linear branch at ΔR = 0", 1.151)
+    n_exponent: float = constant(-0.1, 0.1, "exponent of ΔR in n", -0.005)
     contact: ClassVar[Contact] = "internal"
     law = "Enhanced"
 
@@ -59,7 +57,7 @@ PUBLISHED_DR: Mapping[Contact, tuple[float, float]] = {
 }
 
 
-def internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent):
+def internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent) -> float:
     """Return n = Y·ΔR^n_exponent (Eq 6c), with Y at ΔR in mm (Eq 6d) the larger of its branches.
 
     The published branches cross at the published switch point, 0.34954 mm, and the larger one
@@ -71,18 +69,20 @@ def internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_expo
     return Y * dR**n_exponent
 
 
-def internal(pair, a, b, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent):
-    """Return K = (aΔR + b)·E*/ΔR and n of Eq 6 for internal contact."""
-    n = internal_exponent(pair.dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent)
-    K_star = a * pair.dR + b
-    in_range = (pair.dR >= INTERNAL_DR_MIN) & (pair.dR < INTERNAL_DR_MAX)
-    return where(in_range & (K_star > 0) & (n > 0), K_star * pair.E_star / pair.dR, nan), n
+def internal(
+    E_star, dR, a, b, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent
+) -> Numbers:
+    """Return K = (a·ΔR + b)·E*/ΔR and n of Eq 6 for internal contact."""
+    n = internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent)
+    K_star = a * dR + b
+    in_range = (dR >= INTERNAL_DR_MIN) & (dR < INTERNAL_DR_MAX)
+    return Numbers(choose(in_range & (K_star > 0) & (n > 0), K_star * E_star / dR, nan), n)
 
 
-def external(pair, a, b, n):
-    """Return K = (aΔR + b)·E*/ΔR and n of Eq 6 for external contact."""
-    K_star = a * pair.dR + b
-    return where((K_star > 0) & (n > 0), K_star * pair.E_star / pair.dR, nan), n
+def external(E_star, dR, a, b, n) -> Numbers:
+    """Return K = (a·ΔR + b)·E*/ΔR and n of Eq 6 for external contact."""
+    K_star = a * dR + b
+    return Numbers(choose((K_star > 0) & (n > 0), K_star * E_star / dR, nan), n)
 
 
 _EQUATION = "f = (a*dR + b)*E_star/dR*penetration^n"
@@ -91,8 +91,8 @@ _WITH_Y = (
     "Y = max(Y_log_scale*ln(1000*dR)^Y_log_exponent, Y_slope*dR + Y_offset)"
 )
 _FORMULAS: Mapping[Contact, Formula] = {
-    "internal": Formula(load, internal, end, energy, _WITH_Y, IN_MM),
-    "external": Formula(load, external, end, energy, _EQUATION, IN_MM),
+    "internal": power_formula(internal, _WITH_Y, IN_MM),
+    "external": power_formula(external, _EQUATION, IN_MM),
 }
 
 
@@ -124,13 +124,9 @@ class Enhanced(PowerShaped):
 
     coefficients: Coefficients | Mapping[str, float] | None = None
     name: ClassVar[str] = "enhanced"
-    units: ClassVar[Mapping[str, str]] = {"a": "mm^(1-n)", "b": "mm^(2-n)", "Y_slope": "1/mm"}
-
-    defaults = PUBLISHED
-    on_grid = True
-    _source = "Pereira, Ramalho and Ambrosio 2015"
-
-    formula = _FORMULAS["internal"]
+    formula: ClassVar[Formula] = _FORMULAS["internal"]
+    defaults: ClassVar[Mapping[Contact, Any]] = PUBLISHED
+    origin: ClassVar[str] = "published, Pereira, Ramalho and Ambrosio 2015"
 
     def formula_for(self, contact: Contact) -> Formula:
         """Return Eqs 5 and 6 for a contact."""
@@ -156,39 +152,3 @@ class Enhanced(PowerShaped):
             rule = f"they are for {own} contact and the pair is {pair.contact}"
             remedy = "use coefficients fitted for the pair's contact"
             raise InputError("Enhanced", "coefficients", None, rule, remedy)
-
-    @classmethod
-    def models(cls) -> tuple[LawModel, ...]:
-        """Return how the law is fitted, with the published coefficients as nominal values."""
-        inside = {"dR_min": INTERNAL_DR_MIN, "dR_max": INTERNAL_DR_MAX}
-        internal = cls.model(
-            "internal", power_form=_power_form, smooth_form=_smooth_internal_form, **inside
-        )
-        return internal, cls.model("external", power_form=_power_form)
-
-
-def _power_form(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return K* and n of candidates at clearances (Eqs 5 and 6)."""
-    a, b, *rest = candidates.T[:, :, None]
-    n = internal_exponent(dR, *rest) if len(rest) > 1 else rest[0] + np.zeros_like(dR)
-    return as_floats(a * dR + b), as_floats(n)
-
-
-def _smooth_internal_form(
-    candidates: FloatArray, dR: FloatArray, smooth: float
-) -> tuple[FloatArray, ...]:
-    """Return ln K*, n and their derivatives, with Y = ½(Y₁ + Y₂ + √((Y₁ − Y₂)² + ε²))."""
-    a, b, scale, exponent, slope, offset, n_exponent = candidates.T[:, :, None]
-    K_star, log_dR, log_log = a * dR + b, np.log(dR), np.log(np.log(1000 * dR))
-    power, reach = np.exp(exponent * log_log), np.exp(n_exponent * log_dR)
-    first, second = scale * power, slope * dR + offset
-    gap = np.sqrt((first - second) ** 2 + smooth**2 + np.finfo(float).tiny)
-    n = 0.5 * (first + second + gap) * reach
-    linear = (0.5 - 0.5 * (first - second) / gap) * reach
-    logarithmic = reach - linear
-    K_slopes, n_slopes = np.zeros((2, *candidates.shape, dR.size))
-    K_slopes[:, 0], K_slopes[:, 1] = dR / K_star, 1 / K_star
-    n_slopes[:, 2] = logarithmic * power
-    n_slopes[:, 3] = logarithmic * first * log_log
-    n_slopes[:, 4], n_slopes[:, 5], n_slopes[:, 6] = linear * dR, linear, n * log_dR
-    return np.log(K_star), n, K_slopes, n_slopes

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy import log, log1p, pi
@@ -29,14 +29,26 @@ from cylcontact.laws.law import Constants, Law, constant
 from cylcontact.support.arrays import require
 
 
-def load(penetration, pair, c, A, B):
+def load(penetration, E_star, dR, c, A, B):
     """Return f = π·E*·δ/L."""
-    d = penetration / pair.dR
+    d = penetration / dR
     ratio = A / d
     first = log(B / d)
     second = c + log1p(ratio * first)
     third = c + log1p(ratio * second)
-    return pi * pair.E_star * penetration / third
+    return pi * E_star * penetration / third
+
+
+def stiffness(penetration, E_star, dR, c, A, B):
+    """Return df/dδ = π·E*·(1 − d·L'/L)/L, with the fall −d·L' of each logarithm."""
+    d = penetration / dR
+    ratio = A / d
+    first = log(B / d)
+    second = c + log1p(ratio * first)
+    third = c + log1p(ratio * second)
+    second_fall = ratio * (first + 1) / (1 + ratio * first)
+    third_fall = ratio * (second + second_fall) / (1 + ratio * second)
+    return pi * E_star * (1 + third_fall / third) / third
 
 
 _EQUATION = (
@@ -56,7 +68,7 @@ class ExplicitCoefficients(Constants):
         If one is not positive and finite, or the law is not defined for every penetration.
     """
 
-    c: float = constant(0.5, 3.0, "constant in L", shift=True)
+    c: float = constant(0.5, 3.0, "constant in L")
     A: float = constant(0.05, 5.0, "factor of 1/d in the logarithms")
     B: float = constant(0.5, 20.0, "numerator of the innermost logarithm")
     law = "Explicit"
@@ -113,8 +125,6 @@ class Explicit(Law):
 
     coefficients: ExplicitCoefficients | Mapping[str, float] | None = None
     name: ClassVar[str] = "explicit"
-
-    formula = Formula(load, equation=_EQUATION, remark=_REMARK)
-    defaults = CALIBRATED
-    published = False
-    on_grid = True
+    formula: ClassVar[Formula] = Formula(load, stiffness, equation=_EQUATION, remark=_REMARK)
+    defaults: ClassVar[Mapping[Contact, Any]] = CALIBRATED
+    origin: ClassVar[str] = "calibrated by this package"

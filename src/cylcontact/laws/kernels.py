@@ -1,14 +1,14 @@
 """The contact laws as compiled scalar functions, for right-hand sides compiled by numba.
 
-A `Kernel` represents a law at one pair: the kind of formula and its parameters. Both are plain
-data, so one compiled integrator serves every law:
+A `Kernel` represents a law at one pair: which function states it, and the numbers of the pair. Both
+are plain data, so one compiled integrator serves every law:
 
     load = kernel_load(kernel.kind, kernel.parameters, penetration)
 
-A law of one formula (`cylcontact.laws.formula`) is compiled from the steps that are exported to
-other languages too, and is right to a few units in the last place. Conformal contact is its own
-curve (`cylcontact.laws.conformal.curve`). Every other law, such as a function of one's own, becomes
-a table: a cubic in ln f over ln δ, with nodes added until the load is right to `TABLE_ERROR`.
+A law of one formula (`cylcontact.laws.formula`) is compiled as it stands, and is right to a few
+units in the last place. Conformal contact is its own curve (`cylcontact.laws.conformal.curve`).
+Every other law, such as a function of one's own, becomes a table: a cubic in ln f over ln δ, with
+nodes added until the load is right to `TABLE_ERROR`.
 
 This module imports numba, which is slow: import it where it is needed.
 """
@@ -16,39 +16,36 @@ This module imports numba, which is slow: import it where it is needed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
+from numba.extending import overload
 
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.laws import LAW_TYPES, Conformal
+from cylcontact.laws import Conformal, explicit, formula, lambert, liu, logarithmic, power
 from cylcontact.laws.conformal.curve import FAR_STEP
-from cylcontact.laws.formula import Formula, lines_of, needed
-from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, ContactLaw, Law, has_formula
-from cylcontact.laws.tabulated import cubic, tabulate
+from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, ContactLaw, has_formula
+from cylcontact.laws.tabulated import (
+    interval_of,
+    load_of_table,
+    stiffness_of_table,
+    tabulate,
+)
 from cylcontact.support.arrays import FloatArray, require
 from cylcontact.support.numba_cache import called, compiled, inlined, merged
 
-TABLE, CURVE = -1, -2
-
-
-def _key(formula: Formula) -> tuple[Any, ...]:
-    """Return what formulas have in common that are compiled as one."""
-    return formula.function, formula.end, formula.energy, formula.numbers
-
-
-_KINDS = {_key(law.formula): law.formula for law in LAW_TYPES if issubclass(law, Law)}
-_KEYS = list(_KINDS)
+POWER, LOGARITHMIC, EXPLICIT, LIU, CURVE, TABLE = range(6)
+# The functions that are compiled as they stand.
+_KINDS = {power.load: POWER, logarithmic.load: LOGARITHMIC, explicit.load: EXPLICIT, liu.load: LIU}
 
 
 @dataclass(frozen=True, eq=False)
 class Kernel:
     """A law at one pair, ready for `kernel_load` and `kernel_stiffness`.
 
-    `kind` is the number of the formula, `CURVE` or `TABLE`; `parameters` are its numbers. Beyond
-    `max_penetration`, in mm, the load is NaN. A table ends at 1000·ΔR, unless the law ends before.
+    `kind` says which function states it, `parameters` are its numbers. Beyond `max_penetration`,
+    in mm, the load is NaN. A table ends at 1000·ΔR, unless the law ends before.
     """
 
     kind: int
@@ -79,42 +76,34 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     rule = f"the {law.name} law is undefined for this pair"
     remedy = "choose another law, or a pair within its range"
     require(limit > 0, "kernel", "pair.dR", pair.dR, rule, remedy)
-    formula = law.formula_at(pair) if has_formula(law) else None
-    key = None if formula is None else _key(formula)
     if isinstance(law, Conformal):
         return Kernel(CURVE, _numbers_of(law, pair), float(limit))
-    if not isinstance(law, Law) or key not in _KINDS:
-        table = tabulate(law, pair)
-        return Kernel(TABLE, table, float(table[0]))
-    numbers = [float(number) for number in law.numbers_at(pair).values()]
-    return Kernel(_KEYS.index(key), np.array(numbers), float(limit))
+    if has_formula(law) and (kind := _KINDS.get(law.formula_for(pair.contact).load)) is not None:
+        numbers = np.array([float(number) for number in law.numbers_at(pair)])
+        return Kernel(kind, numbers, float(limit))
+    table = tabulate(law, pair)
+    return Kernel(TABLE, table, float(table[0]))
 
 
-_cubic = called(cubic)
+@overload(formula.choose, strict=False)
+def _choose(test: Any, yes: Any, no: Any) -> Any:
+    return lambda test, yes, no: yes if test else no
 
 
-@called
-def _read_table(table: FloatArray, penetration: float) -> tuple[float, float]:
-    """Return the load in N/mm and dln f/dln δ from a table of `tabulate`."""
-    if not penetration <= table[0]:
-        return math.nan, math.nan
-    nodes = table.size // 3
-    x, y, slopes = table[1 : 1 + nodes], table[1 + nodes : 1 + 2 * nodes], table[1 + 2 * nodes :]
-    at = math.log(penetration)
-    if at <= x[0]:
-        return math.exp(y[0] + slopes[0] * (at - x[0])), slopes[0]
-    below, above = 0, nodes - 1
-    while above - below > 1:
-        middle = (below + above) // 2
-        if x[middle] <= at:
-            below = middle
-        else:
-            above = middle
-    width = x[above] - x[below]
-    rise = (y[above] - y[below]) / width
-    y_at, slope = _cubic((at - x[below]) / width, width, rise, slopes[below], slopes[above])
-    return math.exp(y[below] + y_at), slope
+@overload(lambert.branch_distance, strict=False)
+def _branch_distance(p: Any) -> Any:
+    return _of_number
 
+
+_of_number = called(lambert.branch_distance_of_number)
+_power, _power_slope, _power_energy = map(merged, (power.load, power.stiffness, power.energy))
+_log, _log_slope, _log_energy = map(
+    called, (logarithmic.load, logarithmic.stiffness, logarithmic.energy)
+)
+_explicit, _explicit_slope = merged(explicit.load), merged(explicit.stiffness)
+_liu, _liu_slope = merged(liu.load), merged(liu.stiffness)
+called(interval_of)
+_of_table, _slope_of_table = called(load_of_table), called(stiffness_of_table)
 
 # The numbers of a curve before its cubics: 4 of L for each interval, then as many of U/(φ·d).
 _HEAD = 10
@@ -144,114 +133,117 @@ def _place(numbers: FloatArray, penetration: float) -> tuple[int, float]:
 def _cubic_of(numbers: FloatArray, first: int, part: float) -> float:
     """Return a cubic."""
     bend = numbers[first + 2] + part * numbers[first + 3]
-    value: float = numbers[first] + part * (numbers[first + 1] + part * bend)
-    return value
+    return numbers[first] + part * (numbers[first + 1] + part * bend)
 
 
 @called
-def _other_load(kind: int, numbers: FloatArray, penetration: float) -> float:
-    """Return the load in N/mm from a curve or a table."""
-    if kind == TABLE:
-        return _read_table(numbers, penetration)[0]
+def _table(numbers: FloatArray, penetration: float) -> float:
+    """Return the load in N/mm from a table of `tabulate`."""
+    n = numbers.size // 3
+    if not penetration <= numbers[0]:
+        return math.nan
+    x, y, slopes = numbers[1 : 1 + n], numbers[1 + n : 1 + 2 * n], numbers[1 + 2 * n :]
+    return _of_table(penetration, x, y, slopes, n)
+
+
+@called
+def _curve(numbers: FloatArray, penetration: float) -> float:
+    """Return the load in N/mm from a curve."""
     if not penetration <= numbers[2]:
         return math.nan
     first, part = _place(numbers, penetration)
-    load: float = numbers[1] * penetration / _cubic_of(numbers, first, part)
-    return load
+    return numbers[1] * penetration / _cubic_of(numbers, first, part)
+
+
+@inlined
+def inlined_load(kind: int, parameters: FloatArray, penetration: float) -> float:  # noqa: PLR0911
+    """Return the load in N/mm at `penetration` in mm, to compiled functions."""
+    n = parameters
+    if penetration <= 0:
+        return 0.0
+    if kind == POWER:
+        return _power(penetration, n[0], n[1])
+    if kind == LOGARITHMIC:
+        return _log(penetration, n[0], n[1])
+    if kind == EXPLICIT:
+        return _explicit(penetration, n[0], n[1], n[2], n[3], n[4])
+    if kind == LIU:
+        return _liu(penetration, n[0], n[1])
+    if kind == CURVE:
+        return _curve(n, penetration)
+    return _table(n, penetration)
+
+
+kernel_load = compiled(inlined_load, forceinline=True)
+
+
+@compiled
+def kernel_stiffness(  # noqa: PLR0911
+    kind: int, parameters: FloatArray, penetration: float
+) -> float:
+    """Return d(load)/d(penetration) in N/mm² at `penetration` in mm."""
+    n = parameters
+    if penetration <= 0:
+        return 0.0
+    if kind == POWER:
+        return _power_slope(penetration, n[0], n[1])
+    if kind == LOGARITHMIC:
+        return _log_slope(penetration, n[0], n[1])
+    if kind == EXPLICIT:
+        return _explicit_slope(penetration, n[0], n[1], n[2], n[3], n[4])
+    if kind == LIU:
+        return _liu_slope(penetration, n[0], n[1])
+    if kind == CURVE:
+        return _curve_slope(n, penetration)
+    return _table_slope(n, penetration)
 
 
 @called
-def _other_stiffness(kind: int, numbers: FloatArray, penetration: float) -> float:
-    """Return the stiffness in N/mm² from a curve or a table."""
-    if kind == TABLE:
-        load, exponent = _read_table(numbers, penetration)
-        return load * exponent / penetration
+def _table_slope(numbers: FloatArray, penetration: float) -> float:
+    """Return the stiffness in N/mm² from a table."""
+    n = numbers.size // 3
+    if not penetration <= numbers[0]:
+        return math.nan
+    x, y, slopes = numbers[1 : 1 + n], numbers[1 + n : 1 + 2 * n], numbers[1 + 2 * n :]
+    return _slope_of_table(penetration, x, y, slopes, n)
+
+
+@called
+def _curve_slope(numbers: FloatArray, penetration: float) -> float:
+    """Return the stiffness in N/mm² from a curve."""
     if not penetration <= numbers[2]:
         return math.nan
     first, part = _place(numbers, penetration)
     L, bend = _cubic_of(numbers, first, part), 3 * part * numbers[first + 3]
     slope = numbers[first + 1] + part * (2 * numbers[first + 2] + bend)
     slope *= numbers[6] if first < _HEAD + 4 * numbers[8] else numbers[7]
-    stiffness: float = numbers[1] / L * (1 + slope / L * numbers[3] / (numbers[3] + penetration))
-    return stiffness
-
-
-def _of_all_kinds(result: str, other: Any) -> Callable[[int, FloatArray, float], float]:
-    """Return one function for the load, the stiffness or the energy of kernels of every kind.
-
-    `other` is for curves, tables, and kinds that have no closed form of the result. Steps that a
-    result does not need are left out, because a compiler keeps calls of `pow`.
-    """
-    lines = ["def function(kind, numbers, penetration):"]
-    for kind, formula in enumerate(_KINDS.values()):
-        steps = needed(formula.scalar_steps, result)
-        if result == "energy" and formula.energy is None:
-            continue
-        used = {*formula.numbers_of(result), *(("last",) if formula.end else ())}
-        lines += [f"  if kind == {kind}:"]
-        lines += [
-            f"    {name} = numbers[{k}]" for k, name in enumerate(formula.numbers) if name in used
-        ]
-        lines += ["    if not penetration <= last:", "      return nan"] if formula.end else []
-        lines += [f"    {line}" for line in [*lines_of(steps), f"return {result}"]]
-    names = {**vars(math), "other": other}
-    exec("\n".join([*lines, "  return other(kind, numbers, penetration)"]), names)
-    return cast(Callable[[int, FloatArray, float], float], merged(names["function"]))
-
-
-_load = _of_all_kinds("f", _other_load)
-_stiffness = _of_all_kinds("k", _other_stiffness)
-
-
-@inlined
-def inlined_load(kind: int, parameters: FloatArray, penetration: float) -> float:
-    """Return the load in N/mm at `penetration` in mm, to compiled functions."""
-    if penetration <= 0:
-        return 0.0
-    return _load(kind, parameters, penetration)
-
-
-kernel_load = compiled(inlined_load, forceinline=True)
-
-
-@inlined
-def _quadrature(kind: int, numbers: FloatArray, penetration: float) -> float:
-    """Return the integral of the load up to a penetration, in N."""
-    total = 0.0
-    for node in range(ENERGY_NODES.size):
-        load = inlined_load(kind, numbers, penetration * ENERGY_NODES[node])
-        total += ENERGY_WEIGHTS[node] * load
-    return total * penetration
-
-
-@inlined
-def _other_energy(kind: int, numbers: FloatArray, penetration: float) -> float:
-    """Return the integral of the load up to a penetration, in N, from a curve or by quadrature."""
-    if kind != CURVE:
-        return _quadrature(kind, numbers, penetration)
-    if not penetration <= numbers[2]:
-        return math.nan
-    first, part = _place(numbers, penetration)
-    L = _cubic_of(numbers, first, part)
-    work = _cubic_of(numbers, first + 4 * int(numbers[9]), part)
-    energy: float = numbers[1] * penetration * penetration * work / L
-    return energy
-
-
-_energy = _of_all_kinds("energy", _other_energy)
-
-
-@compiled
-def kernel_stiffness(kind: int, parameters: FloatArray, penetration: float) -> float:
-    """Return d(load)/d(penetration) in N/mm² at `penetration` in mm."""
-    if penetration <= 0:
-        return 0.0
-    return _stiffness(kind, parameters, penetration)
+    return numbers[1] / L * (1 + slope / L * numbers[3] / (numbers[3] + penetration))
 
 
 @compiled
 def kernel_energy(kind: int, parameters: FloatArray, penetration: float) -> float:
     """Return ∫ f dδ from 0 to `penetration` in mm: the stored energy per unit length, in N."""
+    n = parameters
     if penetration <= 0:
         return 0.0
-    return _energy(kind, parameters, penetration)
+    if kind == POWER:
+        return _power_energy(penetration, n[0], n[1])
+    if kind == LOGARITHMIC:
+        return _log_energy(penetration, n[0], n[1])
+    if kind == CURVE:
+        return _curve_energy(n, penetration)
+    total = 0.0
+    for node in range(ENERGY_NODES.size):
+        total += ENERGY_WEIGHTS[node] * inlined_load(kind, n, penetration * ENERGY_NODES[node])
+    return total * penetration
+
+
+@called
+def _curve_energy(numbers: FloatArray, penetration: float) -> float:
+    """Return the stored energy from a curve."""
+    if not penetration <= numbers[2]:
+        return math.nan
+    first, part = _place(numbers, penetration)
+    L = _cubic_of(numbers, first, part)
+    work = _cubic_of(numbers, first + 4 * int(numbers[9]), part)
+    return numbers[1] * penetration * penetration * work / L

@@ -11,9 +11,9 @@ few units in the last place of 1 + w, so the relative error of w grows next to t
 1e-10 at 1 − p = 1e-12.
 
 One step of fourth order from a start in closed form leaves an error below half a unit in the last
-place of 1 + w. There is no iteration and no convergence test. `branch_distance_steps` has it in
-readable form, as other languages and compiled code compute it; arrays take the same start in single
-precision and Fritsch's step, in as few passes as possible.
+place of 1 + w. There is no iteration and no convergence test. `branch_distance_of_number` has
+it in readable form, as other languages and compiled code compute it; arrays take the same start in
+single precision and Fritsch's step, in as few passes as possible.
 """
 
 from __future__ import annotations
@@ -27,23 +27,18 @@ from cylcontact.support.arrays import FloatArray
 A, B, C, D = 1.41441, 1.0246, 0.25518, 0.25524
 
 
-def branch_distance_steps(p):
-    """Return w for numbers, by the inverse series (Householder) of w − ln(1 + w) + ln p."""
-    # At the branch point the regular formula would divide by zero; there it computes p = 0.5.
-    inner = np.where((p <= 0) | (p >= 1), 0.5, p)
-    g = -np.log(inner)
-    r = np.sqrt(g)
-    u = 1 + r * (A + r * (B + C * r)) / (1 + D * r)
-    start = u - 1
-    t = (start - np.log(u) - g) / (start * start)
-    w = start - t * start * u * (1 + t * (0.5 + t * (0.5 + start / 3)))
-    return np.where(p >= 1, 0, w)
-
-
-def branch_distance_steps_from_0(p):
-    """Return w for numbers, and infinity for p = 0."""
-    w = branch_distance_steps(p)
-    return np.where(p > 0, w, np.inf)
+def branch_distance_of_number(p):
+    """Return `branch_distance` of a number, by the inverse series (Householder) of its equation."""
+    if p > 0 and p < 1:
+        g = -np.log(p)
+        r = np.sqrt(g)
+        u = 1 + r * (A + r * (B + C * r)) / (1 + D * r)
+        start = u - 1
+        t = (start - np.log(u) - g) / (start * start)
+        return start - t * start * u * (1 + t * (0.5 + t * (0.5 + start / 3)))
+    if p == 0:
+        return np.inf
+    return 0.0 if p == 1 else np.nan
 
 
 def branch_distance(p: FloatArray) -> FloatArray:

@@ -1,11 +1,10 @@
-"""What a contact law is, what of it is fitted, and how one formula gives all of it."""
+"""What a contact law is, and how one formula gives all of it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, asdict, dataclass, field, fields
-from functools import partial
+from dataclasses import MISSING, field
 from numbers import Real
 from typing import Any, ClassVar, NamedTuple, Protocol, TypeGuard
 
@@ -54,14 +53,6 @@ class ContactLaw(Protocol):
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest penetration in mm; inf where there is none."""
-
-
-class OverLength:
-    """The total force of a law that gives the load per unit length."""
-
-    def force(self: ContactLaw, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the force in N at `penetration` in mm: the load times the length of the pair."""
-        return as_floats(self.load(penetration, pair) * pair.contact_length("the force"))
 
 
 # Gauss nodes and weights on [0, 1] for the energy of a load: in s, with the node at s², in which a
@@ -123,88 +114,12 @@ def difference_percent(
         return as_floats(100 * (delta - delta_reference) / delta_reference)
 
 
-# --- what is fitted -----------------------------------------------------------------------------
+# --- the law of a formula -----------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter of a law: searched between two bounds, fixed at a value, or tied to others.
-
-    `nominal` is a value to start from, that of the law's source if the model says so; `tie` the
-    expression that sets it, e.g. "a/10" (`fitting.ties`). The zero of a `shift` is arbitrary, so
-    that a relative error has no meaning. A `stiffness` sets how stiff the contact is, and is free
-    by default in a fit to measurements.
-    """
-
-    name: str
-    low: float = math.nan
-    high: float = math.nan
-    nominal: float | None = None
-    value: float | None = None
-    tie: str | None = None
-    shift: bool = False
-    stiffness: bool = False
-    unit: str = ""
-    meaning: str = ""
-
-    @property
-    def fixed(self) -> bool:
-        """Whether it is fixed."""
-        return self.value is not None
-
-    @property
-    def is_free(self) -> bool:
-        """Whether it is searched."""
-        return not self.fixed and self.tie is None
-
-
-@dataclass(frozen=True)
-class LawModel:
-    """A law with named parameters, as it is fitted."""
-
-    law: str  # its name in campaigns
-    contact: Contact
-    parameters: tuple[Parameter, ...]  # each with default bounds, or fixed
-    build: Callable[[Coefficients], ContactLaw]  # raises InputError for values that define none
-    # For power laws at each clearance: from candidates, shape (P, k), and clearances ΔR in mm,
-    # shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
-    # from moments and has a lower bound.
-    power_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
-    # From candidates, clearances and ε to K*, n and their derivatives by the parameters, shape
-    # (P, k, m), with every maximum in the law smoothed over ε. At ε = 0 it is `power_form`.
-    smooth_form: Callable[[FloatArray, FloatArray, float], tuple[FloatArray, ...]] | None = None
-    # Whether it can be fitted on a grid, where a sample has ΔR and f/E* only, and whether its
-    # nominal values are those of the law's source, not of this project.
-    on_grid: bool = False
-    nominal_is_published: bool = True
-    # The range of ΔR in mm, both ends included: calibration may use the open end of [0.005, 10[,
-    # which the law itself excludes.
-    dR_min: float = 0.0
-    dR_max: float = math.inf
-    digest: str = ""  # the hash of the file of a user's own law
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of the parameters, in the order of the columns of candidates."""
-        return tuple(parameter.name for parameter in self.parameters)
-
-    @property
-    def published(self) -> dict[str, float] | None:
-        """The published values of the parameters, if all have one."""
-        nominal = {p.name: p.nominal for p in self.parameters if p.nominal is not None}
-        is_published = self.nominal_is_published and len(nominal) == len(self.parameters)
-        return nominal if is_published else None
-
-    def candidates(self, *coefficients: Coefficients) -> FloatArray:
-        """Return P sets of coefficients by name as candidates, shape (P, k)."""
-        return np.array([[values[name] for name in self.names] for values in coefficients])
-
-
-def constant(
-    low: float, high: float, meaning: str, default: Any = MISSING, **others: Any
-) -> Any:  # the type of a field
-    """Return the field of a constant, with what `Parameter` says of it."""
-    about = {"low": low, "high": high, "meaning": meaning, **others}
+def constant(low: float, high: float, meaning: str, default: Any = MISSING, unit: str = "") -> Any:
+    """Return the field of a constant: the bounds between which a fit seeks it, unit and meaning."""
+    about = {"low": low, "high": high, "meaning": meaning, "unit": unit}
     return field(default=default, metadata=about)
 
 
@@ -220,18 +135,6 @@ class Constants:
             remedy = "give the value that a fit or the paper gives"
             require(finite, self.law, name, value, rule, remedy)
 
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """The constants as they are fitted, their values as nominal ones."""
-        own: Any = self
-        return tuple(
-            Parameter(each.name, nominal=getattr(self, each.name), **each.metadata)
-            for each in fields(own)
-        )
-
-
-# --- the law of a formula -----------------------------------------------------------------------
-
 
 class AtPair(NamedTuple):
     """A law at a pair: functions of a positive penetration, its end, and whether it is one pair."""
@@ -242,7 +145,7 @@ class AtPair(NamedTuple):
     is_single: bool
 
 
-class Law(OverLength):
+class Law:
     """A law that one formula states; see `cylcontact.laws.formula`.
 
     A subclass is a frozen dataclass whose fields are its constants, or one field `coefficients`.
@@ -251,15 +154,9 @@ class Law(OverLength):
     name: ClassVar[str]
     formula: ClassVar[Formula]
     contacts: ClassVar[tuple[Contact, ...]] = CONTACTS  # that it is for
-    needs: ClassVar[tuple[str, ...]] = ()  # of a pair besides ΔR: R_i, R_j, length
     any_plane: ClassVar[bool] = True  # whether it also holds in plane stress, with the E* of that
-    parameters: ClassVar[tuple[Parameter, ...]] = ()  # its constants, if it has no coefficients
     defaults: ClassVar[Mapping[Contact, Any]] = {}  # coefficients, `Constants`, by contact
-    # As `LawModel` has them.
-    published: ClassVar[bool] = True
-    on_grid: ClassVar[bool] = False
-    # Where published coefficients are from, in ASCII, for exported files.
-    _source: ClassVar[str] = ""
+    origin: ClassVar[str] = "published"  # of its default coefficients, in ASCII
 
     def __post_init__(self) -> None:
         given: Any = getattr(self, "coefficients", None)
@@ -284,20 +181,19 @@ class Law(OverLength):
         """Return the formula for a contact."""
         return self.formula
 
-    def formula_at(self, pair: CylinderPair) -> Formula | None:
-        """Return the formula at a pair; None where the law is a table."""
-        return self.formula_for(pair.contact)
-
     def constants_for(self, contact: Contact) -> dict[str, float]:
         """Return the constants of the formula for a contact, by name."""
-        if self.defaults:
-            return asdict(self.coefficients_for(contact))
-        own: Any = self  # every subclass is a dataclass
-        return {each.name: float(getattr(self, each.name)) for each in fields(own)}
+        given = self.coefficients_for(contact) if self.defaults else self
+        return {name: float(getattr(given, name)) for name in self.formula_for(contact).constants}
 
     def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
         """Return the constants of the formula at a pair."""
         return self.constants_for(pair.contact)
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What the law needs of a pair besides E* and ΔR."""
+        return tuple(name for name in self.formula.of_pair if name not in ("E_star", "dR"))
 
     def require_pair(self, pair: CylinderPair) -> None:
         """Raise `InputError` for a pair that the law is not for."""
@@ -306,34 +202,32 @@ class Law(OverLength):
         if not self.any_plane:
             pair.require_plane_strain(type(self).__name__)
 
-    def numbers_at(self, pair: CylinderPair) -> dict[str, FloatArray]:
-        """Return the numbers of the formula at a pair, by name."""
+    def numbers_at(self, pair: CylinderPair) -> tuple[Any, ...]:
+        """Return the numbers of the formula at a pair."""
         self.require_pair(pair)
-        formula = self.formula_for(pair.contact)
-        law = f"the {self.name} law"
-        if {"R_i", "R_j"} & {*formula.arguments}:
+        formula, law = self.formula_for(pair.contact), f"the {self.name} law"
+        if {"R_i", "R_j"} & {*formula.of_pair}:
             pair.radii(law)
-        if "length" in formula.arguments:
+        if "length" in formula.of_pair:
             pair.contact_length(law)
-        asked = {name: as_floats(getattr(pair, name)) for name in formula.arguments}
+        asked = {name: as_floats(getattr(pair, name)) for name in formula.of_pair}
         rule = "is a plane, and the law needs a finite ΔR"
         remedy = "use laws.Johnson(datum=depth in mm) for a cylinder on a plane"
         finite = np.isfinite(asked.get("dR", 0.0))
         require(finite, type(self).__name__, "pair.R_j", pair.R_j, rule, remedy)
         with np.errstate(all="ignore"):
-            values = formula.of_pair(**asked, **self.constants_at(pair))
-        return dict(zip(formula.numbers, values, strict=True))
+            return formula.numbers_of(**asked, **self.constants_at(pair))
 
     def at_pair(self, pair: CylinderPair) -> AtPair:
         """Return the load and the stiffness at a pair, as functions of the penetration."""
-        numbers, formula = self.numbers_at(pair), self.formula_at(pair)
-        assert formula is not None
+        numbers, formula = self.numbers_at(pair), self.formula_for(pair.contact)
         shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
+        load = formula.in_arrays or formula.load
         return AtPair(
-            partial(formula.load, **numbers),
-            partial(formula.stiffness, **numbers),
-            as_floats(np.broadcast_to(numbers.get("last", np.inf), shape)),
-            is_single=not (shape or any(np.ndim(value) for value in numbers.values())),
+            lambda penetration: load(penetration, *numbers),
+            lambda penetration: formula.slope(penetration, *numbers),
+            as_floats(np.broadcast_to(formula.last(*numbers), shape)),
+            is_single=not (shape or any(np.ndim(number) for number in numbers)),
         )
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
@@ -366,32 +260,6 @@ class Law(OverLength):
         unit = as_floats(pair.E_star * dR)
         f = numbers_for(pair, load=load)
         return _in_blocks(lambda f: _inverse(at, f, unit, dR), f, at)
-
-    @classmethod
-    def fitted(cls, values: Coefficients) -> ContactLaw:
-        """Return the law with these values of its parameters."""
-        given: Any = cls
-        law: ContactLaw = given(coefficients=values) if cls.defaults else given(**values)
-        return law
-
-    @classmethod
-    def models(cls) -> tuple[LawModel, ...]:
-        """Return how the law is fitted, for each of its contacts, if it has constants."""
-        has_constants = cls.parameters or cls.defaults
-        return tuple(cls.model(contact) for contact in cls.contacts if has_constants)
-
-    @classmethod
-    def model(cls, contact: Contact, **forms: Any) -> LawModel:
-        """Return how the law is fitted for a contact, with its default coefficients as nominal."""
-        return LawModel(
-            cls.name,
-            contact,
-            cls.defaults[contact].parameters if cls.defaults else cls.parameters,
-            cls.fitted,
-            on_grid=cls.on_grid,
-            nominal_is_published=cls.published,
-            **forms,
-        )
 
 
 def _in_blocks(

@@ -7,15 +7,20 @@ from typing import ClassVar
 
 from numpy import pi, sqrt
 
-from cylcontact.laws.adapters import scaled_model
+from cylcontact.bodies.pair import Contact
 from cylcontact.laws.formula import Formula
-from cylcontact.laws.law import Law, LawModel
+from cylcontact.laws.law import Law
 
 
-def of_pins_size(penetration, pair):
+def load(penetration, E_star, dR):
     """Return f = ½π·E*·δ·√(δ/(2(ΔR + δ)))."""
-    share = penetration / (2 * (pair.dR + penetration))
-    return pi / 2 * pair.E_star * penetration * sqrt(share)
+    return pi / 2 * E_star * penetration * sqrt(penetration / (2 * (dR + penetration)))
+
+
+def stiffness(penetration, E_star, dR):
+    """Return df/dδ, f/δ·(1 + ΔR/(2(ΔR + δ)))."""
+    total = dR + penetration
+    return pi / 2 * E_star * sqrt(penetration / (2 * total)) * (1 + dR / (2 * total))
 
 
 @dataclass(frozen=True)
@@ -40,13 +45,9 @@ class Liu(Law):
     """
 
     name: ClassVar[str] = "liu"
-    formula = Formula(
-        of_pins_size, equation="f = pi/2*E_star*d*sqrt(d/(2*(dR + d))) with the penetration d"
-    )
-    contacts = ("internal",)
-    any_plane = False
-
-    @classmethod
-    def models(cls) -> tuple[LawModel, ...]:
-        """Return how the law is fitted: by factors of modulus and clearance."""
-        return (scaled_model(cls()),)
+    formula: ClassVar[Formula] = Formula(
+        load, stiffness,
+        equation="f = pi/2*E_star*d*sqrt(d/(2*(dR + d))) with the penetration d",
+    )  # fmt: skip
+    contacts: ClassVar[tuple[Contact, ...]] = ("internal",)
+    any_plane: ClassVar[bool] = False

@@ -9,94 +9,131 @@ beyond it the penetration would decrease with the load. In q = f/f_max and p = �
 δ_max = A·f_max, all of them are the single curve p = q(1 − ln q), with the inverse q = p/(1 + w)
 and w from Lambert's function.
 
-The literature disagrees on several of them, so each class states which reading it takes. All but
-Johnson's are derived for bodies of equal elastic constants; for other pairs they use the E* of the
-pair.
+The literature disagrees on several of them; `RELATIVES` says of each which reading it takes. All
+but Johnson's are derived for bodies of equal elastic constants; for other pairs they use the E* of
+the pair.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy import exp, inf, log, pi
 from numpy.typing import ArrayLike
 
-from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.laws.adapters import ScaledLaw
+from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.lambert import branch_distance, branch_share
-from cylcontact.laws.law import ContactLaw, Law, LawModel, Parameter, numbers_for
+from cylcontact.laws.law import Law, constant, numbers_for
 from cylcontact.support.arrays import FloatArray, as_floats, inside_or_nan, require
 
 _EQUATION = (
-    "penetration = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c) solved for f, with Lambda in the "
-    "steps: f_max = Lambda*E_star*exp(c - 1)"
+    "penetration = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c) solved for f; the largest load is "
+    "f_max = Lambda*E_star*exp(c - 1)"
 )
 _REMARK = (
     "For bodies of equal elastic constants{}. f = f_max*p/(1 + w) with p the penetration in "
     "units of the largest and w = -1 - W(-p/e), W the lower branch of Lambert's function: "
     "a start in closed form and one step of fourth order, no iteration."
 )
+_OF_OTHERS = (
+    "; for others c has (w_i - w_j)*ln(R_i/R_j) more, w_k = E_star*(1 - nu_k^2)/E_k, which an "
+    "exported joint has"
+)
 
 
-def load(penetration, pair, f_max, deepest):
-    """Return f and df/dδ, f = f_max·p/(1 + w)."""
+class Ends(NamedTuple):
+    """The largest load in N/mm and penetration in mm."""
+
+    f_max: float
+    deepest: float
+
+
+def load(penetration, f_max, deepest):
+    """Return f = f_max·p/(1 + w)."""
     p = penetration / deepest
-    w = branch_distance(p)
-    return f_max * (p / (1 + w)), f_max / (deepest * w)
+    return f_max * (p / (1 + branch_distance(p)))
 
 
-def load_in_arrays(penetration, f_max, deepest, **_):
-    """Return f alone."""
+def load_in_arrays(penetration, f_max, deepest):
+    """Return the same with a division less."""
     f = branch_share(penetration / deepest)
     f *= f_max
     return f
 
 
-def end(pair, f_max, deepest):
+def stiffness(penetration, f_max, deepest):
+    """Return df/dδ = f_max/(δ_max·w)."""
+    return f_max / (deepest * branch_distance(penetration / deepest))
+
+
+def energy(penetration, f_max, deepest):
+    """Return ∫ f dδ."""
+    f = load(penetration, f_max, deepest)
+    return f * (penetration / 2 - deepest / 4 * (f / f_max))
+
+
+def deepest_at(deepest):
     """Return the penetration at f_max."""
     return deepest
 
 
-def energy(penetration, pair, f_max, deepest):
-    """Return ∫ f dδ."""
-    f, k = load(penetration, pair, f_max, deepest)
-    return f * (penetration / 2 - deepest / 4 * (f / f_max))
+def ends(reach, E_star, kappa, c) -> Ends:
+    """Return the largest load and penetration of a law with this Λ."""
+    f_max = reach * E_star * exp(c - 1)
+    return Ends(f_max, kappa / (pi * E_star) * f_max)
 
 
-@dataclass(frozen=True)
+def of_clearance(E_star, dR, kappa, c) -> Ends:
+    """Return both ends for Λ = 4π·ΔR."""
+    return ends(4 * pi * dR, E_star, kappa, c)
+
+
+def of_quarter_clearance(E_star, dR, kappa, c) -> Ends:
+    """Return both ends for Λ = π·ΔR."""
+    return ends(pi * dR, E_star, kappa, c)
+
+
+def of_radii(E_star, dR, R_i, R_j, kappa, c) -> Ends:
+    """Return both ends for Λ = π·R with R = R_i·R_j/ΔR."""
+    return ends(pi * (R_i * R_j / dR), E_star, kappa, c)
+
+
+def of_length(E_star, dR, R_i, R_j, length, kappa, c) -> Ends:
+    """Return both ends for Λ = π·L²/R with R = R_i·R_j/ΔR."""
+    return ends(pi * (length * length) / (R_i * R_j / dR), E_star, kappa, c)
+
+
+def _formula(numbers: Any, of_others: str = "") -> Formula:
+    remark = _REMARK.format(of_others)
+    return Formula(load, stiffness, numbers, energy, deepest_at, _EQUATION, remark, load_in_arrays)
+
+
+@dataclass(frozen=True, kw_only=True)
 class LogarithmicLaw(Law):
-    """The common form δ = κ/(π·E*)·f·[ln(Λ·E*/f) + c]; a law supplies κ, c and Λ.
+    """A law δ = κ/(π·E*)·f·[ln(Λ·E*/f) + c], as `laws.LAWS` has seven besides Johnson's.
 
-    κ, c = `shift`, and the reach Λ in mm of a pair, 4π·ΔR unless the law has another.
+    Attributes
+    ----------
+    name : str
+        Its name in specs and commands.
+    kappa, c : float
+        κ and c.
+    formula : Formula
+        The load, with Λ.
+    about : str
+        Its source on one line.
     """
 
-    kappa: ClassVar[float] = 1.0
-    shift: ClassVar[float]
-    _of_others: ClassVar[str] = ""
-    any_plane = False
-
-    @staticmethod
-    def reach(pair: Any) -> Any:
-        """Return Λ."""
-        return 4 * pi * pair.dR
-
-    def __init_subclass__(cls) -> None:
-        reach = cls.reach
-
-        def ends(pair, kappa, c):
-            f_max = reach(pair) * pair.E_star * exp(c - 1)
-            return f_max, kappa / (pi * pair.E_star) * f_max
-
-        remark = _REMARK.format(cls._of_others)
-        cls.formula = Formula(load, ends, end, energy, _EQUATION, remark, load_in_arrays)
-
-    def constants_for(self, contact: Contact) -> dict[str, float]:
-        """Return κ and c."""
-        return {"kappa": float(self.kappa), "c": float(self.shift)}
+    name: str = field(kw_only=False)  # type: ignore[misc]
+    kappa: float = constant(0.2, 5.0, "factor of δ", 1.0)
+    c: float = constant(-5.0, 5.0, "term beside the logarithm", -1.0)
+    formula: Formula = field(default=_formula(of_clearance), repr=False)  # type: ignore[misc]
+    about: str = field(default="", repr=False)
+    any_plane: ClassVar[bool] = False
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm; NaN outside [0, max_load]."""
@@ -106,18 +143,6 @@ class LogarithmicLaw(Law):
         inside = np.asarray((q >= 0) & (q <= 1))
         p = q * (1 - log(np.where(inside & (q > 0), q, 1.0)))
         return inside_or_nan(self.max_penetration(pair) * p, inside)
-
-    @classmethod
-    def models(cls) -> tuple[LawModel, ...]:
-        """Return how the law is fitted: by κ, c and a factor of Λ, redundant with c, held at 1."""
-        kappa = Parameter("kappa", 0.2, 5.0, cls.kappa, stiffness=True, meaning="factor of δ")
-        c = Parameter("c", -5.0, 5.0, cls.shift, shift=True, meaning="term beside the logarithm")
-        factor = Parameter("Lambda_factor", 1e-3, 1e3, 1.0, value=1.0, meaning="factor of Λ")
-
-        def build(values: Mapping[str, float]) -> ContactLaw:
-            return adjusted_logarithmic(cls(), **values)
-
-        return tuple(LawModel(cls.name, each, (kappa, c, factor), build) for each in cls.contacts)
 
 
 @dataclass(frozen=True)
@@ -159,14 +184,13 @@ class Johnson(LogarithmicLaw):
     1.55935 µm, 100.0000000000 N/mm
     """
 
-    datum: float | None = None
-    name = "johnson"
-    shift = -1.0
-    _of_others = (
-        "; for others c has (w_i - w_j)*ln(R_i/R_j) more, w_k = E_star*(1 - nu_k^2)/E_k, which an "
-        "exported joint has"
+    name: str = field(default="johnson", init=False)  # type: ignore[misc]
+    formula: Formula = field(  # type: ignore[misc]
+        default=_formula(of_clearance, _OF_OTHERS), init=False, repr=False
     )
-    any_plane = True
+    about: str = field(default="", init=False, repr=False)
+    datum: float | None = None
+    any_plane: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if self.datum is not None:
@@ -175,9 +199,11 @@ class Johnson(LogarithmicLaw):
             require(positive, "Johnson", "datum", depth, "must be positive and finite", remedy)
 
     def __repr__(self) -> str:
-        return "Johnson()" if self.datum is None else f"Johnson(datum={self.datum!r})"
+        values = {each.name: getattr(self, each.name) for each in fields(self) if each.init}
+        given = (f"{k}={v!r}" for k, v in values.items() if v != getattr(type(self), k))
+        return f"Johnson({', '.join(given)})"
 
-    def numbers_at(self, pair: CylinderPair) -> dict[str, FloatArray]:
+    def numbers_at(self, pair: CylinderPair) -> tuple[Any, ...]:
         """Return the largest load and penetration, which are others on a plane."""
         on_plane = np.all(np.isinf(pair.dR))
         if not on_plane and self.datum is None:
@@ -187,14 +213,12 @@ class Johnson(LogarithmicLaw):
         if not on_plane:
             rule, remedy = "is for a cylinder on a plane, R_j = inf", "leave it out for this pair"
         require(on_plane and self.datum is not None, "Johnson", "datum", self.datum, rule, remedy)
-        (w_i, w_j), (_, kappa) = pair.shares, pair.kolosov
-        below = as_floats(-(3 - kappa) / (1 + kappa))
+        (w_i, w_j), (_, kappa_j) = pair.shares, pair.kolosov
+        below = as_floats(-(3 - kappa_j) / (1 + kappa_j))
         # Each body's logarithm as 2·ln(length/a), with a² = 4f·R/(π·E*).
         ln_4R, ln_2H = log(4 * as_floats(pair.R_i)), log(2 * float(self.datum or 0))
         c = 2 * w_i * ln_4R + 2 * w_j * ln_2H - w_i + w_j * below - ln_4R
-        f_max = as_floats(pi * pair.E_star * exp(c - 1))
-        deepest = as_floats(f_max / (pi * pair.E_star))
-        return {"f_max": f_max, "deepest": deepest, "last": deepest}
+        return tuple(ends(as_floats(pi), pair.E_star, self.kappa, c + self.c + 1))
 
     def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
         """Return κ and c, with ln(Λ/(4π·ΔR)) in c, which is 0 for equal materials."""
@@ -203,110 +227,34 @@ class Johnson(LogarithmicLaw):
             return super().constants_at(pair)
         R_i, R_j = pair.radii("Johnson's law for different materials")
         shares = pair.E_star / modulus_i - pair.E_star / modulus_j
-        return {"kappa": self.kappa, "c": self.shift + shares * log(R_i / R_j)}
+        return {"kappa": self.kappa, "c": self.c + shares * log(R_i / R_j)}
 
 
-class RoarkYoung(LogarithmicLaw):
-    """Radzimovsky's formula with b the full contact width, as in Roark and Young's tables.
-
-    δ = f/(π·E*)·[2/3 + ln(4R_i/b) + ln(4R_j/b)] with b = 4·√(f·R/(π·E*)). (The tables' factor
-    1.60 belongs with diameters: 1.60·√2 = 2.26 = 4/√π with radii.)
-    """
-
-    name = "roark-young"
-    shift = 2 / 3 - 2 * float(log(2))
-
-
-class Radzimovsky(LogarithmicLaw):
-    """Radzimovsky's formula (1953) with b Hertz's half-width.
-
-    δ = f/(π·E*)·[2/3 + ln(4R_i/b) + ln(4R_j/b)] with b = 2·√(f·R/(π·E*)).
-    """
-
-    name = "radzimovsky"
-    shift = 2 / 3
-
-
-class RadzimovskyRadii(LogarithmicLaw):
-    """Radzimovsky's formula with b = 1.60·√(f·R/E*), as multibody papers print it.
-
-    The 1.60 of the tables is for diameters. With radii, b is neither the half-width nor the full
-    width of Hertz. The law is included because comparisons in the literature use it.
-    """
-
-    name = "radzimovsky-radii"
-    shift = 2 / 3 + float(log(16 / 1.6**2 / (4 * pi)))
-
-
-class Esdu78035(LogarithmicLaw):
-    """ESDU item 78035, δ = f/(π·E*)·[ln(4π·ΔR·E*/f) + 1].
-
-    The compliance of each body is taken as (1 − ν²)/(π·E), without a further factor π. The
-    original was not available, so the convention is unverified.
-    """
-
-    name = "esdu-78035"
-    shift = 1.0
-
-
-class DubowskyFreudenstein(LogarithmicLaw):
-    """Dubowsky and Freudenstein (1971), δ = f/(π·E*)·[ln(π·E*·L²·ΔR/(f·R_i·R_j)) + 1].
-
-    This is their L^m with m = 3 (total force F = f·L). It needs the radii and the axial length.
-    """
-
-    name = "dubowsky-freudenstein"
-    shift = 1.0
-    needs = ("R_i", "R_j", "length")
-
-    @staticmethod
-    def reach(pair: Any) -> Any:
-        """Return Λ."""
-        return pi * (pair.length * pair.length) / pair.R
-
-
-class Goldsmith(LogarithmicLaw):
-    """Goldsmith (1960) as printed in multibody papers, δ = f/(π·E*)·[ln(π·E*·R/f) + 1].
-
-    The L^m of Dubowsky and Freudenstein with m = 1 is dimensionally inconsistent unless the length
-    drops out. What remains is π times the effective radius R = R_i·R_j/ΔR as reach. With m = 3 the
-    law is that of Dubowsky and Freudenstein. It needs the radii.
-    """
-
-    name = "goldsmith"
-    shift = 1.0
-    needs = ("R_i", "R_j")
-
-    @staticmethod
-    def reach(pair: Any) -> Any:
-        """Return Λ."""
-        return pi * pair.R
-
-
-class HertzCylinder(LogarithmicLaw):
-    """The law called Hertz's for cylinders in multibody papers, δ = 2f/(π·E*)·[ln(π·ΔR·E*/f) − 1].
-
-    Hertz's theory of line contact gives no approach. This is a separate logarithmic law, about
-    twice as compliant as Johnson's.
-    """
-
-    name = "hertz-cylinder"
-    kappa = 2.0
-    shift = -1.0
-
-    @staticmethod
-    def reach(pair: Any) -> Any:
-        """Return Λ."""
-        return pi * pair.dR
-
-
-def adjusted_logarithmic(
-    base: LogarithmicLaw, kappa: float, c: float, Lambda_factor: float = 1.0
-) -> ScaledLaw:
-    """Return δ = κ/(π·E*)·f·[ln(F·Λ·E*/f) + c] with the Λ of a logarithmic law.
-
-    With B = F·exp(c − c₀) it is (κ·B/κ₀)·δ₀(f/B), a scaled form of the law δ₀ with κ₀, c₀ and Λ.
-    F and c act only through ln F + c.
-    """
-    load_factor = Lambda_factor * float(exp(c - base.shift))
-    return ScaledLaw(base, load_factor, kappa * load_factor / base.kappa)
+# The others by name, each with the reading of its source that it takes; κ = 1 unless it says so.
+RELATIVES: dict[str, LogarithmicLaw] = {
+    name: LogarithmicLaw(name, kappa=kappa, c=c, formula=_formula(numbers), about=about)
+    for name, kappa, c, numbers, about in (
+        # δ = f/(π·E*)·[2/3 + ln(4R_i/b) + ln(4R_j/b)] with b = 4·√(f·R/(π·E*)). (The tables'
+        # factor 1.60 belongs with diameters: 1.60·√2 = 2.26 = 4/√π with radii.)
+        ("roark-young", 1.0, 2 / 3 - 2 * float(log(2)), of_clearance,
+         "Radzimovsky's formula with b the full contact width, as in Roark and Young's tables."),
+        ("radzimovsky", 1.0, 2 / 3, of_clearance,
+         "Radzimovsky's formula (1953) with b Hertz's half-width, 2·√(f·R/(π·E*))."),
+        # With radii this b is neither width of Hertz's. Comparisons in the literature use it.
+        ("radzimovsky-radii", 1.0, 2 / 3 + float(log(16 / 1.6**2 / (4 * pi))), of_clearance,
+         "Radzimovsky's formula with b = 1.60·√(f·R/E*), as multibody papers print it."),
+        # With the compliance of each body as (1 − ν²)/(π·E), without a further factor π; the
+        # original was not available, so that is unverified.
+        ("esdu-78035", 1.0, 1.0, of_clearance,
+         "ESDU item 78035, δ = f/(π·E*)·[ln(4π·ΔR·E*/f) + 1]."),
+        # Their L^m with m = 3 and the total force F = f·L.
+        ("dubowsky-freudenstein", 1.0, 1.0, of_length,
+         "Dubowsky and Freudenstein (1971), δ = f/(π·E*)·[ln(π·E*·L²·ΔR/(f·R_i·R_j)) + 1]."),
+        # Their L^m with m = 1 is of wrong dimension unless the length drops out; π·R remains.
+        ("goldsmith", 1.0, 1.0, of_radii,
+         "Goldsmith (1960) as multibody papers print it, δ = f/(π·E*)·[ln(π·E*·R/f) + 1]."),
+        # Hertz's theory of line contact gives no approach. Twice as compliant as Johnson's law.
+        ("hertz-cylinder", 2.0, -1.0, of_quarter_clearance,
+         "Called Hertz's for cylinders in multibody papers, δ = 2f/(π·E*)·[ln(π·ΔR·E*/f) − 1]."),
+    )
+}  # fmt: skip

@@ -2,37 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy import exp, inf, isfinite, log, nan, sqrt, where
+from numpy import exp, inf, isfinite, log, nan, sqrt
 from numpy.typing import ArrayLike
 
-from cylcontact.bodies.pair import CONTACTS, Contact, CylinderPair
-from cylcontact.laws.adapters import ScaledLaw
-from cylcontact.laws.formula import Formula
-from cylcontact.laws.law import ContactLaw, Law, LawModel, Parameter, numbers_for
+from cylcontact.bodies.pair import CylinderPair
+from cylcontact.laws.formula import Formula, choose
+from cylcontact.laws.law import Law, constant, numbers_for
 from cylcontact.support.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.support.errors import InputError
 
 IN_MM = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
 
 
-def load(penetration, pair, factor, n):
+class Numbers(NamedTuple):
+    """K in N/mm per mmⁿ, and n."""
+
+    factor: float
+    n: float
+
+
+def load(penetration, factor, n):
     """Return f = K·δⁿ."""
     return factor * penetration**n
 
 
-def end(pair, factor, n):
-    """Return inf where K is defined."""
-    return np.where(factor > 0, inf, np.nan)
+def stiffness(penetration, factor, n):
+    """Return df/dδ = n·f/δ."""
+    return factor * (n * penetration ** (n - 1))
 
 
-def energy(penetration, pair, factor, n):
+def energy(penetration, factor, n):
     """Return ∫ f dδ = f·δ/(n + 1)."""
     return factor * penetration**n * penetration / (n + 1)
+
+
+def deepest_at(factor):
+    """Return inf where K is defined."""
+    return choose(factor > 0, inf, nan)
+
+
+def power_formula(numbers: Any, equation: str, remark: str) -> Formula:
+    """Return a power law whose K and n are a function of the pair and of constants."""
+    return Formula(load, stiffness, numbers, energy, deepest_at, equation, remark)
 
 
 class PowerShaped(Law):
@@ -40,9 +55,9 @@ class PowerShaped(Law):
 
     def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return K in N/mm per mmⁿ and n, both NaN where the law is undefined."""
-        numbers = self.numbers_at(pair)
         shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
-        factor, n = np.broadcast_to(numbers["factor"], shape), numbers["n"]
+        factor, n = self.numbers_at(pair)
+        factor = np.broadcast_to(factor, shape)
         return as_floats(factor), as_floats(np.where(np.isnan(factor), np.nan, n))
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
@@ -66,29 +81,32 @@ def _require_exponent(law: Any, remedy: str) -> None:
     require(law.n > 0 and isfinite(law.n), type(law).__name__, "n", law.n, rule, remedy)
 
 
-def one_pair(pair, K, n):
-    """Return K and n."""
-    return K, n
+def of_one_pair(K, n) -> Numbers:
+    """Return K and n as they are."""
+    return Numbers(K, n)
 
 
-def scaled(pair, K_star, n):
+def scaled(E_star, dR, K_star, n) -> Numbers:
     """Return K = K*·E*/ΔR and n."""
-    return K_star * (pair.E_star / pair.dR), n
+    return Numbers(K_star * (E_star / dR), n)
 
 
-def dimensionless(pair, C, n):
+def dimensionless(E_star, dR, C, n) -> Numbers:
     """Return K = C·E*·ΔR^(1 − n) and n."""
-    return C * pair.E_star * pair.dR ** (1 - n), n
+    return Numbers(C * E_star * dR ** (1 - n), n)
 
 
-_ONE_PAIR = f"{IN_MM} For the one pair that it was fitted to."
-_NO_UNITS = "Dimensionless in penetration/dR and f/(E_star*dR)."
 # By the name of the factor.
 _FORMULAS = {
-    "C": Formula(load, dimensionless, end, energy, "f = C*E_star*dR*(penetration/dR)^n", _NO_UNITS),
-    "K_star": Formula(load, scaled, end, energy, "f = K_star*E_star/dR*penetration^n", IN_MM),
-    "K": Formula(load, one_pair, end, energy, "f = K*penetration^n", _ONE_PAIR),
-}
+    "C": power_formula(
+        dimensionless, "f = C*E_star*dR*(penetration/dR)^n",
+        "Dimensionless in penetration/dR and f/(E_star*dR).",
+    ),
+    "K_star": power_formula(scaled, "f = K_star*E_star/dR*penetration^n", IN_MM),
+    "K": power_formula(
+        of_one_pair, "f = K*penetration^n", f"{IN_MM} For the one pair that it was fitted to."
+    ),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -122,11 +140,10 @@ class PowerLaw(PowerShaped):
     0.4715
     """
 
-    n: float
-    K: float | None = None
-    K_star: float | None = None
-    C: float | None = None
-    units: ClassVar[Mapping[str, str]] = {"K": "N/mm/mm^n", "K_star": "mm^(2-n)"}
+    n: float = constant(0.8, 2.0, "exponent of the penetration")
+    K: float | None = constant(1.0, 1e9, "factor, of this pair only", None, unit="N/mm/mm^n")
+    K_star: float | None = constant(1e-3, 1e3, "factor of E*/ΔR", None, unit="mm^(2-n)")
+    C: float | None = constant(1e-3, 1e3, "factor of E*·ΔR", None)
 
     def __post_init__(self) -> None:
         factors = (self.K, self.K_star, self.C)
@@ -142,70 +159,25 @@ class PowerLaw(PowerShaped):
         """The law's name, that of its fits."""
         return "power" if self.C is None else "power-dimensionless"
 
-    formula = _FORMULAS["K"]
-
     @property
-    def _given(self) -> str:
-        """The name of the factor."""
-        return next(name for name in _FORMULAS if getattr(self, name) is not None)
-
-    def formula_for(self, contact: Contact) -> Formula:
-        """Return the formula with the factor that is given."""
-        return _FORMULAS[self._given]
-
-    def constants_for(self, contact: Contact) -> dict[str, float]:
-        """Return the factor and n."""
-        return {self._given: float(getattr(self, self._given)), "n": float(self.n)}
-
-    @classmethod
-    def models(cls) -> tuple[LawModel, ...]:
-        """Return the three ways to fit a power law, for each contact."""
-        n = Parameter("n", 0.8, 2.0, meaning="exponent of the penetration")
-        K = Parameter("K", 1.0, 1e9, unit="N/mm/mm^n", meaning="factor, of this pair only")
-        K_star = Parameter("K_star", 1e-3, 1e3, unit="mm^(2-n)", meaning="factor of E*/ΔR")
-        C = Parameter("C", 1e-3, 1e3, meaning="factor of E*·ΔR")
-        free: Any = {"power_form": _with_dR, "on_grid": True}
-        return tuple(
-            model
-            for contact in CONTACTS
-            for model in (
-                LawModel("power-one-pair", contact, (K, n), cls.fitted),
-                LawModel("power", contact, (K_star, n), cls.fitted, _constant, on_grid=True),
-                LawModel("power-dimensionless", contact, (C, n), cls.fitted, **free),
-            )
-        )
-
-
-def _constant(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the same K* and n at every ΔR (Eqs 3-4)."""
-    K_star, n = candidates.T[:, :, None] + np.zeros_like(dR)
-    return K_star, n
-
-
-def _with_dR(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return K* = C·ΔR^(2 − n), and n."""
-    C, n = candidates.T[:, :, None] + np.zeros_like(dR)
-    return as_floats(C * dR ** (2 - n)), n
+    def formula(self) -> Formula:  # type: ignore[override]
+        """The formula with the factor that is given."""
+        return next(_FORMULAS[name] for name in _FORMULAS if getattr(self, name) is not None)
 
 
 # --- factor and exponent by the clearance --------------------------------------------------------
 
 
-def of_clearance(dR, A, p, n0, n1, q, n2):
+def of_clearance(dR, A, p, n0, n1, q, n2) -> Numbers:
     """Return K* and n, polynomials of ln ΔR in ln K* and n."""
     x = log(dR)
-    return A * exp((p + q * x) * x), n0 + (n1 + n2 * x) * x
+    return Numbers(A * exp((p + q * x) * x), n0 + (n1 + n2 * x) * x)
 
 
-def by_clearance(pair, A, p, n0, n1, q, n2):
+def by_clearance(E_star, dR, A, p, n0, n1, q, n2) -> Numbers:
     """Return K = K*·E*/ΔR and n."""
-    K_star, n = of_clearance(pair.dR, A, p, n0, n1, q, n2)
-    return where(n > 0, K_star * pair.E_star / pair.dR, nan), n
-
-
-_BY_CLEARANCE = (
-    "f = A*dR^(p + q*ln(dR))*E_star/dR*penetration^n with n = n0 + n1*ln(dR) + n2*ln(dR)^2"
-)
+    at = of_clearance(dR, A, p, n0, n1, q, n2)
+    return Numbers(choose(at.n > 0, at.factor * E_star / dR, nan), at.n)
 
 
 @dataclass(frozen=True)
@@ -245,24 +217,18 @@ class PowerClearance(PowerShaped):
     1.1475, 2.054 µm
     """
 
-    A: float
-    p: float
-    n0: float
-    n1: float
-    q: float = 0.0
-    n2: float = 0.0
+    A: float = constant(1e-2, 1e2, "K* at ΔR = 1 mm", unit="mm^(2-n)")
+    p: float = constant(0.0, 2.0, "slope of ln K* over ln ΔR")
+    n0: float = constant(0.8, 2.0, "n at ΔR = 1 mm")
+    n1: float = constant(-0.2, 0.2, "slope of n over ln ΔR")
+    q: float = constant(-1.0, 1.0, "coefficient of ln² ΔR in ln K*", 0.0)
+    n2: float = constant(-0.1, 0.1, "coefficient of ln² ΔR in n", 0.0)
     name: ClassVar[str] = "power-clearance"
-    units: ClassVar[Mapping[str, str]] = {"A": "mm^(2-n)"}
-    parameters = (
-        Parameter("A", 1e-2, 1e2, unit="mm^(2-n)", meaning="K* at ΔR = 1 mm"),
-        Parameter("p", 0.0, 2.0, shift=True, meaning="slope of ln K* over ln ΔR"),
-        Parameter("n0", 0.8, 2.0, meaning="n at ΔR = 1 mm"),
-        Parameter("n1", -0.2, 0.2, shift=True, meaning="slope of n over ln ΔR"),
-        Parameter("q", -1.0, 1.0, value=0.0, shift=True, meaning="coefficient of ln² ΔR in ln K*"),
-        Parameter("n2", -0.1, 0.1, value=0.0, shift=True, meaning="coefficient of ln² ΔR in n"),
+    formula: ClassVar[Formula] = power_formula(
+        by_clearance,
+        "f = A*dR^(p + q*ln(dR))*E_star/dR*penetration^n with n = n0 + n1*ln(dR) + n2*ln(dR)^2",
+        IN_MM,
     )
-    formula = Formula(load, by_clearance, end, energy, _BY_CLEARANCE, IN_MM)
-    on_grid = True
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -270,24 +236,13 @@ class PowerClearance(PowerShaped):
             valid = isfinite(value) and (name != "A" or value > 0)
             require(valid, "PowerClearance", name, value, rule, remedy)
 
-    @classmethod
-    def model(cls, contact: Contact, **_: object) -> LawModel:
-        """Return how the law is fitted for a contact."""
-        return super().model(contact, power_form=_of_clearance)
-
-
-def _of_clearance(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return K* and n of candidates at clearances."""
-    K_star, n = of_clearance(dR, *candidates.T[:, :, None])
-    return as_floats(K_star), as_floats(n)
-
 
 # --- a point contact used for cylinders ---------------------------------------------------------
 
 
-def sphere(pair, n):
+def sphere(E_star, dR, R_i, R_j, length, n) -> Numbers:
     """Return K = (4/3)·E*·√R/L and n."""
-    return 4 / 3 * pair.E_star * sqrt(pair.R) / pair.length, n
+    return Numbers(4 / 3 * E_star * sqrt(R_i * R_j / dR) / length, n)
 
 
 @dataclass(frozen=True)
@@ -320,25 +275,15 @@ class LankaraniNikravesh(PowerShaped):
     6.610 N/mm
     """
 
-    n: float = 1.5
+    n: float = constant(0.8, 2.0, "exponent of the penetration", 1.5)
     name: ClassVar[str] = "lankarani-nikravesh"
-    formula = Formula(
-        load, sphere, end, energy,
-        equation="f = 4/3*E_star*sqrt(R_i*R_j/dR)/length*penetration^n",
-        remark="The law gives the total force f*length of a point contact, independent of the "
-        "length; f is that force per unit length.",
-    )  # fmt: skip
-    any_plane = False
-    needs = ("R_i", "R_j", "length")
-    parameters = (
-        Parameter("factor", 1e-2, 1e2, 1.0, stiffness=True, meaning="factor of the law's load"),
-        Parameter("n", 0.8, 2.0, nominal=1.5, meaning="exponent of the penetration"),
+    formula: ClassVar[Formula] = power_formula(
+        sphere,
+        "f = 4/3*E_star*sqrt(R_i*R_j/dR)/length*penetration^n",
+        "The law gives the total force f*length of a point contact, independent of the length; f "
+        "is that force per unit length.",
     )
+    any_plane: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         _require_exponent(self, "metals have n = 1.5")
-
-    @classmethod
-    def fitted(cls, values: Mapping[str, float]) -> ContactLaw:
-        """Return the law with a factor and an exponent."""
-        return ScaledLaw(cls(n=values["n"]), load_factor=values["factor"])

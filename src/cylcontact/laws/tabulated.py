@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from math import exp, log
+from typing import Annotated, TypeVar
 
 import numpy as np
 
@@ -90,3 +91,52 @@ def _coarse(
         above, _ = cubic(np.full_like(width, part), width, rise, slope[:-1], slope[1:])
         bad |= np.abs(y[:-1] + above - exact) > TABLE_ERROR / 4
     return np.flatnonzero(bad & (width > _SHORTEST))
+
+
+# --- plain functions: of a number, from the nodes ------------------------------------------------
+
+Nodes = Annotated[FloatArray, 0]
+
+
+def interval_of(at: float, x: Nodes, nodes: int) -> int:
+    """Return the interval of x that has `at`; the first or the last one beyond the nodes."""
+    low = 0
+    high = nodes - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if x[middle] <= at:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def load_of_table(penetration: float, x: Nodes, y: Nodes, slopes: Nodes, nodes: int) -> float:
+    """Return the load from ln δ, ln f and dln f/dln δ at the nodes."""
+    at = log(penetration)
+    if at <= x[0]:
+        return exp(y[0] + slopes[0] * (at - x[0]))
+    low = interval_of(at, x, nodes)
+    width = x[low + 1] - x[low]
+    rise = (y[low + 1] - y[low]) / width
+    part = (at - x[low]) / width
+    rest = 1.0 - part
+    bend = rest * (slopes[low] - rise) - part * (slopes[low + 1] - rise)
+    return exp(y[low] + width * part * (rise + rest * bend))
+
+
+def stiffness_of_table(penetration: float, x: Nodes, y: Nodes, slopes: Nodes, nodes: int) -> float:
+    """Return the stiffness from the same: f/δ·dln f/dln δ."""
+    at = log(penetration)
+    if at <= x[0]:
+        return slopes[0] * exp(y[0] + slopes[0] * (at - x[0])) / penetration
+    low = interval_of(at, x, nodes)
+    width = x[low + 1] - x[low]
+    rise = (y[low + 1] - y[low]) / width
+    part = (at - x[low]) / width
+    rest = 1.0 - part
+    left = slopes[low] - rise
+    right = slopes[low + 1] - rise
+    load = exp(y[low] + width * part * (rise + rest * (rest * left - part * right)))
+    exponent = rise + rest * (1.0 - 3.0 * part) * left - part * (2.0 - 3.0 * part) * right
+    return load * exponent / penetration

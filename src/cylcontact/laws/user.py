@@ -1,11 +1,10 @@
 """Laws of the user's own: a Python function in a file, named as module:function.
 
-The function is `load(penetration, pair, **constants)`: penetration in mm, an array; the pair that
-belongs to each element; the load in N/mm, of the same shape, which has to increase with the
-penetration. It runs as it stands. If it is written as `cylcontact.laws.formula` reads it, its
-stiffness is exact and it is exported like a law of the package. The module is imported from the
-folder of a campaign or the current one, else from Python's path, and only if a campaign, a joint
-or a command line names it. Reading a result imports nothing.
+The function is `load(penetration, E_star, dR, K=1.0, n=1.1)`: the penetration in mm, what it asks
+of the pair (`cylcontact.laws.formula.OF_PAIR`) and constants. It returns the load in N/mm, which
+has to increase with the penetration. The penetration is an array; what comes from the pair may be.
+The module is imported from the folder of a campaign or the current one, else from Python's path,
+and only if a campaign, a joint or a command line names it. Reading a result imports nothing.
 """
 
 from __future__ import annotations
@@ -18,21 +17,20 @@ import platform
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.laws.formula import Formula
+from cylcontact.laws.formula import Formula, by_differences
 from cylcontact.laws.law import AtPair, Law
 from cylcontact.support.arrays import FloatArray, as_floats, require
 from cylcontact.support.errors import InputError
 
 _NAMING = "name it as module:function; the campaign's folder is searched first, then this one"
-_RELATIVE_STEP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ class UserFunction:
 
     @property
     def formula(self) -> Formula:
-        """The function as a formula, which may turn out to be none when it is read."""
+        """The function as a formula."""
         return _formula(self.function)
 
 
@@ -83,6 +81,7 @@ class UserLaw(Law):
 
     user: UserFunction
     values: Mapping[str, float] = field(default_factory=dict)
+    origin: ClassVar[str] = "a function of the user's own"
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -99,29 +98,24 @@ class UserLaw(Law):
         return dict(self.values)
 
     def at_pair(self, pair: CylinderPair) -> AtPair:
-        """Return the function as it stands, with the slope of its formula if it is one."""
-
-        def load(depth: FloatArray) -> FloatArray:
-            return self._loads(depth, pair)
-
-        def stiffness(depth: FloatArray) -> FloatArray:
-            step = _RELATIVE_STEP * depth
-            rise = load(as_floats(depth + step)) - load(as_floats(depth - step))
-            return as_floats(rise / (2 * step))
-
-        with contextlib.suppress(InputError):
-            return super().at_pair(pair)._replace(load=load, is_single=False)
+        """Return the function with checks of what it returns."""
+        numbers = self.numbers_at(pair)
         shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
-        return AtPair(load, stiffness, as_floats(np.full(shape, np.inf)), is_single=False)
+        load = partial(self._loads, shape)
+        return AtPair(
+            lambda depth: load(depth, *numbers),
+            lambda depth: as_floats(by_differences(load, depth, *numbers)),
+            as_floats(np.full(shape, np.inf)),
+            is_single=False,
+        )
 
-    def _loads(self, depth: ArrayLike, pair: CylinderPair) -> FloatArray:
+    def _loads(self, shape: tuple[int, ...], depth: ArrayLike, *numbers: Any) -> FloatArray:
         """Call the function and check what it returns."""
-        shape = np.broadcast_shapes(np.shape(depth), np.shape(pair.E_star), np.shape(pair.dR))
+        shape = np.broadcast_shapes(np.shape(depth), shape)
         try:  # its own array, for it may write into it; what it prints is no part of a report
             with contextlib.redirect_stdout(sys.stderr):
                 given = np.array(np.broadcast_to(depth, shape))[()]
-                returned = self.user.function(given, pair, **self.values)
-                loads = np.asarray(returned[0] if isinstance(returned, tuple) else returned)
+                loads = np.asarray(self.formula.load(given, *numbers))
         except InputError:
             raise
         except (Exception, SystemExit) as error:
@@ -181,7 +175,7 @@ def _imported(spec: str, folder: str, digest: str) -> Callable[..., Any]:
     function = getattr(module, name, None)
     if not callable(function):
         raise InputError(spec, "law", None, f"is not a function of {module_name}", _NAMING)
-    return function  # type: ignore[no-any-return]
+    return function
 
 
 def _file_of(spec: str, folder: str) -> Path:

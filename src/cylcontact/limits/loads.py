@@ -274,7 +274,7 @@ def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
     equal = pair.material_i.plane_strain_modulus == pair.material_j.plane_strain_modulus
     rule = "must be as stiff as material_i, or Johnson's limit is not that of Eq 8"
     remedy = "give a pair of one material"
-    require(equal, source, "pair.material_j", pair.material_j.name, rule, remedy)
+    require(equal, source, "pair.material_j", pair.material_j.title, rule, remedy)
     radius = require_positive(R_i, source, "R_i", "give it in mm")
     m = (math.e * min(_yield_stresses(pair, None)) / (2 * pair.E_star)) ** 2
     return as_floats(2 * radius / (1 + np.sqrt(1 + 4 / m)))

@@ -113,7 +113,7 @@ def bore_expansion(
     outer = [*inner[1:], housing.R_o]
     frame = [rim] if isinstance(rim, Material) else []
     for body in (*(body for body, _ in rings), *frame):
-        key, rule = f"{body.name}.thermal_expansion", "is not known"
+        key, rule = f"{body.name or 'the hole'}.thermal_expansion", "is not known"
         require(body.thermal_expansion is not None, _SOURCE, key, None, rule, "give it in 1/K")
         require_known_at(body, warmer)
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from cylcontact.mechanism.study import eccentricity_at
-from cylcontact.mechanism.trajectory import Trajectory
 from cylcontact.plots.figure import StyledFigure, new_figure, panel_title
 from cylcontact.plots.style import figure_style
 from cylcontact.support.arrays import require
+
+if TYPE_CHECKING:
+    from cylcontact.mechanism.trajectory import Trajectory
 
 # Points of a path in a revolution.
 POINTS = 3000
@@ -61,6 +64,6 @@ def draw_path(axes: Axes, run: Trajectory, first: float, last: float) -> None:
     radius = run.mechanism.joint.radial
     axes.add_patch(Circle((0.0, 0.0), radius, fill=False, edgecolor="0.4", linewidth=0.6))
     at = np.linspace(first, last, max(2, round(POINTS * (last - first))))
-    x, y = -1e3 * eccentricity_at(run, at * run.mechanism.period).T
+    x, y = -1e3 * run.eccentricity_at(at * run.mechanism.period).T
     axes.plot(x, y, marker="", linewidth=0.4)
     axes.set_aspect("equal", "datalim")

@@ -179,14 +179,15 @@ def _shift(dt: float, y: FloatArray, rates: FloatArray) -> None:
 @called
 def _gap_at(turn: Turn, y: FloatArray, joint: Joint, m: Crank) -> Gap:
     """Return the gap of the joint at a state."""
-    e_x, e_y, u_x, u_y, spin_i, spin_j = joint_motion(turn, y, m)
-    distance = math.sqrt(e_x * e_x + e_y * e_y)
+    e = joint_motion(turn, y, m)
+    distance = math.sqrt(e.e_x * e.e_x + e.e_y * e.e_y)
     delta = distance - joint.clearance
     if distance == 0.0:
-        return Gap(delta, 0.0, 0.0, u_x, u_y)
-    n_x, n_y = e_x / distance, e_y / distance
-    sliding = spin_i * joint.R_bearing - spin_j * (joint.R_pin - delta)
-    return Gap(delta, u_x * n_x + u_y * n_y, u_x * n_y - u_y * n_x + sliding, u_x, u_y)
+        return Gap(delta, 0.0, 0.0, e.u_x, e.u_y)
+    n_x, n_y = e.e_x / distance, e.e_y / distance
+    sliding = e.omega_i * joint.R_bearing - e.omega_j * (joint.R_pin - delta)
+    rate, v_t = e.u_x * n_x + e.u_y * n_y, e.u_x * n_y - e.u_y * n_x + sliding
+    return Gap(delta, rate, v_t, e.u_x, e.u_y)
 
 
 @inlined

@@ -351,7 +351,7 @@ def _motion(spin: float, y: FloatArray, m: Crank) -> contact.Motion:
     """Return the motion of the joint at a spin of the rod."""
     side = m.side
     of_bearing, of_pin = (0.0, spin) if side > 0 else (spin, 0.0)
-    return side * y[0], side * y[1], side * y[2], side * y[3], of_bearing, of_pin
+    return contact.Motion(side * y[0], side * y[1], side * y[2], side * y[3], of_bearing, of_pin)
 
 
 @inlined
@@ -376,13 +376,11 @@ def derivatives(
     for n in range(DRIVE + 1, RATES):
         rates[n] = 0.0
     if joint.touching:
-        f_x, f_y, moment_i, moment_j, normal, lost, rubbed, delta, _ = contact.forces(
-            _motion(spin, y, m), joint.impact_rate, joint, law
-        )
-        f_x, f_y = m.side * f_x, m.side * f_y
-        moment = moment_j if m.side > 0 else moment_i
-        rates[DRIVE + 1], rates[DRIVE + 2] = lost, rubbed
-        rates[DRIVE + 3], rates[DRIVE + 4] = delta, normal
+        f = contact.forces(_motion(spin, y, m), joint.impact_rate, joint, law)
+        f_x, f_y = m.side * f.x, m.side * f.y
+        moment = f.moment_j if m.side > 0 else f.moment_i
+        rates[DRIVE + 1], rates[DRIVE + 2] = f.normal_power, f.friction_power
+        rates[DRIVE + 3], rates[DRIVE + 4] = f.delta, f.normal
 
     # The rod about A, in the accelerating frame; gravity on the rod reduces Ä.
     inertial = -a * sine * (a_x - m.gravity_x) + a * cosine * (a_y - m.gravity_y)

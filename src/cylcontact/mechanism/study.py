@@ -12,9 +12,9 @@ import numpy as np
 
 from cylcontact.mechanism.run import Settings, concatenate, revolutions_of
 from cylcontact.mechanism.slider_crank import SliderCrank
-from cylcontact.mechanism.statistics import Statistics
-from cylcontact.mechanism.trajectory import Trajectory, numbers_of
-from cylcontact.support.arrays import FloatArray, as_floats, require
+from cylcontact.mechanism.statistics import Statistics, numbers_of
+from cylcontact.mechanism.trajectory import Trajectory
+from cylcontact.support.arrays import require
 from cylcontact.support.choices import Beyond
 from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Workers, call, collect
@@ -114,15 +114,6 @@ def long_run(
         return gathered(first)
 
 
-def eccentricity_at(run: Trajectory, time: FloatArray) -> FloatArray:
-    """Return the eccentricity in m at times in s, by Hermite's cubics."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    steps, rows = np.unique(run.time, return_index=True)
-    spline = CubicHermiteSpline(steps, run.eccentricity[rows], run.eccentricity_rate[rows])
-    return as_floats(spline(time))
-
-
 def horizon(run: Trajectory, other: Trajectory, share: float = AGREEMENT) -> float:
     """Return the time until which two runs of the same mechanism agree, in revolutions.
 
@@ -147,7 +138,7 @@ def horizon(run: Trajectory, other: Trajectory, share: float = AGREEMENT) -> flo
     2.0
     """
     time = run.time[run.time <= other.time[-1]]
-    apart = np.hypot(*(run.eccentricity[: time.size] - eccentricity_at(other, time)).T)
+    apart = np.hypot(*(run.eccentricity[: time.size] - other.eccentricity_at(time)).T)
     parted = apart > share * run.mechanism.joint.radial * 1e-3
     return float(run.revolution[np.argmax(parted)] if parted.any() else run.revolution[-1])
 

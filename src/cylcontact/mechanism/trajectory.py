@@ -13,7 +13,8 @@ from cylcontact.joint import contact
 from cylcontact.mechanism.motion import Motion
 from cylcontact.mechanism.run import Settings, Steps, concatenate, revolutions_of
 from cylcontact.mechanism.slider_crank import COORDINATES, DRIVE, JOINT_LEDGERS, SliderCrank
-from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray, as_floats
+from cylcontact.mechanism.statistics import Statistics, changes, numbers_of
+from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.support.choices import Beyond
 from cylcontact.support.html_repr import table_html
 from cylcontact.support.numba_cache import called, compiled
@@ -22,14 +23,10 @@ from cylcontact.support.progress import Progress, silent
 if TYPE_CHECKING:
     import pandas as pd
 
-    from cylcontact.mechanism.statistics import Statistics
     from cylcontact.plots import StyledFigure
 
 # Parts of a step in each of which the force is computed once.
 PARTS = 4
-FORCE_PERCENTILES = (50, 95, 99)
-# The Poincaré section at the end of every revolution.
-SECTION = ("e_x_um", "e_y_um", "e_x_rate_m_per_s", "e_y_rate_m_per_s", "in_contact")
 
 
 def _ledger(name: str, about: str) -> Any:
@@ -94,6 +91,14 @@ class Trajectory:
     def eccentricity_rate(self) -> FloatArray:
         """The rate of `eccentricity` in m/s, shape (n, 2)."""
         return self.mechanism.side * self.steps.values[:, 2:COORDINATES]
+
+    def eccentricity_at(self, time: FloatArray) -> FloatArray:
+        """Return `eccentricity` in m at times in s, by Hermite's cubics."""
+        from scipy.interpolate import CubicHermiteSpline
+
+        steps, rows = np.unique(self.time, return_index=True)
+        spline = CubicHermiteSpline(steps, self.eccentricity[rows], self.eccentricity_rate[rows])
+        return as_floats(spline(time))
 
     # --- the joint ---
 
@@ -229,6 +234,10 @@ class Trajectory:
         _elastic_energy(depth, *self._compiled, energy)
         return energy
 
+    def elastic_forces(self, penetrations: FloatArray) -> FloatArray:
+        """Return the forces in N at penetrations in m, without damping."""
+        return np.array([_elastic_force(depth, *self._compiled) for depth in penetrations])
+
     @property
     def drive_work(self) -> FloatArray:
         """Work of the driver since the start in J, shape (n,)."""
@@ -333,14 +342,7 @@ class Trajectory:
         >>> print(f"{statistics.mean['contact_fraction']:.3f}")
         1.000
         """
-        from cylcontact.mechanism.statistics import Statistics
-
         return Statistics(self._revolutions, self.mechanism, self.settings, first)
-
-    @property
-    def max_elastic_load(self) -> float:
-        """The largest elastic load, without damping, in N/mm."""
-        return float(self.statistics().revolutions["max_load_N_per_mm"].max())
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -354,12 +356,6 @@ class Trajectory:
     def _repr_html_(self) -> str:
         rows = {"duration (s)": self.time[-1], **self.statistics().summary}
         return table_html(f"Trajectory of {self.mechanism.name}", rows)
-
-
-def changes(in_contact: BoolArray) -> tuple[IndexArray, IndexArray]:
-    """Return the rows at which contacts begin and those at which they end."""
-    step = np.diff(in_contact.astype(np.int8))
-    return np.flatnonzero(step == 1) + 1, np.flatnonzero(step == -1)
 
 
 def simulate(
@@ -409,79 +405,9 @@ def simulate(
     return Trajectory(mechanism, settings, concatenate(parts))
 
 
-def numbers_of(run: Trajectory, origin: float) -> dict[str, Any]:
-    """Return the row of `Statistics.revolutions` for one revolution, and the step before it.
-
-    `origin` is the `energy` at the start of the whole run in J.
-    """
-    touching, dt, values = run.in_contact, np.diff(run.time), run.steps.values
-    # A step has the mode of its last row; the second row of an onset has dt = 0.
-    inside, moving = touching[1:], dt > 0
-    contact_time, flight_time = float(dt[inside].sum()), float(dt[~inside].sum())
-    contact_steps = int(np.count_nonzero(inside & moving))
-    steps, evaluations, seconds = run.steps.counts[0]
-    within = run.force_within
-    drive, *spent = (float(number) for number in values[-1, DRIVE:] - values[0, DRIVE:])
-    lost, rubbed, depth, impulse = spent
-    percentiles = _percentiles(dt[inside], within[inside])
-    begins, _ = changes(touching)
-    under_way = np.append(0, begins) if touching[0] else begins
-    deepest = np.where(touching, run.penetration, -np.inf)
-    deepest = np.maximum.reduceat(deepest, under_way) if under_way.size else np.empty(0)
-    joint, limits = run._compiled[0], run.mechanism.joint.first_yield
-    tangent = run.settings.beyond == "tangent"
-    law_end = float(joint["last_penetration"]) * 1e-3 if tangent else np.inf
-    loads = np.array([_elastic_force(depth, *run._compiled) for depth in deepest])
-    end = (*run.eccentricity[-1] * 1e6, *run.eccentricity_rate[-1], bool(touching[-1]))
-    return {
-        "contact_fraction": contact_time / (contact_time + flight_time),
-        "impacts": begins.size,
-        "mean_penetration_um": _ratio(depth, contact_time) * 1e6,
-        "max_penetration_um": float(run.penetration[touching].max(initial=0.0)) * 1e6,
-        "mean_force_N": _ratio(impulse, contact_time),
-        **{f"force_p{p}_N": x for p, x in zip(FORCE_PERCENTILES, percentiles, strict=True)},
-        "max_force_N": float(max(run.normal_force.max(initial=0.0), within.max(initial=0.0))),
-        "normal_dissipation_J": lost,
-        "friction_dissipation_J": rubbed,
-        "mean_step_contact_us": _ratio(contact_time, contact_steps) * 1e6,
-        "mean_step_flight_us": _ratio(flight_time, steps - contact_steps) * 1e6,
-        "contact_time_s": contact_time,
-        "flight_time_s": flight_time,
-        "penetration_integral_um_s": depth * 1e6,
-        "impulse_N_s": impulse,
-        "contact_steps": contact_steps,
-        "impact_rate_m_per_s": float(run.impact_rate[-1]),
-        "contacts": under_way.size,
-        "above_yield": int(np.count_nonzero(loads > limits)),
-        "beyond_law": int(np.count_nonzero(deepest > law_end)),
-        "max_load_N_per_mm": float(loads.max(initial=0.0)) / float(joint["length"]),
-        **dict(zip(SECTION, end, strict=True)),
-        "drive_work_J": drive,
-        "steps": int(steps),
-        "evaluations": int(evaluations),
-        "seconds": float(seconds),
-        "kinetic_energy_J": float(run.kinetic_energy.max()),
-        "energy_error_J": float(run.energy[-1]) - origin,
-    }
-
-
-def _ratio(numerator: float, denominator: float) -> float:
-    return numerator / denominator if denominator > 0 else float("nan")
-
-
-def _percentiles(dt: FloatArray, values: FloatArray) -> list[float]:
-    """Return percentiles over the time of steps, with `values` in equal parts; NaN without any."""
-    if not dt.sum() > 0:
-        return [float("nan")] * len(FORCE_PERCENTILES)
-    weight, sample = np.repeat(dt, values.shape[1]), values.ravel()
-    order = np.argsort(sample, kind="stable")
-    share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
-    return [float(np.interp(percent / 100, share, sample[order])) for percent in FORCE_PERCENTILES]
-
-
 # --- compiled, over rows ------------------------------------------------------------------------
 
-_elastic_force = compiled(contact.elastic_force)
+_elastic_force = compiled(contact.piece_force)
 
 
 @compiled
@@ -500,16 +426,17 @@ def _joint_forces(
     The moments in N m are on the bearing and on the pin, about their centres.
     """
     for k in range(e.shape[0]):
-        motion = e[k, 0], e[k, 1], e_rate[k, 0], e_rate[k, 1], spins[k, 0], spins[k, 1]
-        out[k, 4] = contact.relative_motion(motion, joint)[4]
+        motion = contact.Motion(
+            e[k, 0], e[k, 1], e_rate[k, 0], e_rate[k, 1], spins[k, 0], spins[k, 1]
+        )
+        v_t = contact.relative_motion(motion, joint).v_t
+        out[k, 4] = v_t
         if in_contact[k]:
             rate = max(impact_rate[k], joint.rate_floor)
-            f_x, f_y, moment_i, moment_j, normal, _, _, _, _ = contact.forces(
-                motion, rate, joint, law
-            )
-            out[k, 0], out[k, 1], out[k, 2] = f_x, f_y, normal
-            out[k, 3] = contact.friction_force(normal, out[k, 4], joint)
-            out[k, 5], out[k, 6] = moment_i, moment_j
+            f = contact.forces(motion, rate, joint, law)
+            out[k, 0], out[k, 1], out[k, 2] = f.x, f.y, f.normal
+            out[k, 3] = -joint.friction * contact.piece_share(v_t, joint) * f.normal
+            out[k, 5], out[k, 6] = f.moment_i, f.moment_j
 
 
 @compiled
@@ -533,7 +460,8 @@ def _force_within(
             x = (part + 0.5) / PARTS
             e_x, u_x = _hermite(x, h, e[k, 0], e[k + 1, 0], e_rate[k, 0], e_rate[k + 1, 0])
             e_y, u_y = _hermite(x, h, e[k, 1], e[k + 1, 1], e_rate[k, 1], e_rate[k + 1, 1])
-            out[k, part] = contact.forces((e_x, e_y, u_x, u_y, 0.0, 0.0), rate, joint, law)[4]
+            motion = contact.Motion(e_x, e_y, u_x, u_y, 0.0, 0.0)
+            out[k, part] = contact.forces(motion, rate, joint, law).normal
 
 
 @called

@@ -9,16 +9,18 @@ from dataclasses import dataclass
 from html import escape
 from itertools import chain
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter
 
 from cylcontact.plots.style import MM_PER_INCH, figure_style, width_mm
 from cylcontact.support.choices import Format
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = [
     "Drawing",

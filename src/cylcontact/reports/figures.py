@@ -17,9 +17,8 @@ from functools import partial
 from itertools import chain
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
 from matplotlib.figure import Figure
 
 from cylcontact.files.writing import replacing_all, require_apart, require_writable
@@ -30,9 +29,12 @@ from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Workers, call, run_calls
 from cylcontact.support.progress import Progress, silent
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 __all__ = ["caption", "draw", "recipes", "report_module", "write_figures"]
 
-Recipe = Callable[..., tuple[Figure, pd.DataFrame]]
+Recipe = Callable[..., "tuple[Figure, pd.DataFrame]"]
 # What a folder's `reports` is called when it is imported: it hides no other package `reports`.
 _PACKAGE = "_cylcontact_reports"
 # Seven significant digits: more than a figure can show, fewer than round-off affects.

@@ -2,54 +2,73 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import csv
+import io
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.figure import Figure
 
 from cylcontact.files.writing import replacing_all
-from cylcontact.fitting.choice import Choice
-from cylcontact.fitting.design import Design
-from cylcontact.fitting.results import DataFit
-from cylcontact.plots.figure import Drawing, save
+from cylcontact.plots.figure import save
 from cylcontact.plots.style import figure_style
 from cylcontact.reports.figures import NUMBERS
 from cylcontact.support.choices import CHOICE_FILES, DESIGN_FILES, FIT_FILES
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.choice import Choice
+    from cylcontact.fitting.data_fit import DataFit
+    from cylcontact.fitting.design import Design
 
 
 def write_choice(choice: Choice, folder: Path) -> None:
     """Write ranked laws into a folder, as `choices.CHOICE_FILES`, all of them or none."""
     with figure_style():
         drawing = choice.drawing()
-    _write(drawing, folder, CHOICE_FILES, lambda _: None)
-
-
-def write_fit(result: DataFit, folder: Path) -> None:
-    """Write a fit to measurements into a folder; on an error, write none of its files."""
-    with figure_style():
-        drawing = result.drawing()
-    read = "".join(f"# {line}\n" for line in result.data.read)
-    _write(drawing, folder, FIT_FILES, lambda paths: result.write(paths[".json"]), read)
+    _write(drawing.figure, drawing.table.to_csv(**NUMBERS), folder, CHOICE_FILES)
 
 
 def write_design(design: Design, folder: Path) -> None:
     """Write the picture of a design and its table into a folder, as `choices.DESIGN_FILES`."""
     with figure_style():
         drawing = design.drawing()
-    _write(drawing, folder, DESIGN_FILES, lambda _: None)
+    _write(drawing.figure, drawing.table.to_csv(**NUMBERS), folder, DESIGN_FILES)
+
+
+def write_fit(result: DataFit, folder: Path) -> None:
+    """Write a fit to measurements into a folder; on an error, write none of its files."""
+    with figure_style():
+        figure = result.figure()
+    read = "".join(f"# {line}\n" for line in result.data.read)
+    table = read + _as_csv(result.residual_columns())
+    _write(figure, table, folder, FIT_FILES, lambda paths: result.write(paths[".json"]))
+
+
+def _as_csv(columns: Mapping[str, Iterable[Any]]) -> str:
+    """Return columns as pandas, which takes long to import, would write them with `NUMBERS`."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(columns)
+    for row in zip(*columns.values(), strict=True):
+        writer.writerow(f"{cell:.7g}" if isinstance(cell, float) else cell for cell in row)
+    return stream.getvalue()
 
 
 def _write(
-    drawing: Drawing,
+    figure: Figure,
+    table: str,
     folder: Path,
     names: Sequence[str],
-    rest: Callable[[Mapping[str, Path]], None],
-    head: str = "",
+    rest: Callable[[Mapping[str, Path]], None] = lambda _: None,
 ) -> None:
-    """Write a drawing's pictures and table below a head, and by suffix whatever else there is."""
+    """Write a figure, a table, and by suffix whatever else there is."""
     with replacing_all(folder / name for name in names) as files:
         paths = {file.suffix: file for file in files}
         with figure_style():
-            save(drawing.figure, paths[".png"], "png")
-            save(drawing.figure, paths[".pdf"], "pdf")
-        table = drawing.table.to_csv(**NUMBERS)
-        paths[".csv"].write_text(head + table, encoding="utf-8", newline="")
+            figure.draw_without_rendering()  # arranged once for both formats
+            figure.set_layout_engine("none")
+            save(figure, paths[".png"], "png")
+            save(figure, paths[".pdf"], "pdf")
+        paths[".csv"].write_text(table, encoding="utf-8", newline="")
         rest(paths)

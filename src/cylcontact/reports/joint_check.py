@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cylcontact.bodies.fits import Fit
-from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import Conformal, ContactLaw, Explicit, Housing, Johnson
 from cylcontact.limits import first_yield, hertz_half_width, hertz_stress
@@ -318,7 +317,7 @@ def _described(check: JointCheck) -> list[str]:
     """Return the joint and its load in two or three lines."""
     pair = check.pair
     R_i, R_j = (float(radius) for radius in pair.radii("the joint"))
-    one, other = _named(pair.material_i), _named(pair.material_j)
+    one, other = pair.material_i.title, pair.material_j.title
     if pair.contact == "internal":
         bodies = f"{other} pin (R_j = {R_j:.6g} mm) in {one} hole (R_i = {R_i:.6g} mm), "
         bodies += f"ΔR = {_text(1e3 * float(pair.dR))} µm"
@@ -331,12 +330,6 @@ def _described(check: JointCheck) -> list[str]:
     total = f" ({_text(check.load * pair.length)} N on {pair.length:g} mm)" if pair.length else ""
     lines.append(f"under {_text(check.load)} N/mm{total}")
     return [*lines, str(check.fit)] if check.fit else lines
-
-
-def _named(material: Material) -> str:
-    """Return a material's name, or its modulus where it has only that of its body."""
-    is_role = material.name.startswith("the ")  # where only a modulus was given
-    return f"{float(material.E) / 1e3:.4g} GPa" if is_role else material.name
 
 
 def _single(check: JointCheck) -> list[str]:

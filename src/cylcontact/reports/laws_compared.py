@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import inspect
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,9 +10,10 @@ import pandas as pd
 from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.laws import LAW_TYPES, LAWS, Conformal, ContactLaw, Housing, Johnson
+from cylcontact.laws import FITTED, LAWS, Conformal, ContactLaw, Housing, Johnson
 from cylcontact.laws.housing_spec import in_housing, takes_housing
 from cylcontact.support.errors import InputError
+from cylcontact.support.html_repr import summary_of
 from cylcontact.support.text_tables import Table
 
 __all__ = ["accuracy", "accuracy_text", "comparison", "comparison_text", "listing"]
@@ -179,12 +180,10 @@ def listing(contact: Contact) -> str:
     """Return the laws in a line each, and what a fit searches of them."""
     lines = ["the laws; sources and conventions are in the documentation of each:"]
     width = max(map(len, LAWS))
-    for law in LAW_TYPES:
+    known: dict[str, Any] = {name: LAWS[name]() for name in LAWS} | FITTED
+    for name, law in known.items():
         if contact in law.contacts:
-            # A power law has names by what its factor is; the plain one is the shortest.
-            plain = isinstance(law.name, str)
-            name = law.name if plain else min((m.law for m in law.models()), key=len)
-            lines.append(f"  {name:<{width}}  {(inspect.getdoc(law) or '').splitlines()[0]}")
+            lines.append(f"  {name:<{width}}  {summary_of(law)}")
     lines += ["", "parameters that a fit searches, and its bounds unless a campaign gives others:"]
     for model in MODELS.values():
         if model.contact == contact and model.parameters:

@@ -15,17 +15,9 @@ CONTACTS: tuple[Contact, ...] = get_args(Contact)
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
 BEYOND: tuple[Beyond, ...] = get_args(Beyond)
 FORMATS: tuple[Format, ...] = get_args(Format)
-# Languages of laws and joints, with the suffix of the file.
-TARGETS = {
-    "c": ".c",
-    "cpp": ".hpp",
-    "fortran": ".f90",
-    "matlab": ".m",
-    "python": ".py",
-    "jax": ".py",
-    "fmu": ".fmu",
-}
-JOINT_TARGETS = {name: suffix for name, suffix in TARGETS.items() if name != "jax"}
+# Languages of laws and of joints, with the suffix of the file.
+TARGETS = {"c": ".c", "fortran": ".f90", "matlab": ".m"}
+JOINT_TARGETS = {**TARGETS, "fmu": ".fmu"}
 # Multibody codes with a contact of their own, whose parameters `contact_parameters` fits.
 CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
 # What the folder of a fit to a table holds.

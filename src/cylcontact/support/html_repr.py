@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import Field, fields, is_dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -30,29 +30,36 @@ def table_html(title: str, rows: Mapping[str, object]) -> str:
     return Table(["", ""], cells, title)._repr_html_()
 
 
+def summary_of(law: Any) -> str:
+    """Return what a law is on one line."""
+    return getattr(law, "about", "") or (inspect.getdoc(law) or law.name).splitlines()[0]
+
+
 def law_html(law: Any, defaults: Mapping[Any, Any] = MappingProxyType({})) -> str:
-    """Return an HTML table of a law: the first line of its docstring and its coefficients.
+    """Return an HTML table of a law: its summary and its constants.
 
     Of coefficients that are None it shows the `defaults` by contact.
     """
-    units: Mapping[str, str] = getattr(law, "units", {})
-    values: dict[str, tuple[str, object]] = {}
-    for field in fields(law):
+    rows: dict[str, object] = {}
+    for field in (each for each in fields(law) if each.repr and each.name != "name"):
         value = getattr(law, field.name)
-        if value is None:
+        if value is None and defaults:
             for contact, coefficients in defaults.items():
-                named = asdict(coefficients).items()
-                values |= {f"{contact}: {name}": (name, number) for name, number in named}
+                rows |= _numbers(coefficients, f"{contact}: ")
         elif is_dataclass(value) and not isinstance(value, type):
-            values |= {name: (name, number) for name, number in asdict(value).items()}
+            rows |= _numbers(value)
         else:
-            values[field.name] = (field.name, value)
-    rows = {
-        f"{text} ({units[name]})" if units.get(name) else text: value
-        for text, (name, value) in values.items()
-    }
-    summary = (inspect.getdoc(law) or law.name).splitlines()[0]
-    return table_html(f"{type(law).__name__}: {summary}", rows)
+            rows[_with_unit(field)] = value
+    return table_html(f"{type(law).__name__}: {summary_of(law)}", rows)
+
+
+def _numbers(values: Any, before: str = "") -> dict[str, object]:
+    return {before + _with_unit(each): getattr(values, each.name) for each in fields(values)}
+
+
+def _with_unit(field: Field[Any]) -> str:
+    unit = field.metadata.get("unit")
+    return f"{field.name} ({unit})" if unit else field.name
 
 
 def _cell(value: object) -> str:

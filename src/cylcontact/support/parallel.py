@@ -73,7 +73,10 @@ def run_calls(
     """
     if isinstance(workers, Cluster):
         return _on_cluster(calls, workers, ordered)
-    return _on_this_machine(calls, max(1, min(workers, len(calls))), ordered, threads)
+    workers = max(1, min(workers, len(calls)))
+    if workers == 1:  # joblib takes long to import
+        return (function(*arguments, **named) for function, arguments, named in calls)
+    return _on_this_machine(calls, workers, ordered, threads)
 
 
 def collect(
@@ -123,9 +126,12 @@ def _interruption_waits() -> Generator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    from joblib.externals.loky.backend import resource_tracker
+    from multiprocessing import resource_tracker
 
-    resource_tracker.ensure_running()  # now, as its start would let Ctrl-C through
+    from joblib.externals.loky.backend import resource_tracker as of_loky
+
+    for tracker in (resource_tracker, of_loky):  # now, as their start lets Ctrl-C through
+        tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -7,10 +7,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from keyword import kwlist
+from textwrap import fill
 from unicodedata import category
 
 # The most characters of a name within a sentence or a cell, and in a figure.
 _NAME, _LABEL = 100, 60
+# The width of reports.
+WIDTH = 100
 
 
 # Whether a command prints, so that advice names options, not arguments of Python.
@@ -51,6 +54,11 @@ def advice(text: str) -> str:
         for option, argument in _IN_PYTHON:
             text = option.sub(argument, text)
     return text
+
+
+def item(sentence: str, mark: str = "- ", width: int = WIDTH) -> str:
+    """Return a sentence as an item of a list, wrapped, its options in the words of the reader."""
+    return fill(advice(sentence), width, initial_indent=mark, subsequent_indent="  ")
 
 
 def visible(text: str, keep: str = "") -> str:

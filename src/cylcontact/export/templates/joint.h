@@ -1,11 +1,11 @@
 $comment
 //
-// To use it, include this file and link with -lm:
+// To use it, include this file, in C or C++, and link with -lm:
 //
 //   ${name}_state state;
 //   ${name}_wrench wrench;
 //   ${name}_start(&state);
-//   ${name}_evaluate(&state, bearing, pin, &wrench);   (state is not changed)
+//   ${name}_evaluate(&state, bearing, pin, &wrench$more);   (state is not changed)
 //   ${name}_accept(&state, bearing, pin);
 
 #ifndef CYLCONTACT_${capitals}_H
@@ -15,12 +15,18 @@ $comment
 extern "C" {
 #endif
 
+typedef struct {
+    $state; // 0: not in contact
+} ${name}_state;
+
+typedef struct {
+    $wrench
+} ${name}_wrench;
+
 $records
 
 void ${name}_start(${name}_state *state);
-void ${name}_evaluate(const ${name}_state *state, const double bearing[$size],
-    const double pin[$size], ${name}_wrench *wrench);
-void ${name}_accept(${name}_state *state, const double bearing[$size], const double pin[$size]);
+$heads
 
 #ifdef __cplusplus
 }

@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.laws.adapters import scaled_model
 from cylcontact.laws.conformal.arcs import Bodies
 from cylcontact.laws.conformal.curve import LEAST, MOST, Curve, make
 from cylcontact.laws.conformal.housings import Housing, Kernel, is_number
-from cylcontact.laws.law import BLOCK, LawModel, OverLength, numbers_for, require_hole
+from cylcontact.laws.law import BLOCK, numbers_for, require_hole
 from cylcontact.support.arrays import (
     FloatArray,
     IndexArray,
@@ -38,7 +37,7 @@ Datum = Literal["johnson"] | float | Housing
 
 
 @dataclass(frozen=True)
-class Conformal(OverLength):
+class Conformal:
     """A pin in a hole of any two materials: the reference law, exact for large arcs as well.
 
     δ = f·L/(π·E*) and f = π·E*·ΔR/K, with the semi-angle ε of the contact as parameter. For two
@@ -110,11 +109,6 @@ class Conformal(OverLength):
         rule = "must be 'johnson', a finite number C or a Housing"
         remedy = "e.g. datum=laws.Housing(R_o=20.0)"
         require(known, type(self).__name__, "datum", self.datum, rule, remedy)
-
-    @classmethod
-    def models(cls) -> tuple[LawModel, ...]:
-        """Return none: it has no constants, so that a fit frees a factor of the load."""
-        return ()
 
     def constant(self, pair: CylinderPair) -> FloatArray:
         """Return C, which is π·E*·δ/f's additive constant, for a pair."""
@@ -363,18 +357,13 @@ class Persson(Conformal):
     datum: Datum = field(default="johnson", init=False, repr=False)
     name: ClassVar[str] = "persson"
 
-    @classmethod
-    def models(cls) -> tuple[LawModel, ...]:
-        """Return how the law is fitted: by factors of modulus and clearance."""
-        return (scaled_model(cls()),)
-
     def require_pair(self, pair: CylinderPair) -> None:
         """Raise `InputError` for external contact or bodies of different materials."""
         law = "Persson's law"
         require_hole(law, pair)
         rule = "must have the same E and ν as material_i, or the solution does not hold"
         remedy = "give a pair of one material, or use laws.Conformal()"
-        other = pair.material_j.name
+        other = pair.material_j.title
         require(pair.of_one_material, law, "pair.material_j", other, rule, remedy)
 
 

@@ -1,0 +1,612 @@
+"""What the residuals of a fit show, and what it means: uncertainty, tests, and sentences on them.
+
+The noise is taken to be independent, steady, and of one size. Each test of that which fails is a
+finding: what the residuals show, and the option that allows for it. All use the residuals in the
+units in which they should be alike, whitened by the noise model if there is one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from cylcontact.datasets.measurements import Indices
+from cylcontact.fitting.noise import Covariance, positions
+from cylcontact.fitting.readings import MEDIAN_TO_SIGMA, ROUNDING, Optimum, half_width
+from cylcontact.fitting.records import (
+    FAIRLY,
+    WELL,
+    Estimate,
+    Finding,
+    FittedDeviations,
+    Interval,
+    Outlier,
+    SeriesEffect,
+    Uncertainty,
+)
+from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.parallel import Workers, call, collect
+
+LEVEL = 0.95
+# A test fails below this probability.
+_SURPRISING = 0.01
+# Residuals this many robust standard deviations away are reported as outliers, which stay in.
+_OUTLYING = 3.5
+# Below this ratio a profile found a better optimum; it is not round-off.
+_BETTER = -1e-6
+# Rows that a test needs, and rows of a series that its trend needs.
+_FEWEST, _FEWEST_IN_SERIES = 12, 4
+# Readings that differ relatively by less are equal.
+_ROUNDING = 1e-12
+# Load and penetration of a lower correlation of ranks have opposite signs.
+_OPPOSITE = -0.5
+# Readings whose scatter from one to the next can be told.
+_FEWEST_NEIGHBOURS = 8
+# The half-width, relative to the value, up to which a parameter is poorly determined. The zero of a
+# shift is arbitrary: its half-width counts by the relative change of the predictions.
+_POORLY = 1.0
+_STRONG_CORRELATION = 0.95
+
+
+def uncertainty_of(optimum: Optimum, level: float = LEVEL, jobs: Workers = 1) -> Uncertainty:
+    """Return the uncertainty of a fit to readings; profiles are computed by `jobs`."""
+    fit, data = optimum.fit, optimum.fit.data
+    estimates = _estimates(optimum, level, jobs)
+    far = _outlying(optimum)
+    missed, over_scatter = _missed(optimum)
+    better = [
+        f"the profile of {name} found a better fit, (S − S_best)/τ = {e.profile.lowest:.3g}: the "
+        "intervals are not those of the best fit; fit again with more starts"
+        for name, e in estimates.items()
+        if e.profile is not None and e.profile.lowest < _BETTER
+    ]
+    return Uncertainty(
+        level=level,
+        rows=len(data),
+        degrees_of_freedom=optimum.degrees,
+        residual_sigma=optimum.sigma,
+        residual_unit=fit.noise.unit,
+        sigma_known=fit.noise.is_given,
+        chi_square_p=optimum.chi_square_p,
+        estimates=estimates,
+        correlation=_correlation(optimum),
+        only_together=optimum.blind,
+        duplicates=data.duplicates(),
+        outliers=[Outlier(line=data.line(row), deviations=size) for row, size in far.items()],
+        notes=[*better, *data.data.notes],
+        noise=_deviations(optimum, fit.noise) if isinstance(fit.noise, Covariance) else None,
+        log_likelihood=optimum.log_likelihood,
+        estimated=optimum.estimated,
+        r_squared=_r_squared(optimum),
+        missed=missed,
+        missed_over_scatter=None if optimum.is_rounding else over_scatter,
+        falls=_falls(optimum),
+        findings=[] if optimum.is_rounding else findings_of(optimum),
+        without_outliers=_without(optimum, far),
+    )
+
+
+# --- estimates and verdicts ---------------------------------------------------------------------
+
+
+def _estimates(optimum: Optimum, level: float, jobs: Workers) -> dict[str, Estimate]:
+    names = optimum.fit.names
+    profiles: Sequence[Interval | None] = [None] * len(names)
+    if optimum.covariance is not None and not optimum.is_rounding:
+        profiles = collect([call(optimum.interval, name, level) for name in names], jobs)
+    numbered = enumerate(zip(names, profiles, strict=True))
+    return {name: _estimate(optimum, k, profile, level) for k, (name, profile) in numbered}
+
+
+def _estimate(optimum: Optimum, k: int, profile: Interval | None, level: float) -> Estimate:
+    parameter, value = optimum.fit.free[k], float(optimum.point[k])
+    nominal = parameter.nominal if parameter.stiffness else None
+    if optimum.covariance is None:
+        nothing = dict.fromkeys(("standard_error", "low", "high", "profile"))
+        return Estimate(value=value, verdict="not", nominal=nominal, **nothing)
+    error, degrees = float(optimum.errors[k]), float(optimum.degrees_of_each()[k])
+    reach = float(half_width(level, degrees)) * error
+    return Estimate(
+        value=value,
+        standard_error=error,
+        low=value - reach,
+        high=value + reach,
+        profile=profile,
+        verdict=_verdict(value, reach, profile, float(optimum.per_unit[k])),
+        degrees_of_freedom=degrees if np.isfinite(degrees) else None,
+        nominal=nominal,
+    )
+
+
+def _verdict(value: float, reach: float, profile: Interval | None, per_unit: float) -> str:
+    if profile is not None:
+        reach = (profile.high - profile.low) / 2
+        if profile.is_at_bound(value):
+            return "at a bound"
+        if profile.low_is_bound or profile.high_is_bound:
+            return "not" if profile.low_is_bound and profile.high_is_bound else "poorly"
+    share = reach * per_unit
+    if share > FAIRLY:
+        return "not" if share > _POORLY else "poorly"
+    return "well" if share <= WELL else "fairly"
+
+
+def _correlation(optimum: Optimum) -> dict[str, dict[str, float]]:
+    if optimum.covariance is None:
+        return {}
+    names, scale = optimum.fit.names, np.outer(optimum.errors, optimum.errors)
+    matrix = np.divide(optimum.covariance, scale, out=np.eye(len(names)), where=scale > 0)
+    rows = zip(names, matrix.tolist(), strict=True)
+    return {name: dict(zip(names, row, strict=True)) for name, row in rows}
+
+
+def _deviations(optimum: Optimum, noise: Covariance) -> FittedDeviations:
+    series, effects = [], optimum.series
+    if effects is not None:
+        over, data = noise.model.over, optimum.fit.data
+        labels = data.groups(over)[0] if over else ["all rows"]
+        rows = np.bincount(noise.series).tolist()
+        shares = [dict(zip(noise.model.effects, row, strict=True)) for row in effects.tolist()]
+        series = [
+            SeriesEffect(name=label, rows=size, effects=share)
+            for label, size, share in zip(labels, rows, shares, strict=True)
+        ]
+    deviations = dict(noise.deviations)
+    return FittedDeviations(deviations=deviations, random=noise.is_random, series=series)
+
+
+# --- how well the law describes the readings ----------------------------------------------------
+
+
+def _outlying(optimum: Optimum) -> dict[int, float]:
+    """Return the rows far from the law, and by how many robust standard deviations."""
+    spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(optimum.r)))
+    if optimum.is_rounding or spread == 0:
+        return {}
+    sizes = (-optimum.r / spread).tolist()
+    return {row: size for row, size in enumerate(sizes) if abs(size) > _OUTLYING}
+
+
+def _without(optimum: Optimum, far: Collection[int]) -> dict[str, float]:
+    """Return the coefficients of a fit without the outliers; none if there are none."""
+    rows = np.setdiff1d(np.arange(optimum.r.size), list(far))
+    if not far or rows.size <= optimum.point.size:
+        return {}
+    rest = optimum.fit.take(rows)
+    return rest.coefficients(rest.minimise(optimum.point)[0])
+
+
+def _r_squared(optimum: Optimum) -> float | None:
+    """Return the share of the variance within series that the law describes; None without any."""
+    noise, added = optimum.covariance_of_readings, optimum.series_in_mm
+    seen = optimum.fit.observed - (0.0 if added is None else added)
+    series = np.zeros(seen.size, dtype=np.intp) if noise is None else noise.series
+    mean = np.bincount(series, seen) / np.bincount(series)
+    total = float(((seen - mean[series]) ** 2).sum())
+    if total <= _ROUNDING**2 * float((seen**2).sum()):
+        return None
+    return 1 - float((_less_series(optimum) ** 2).sum()) / total
+
+
+def _falls(optimum: Optimum) -> bool:
+    """Return whether the penetration falls as the load rises, by Spearman's correlation."""
+    data = optimum.fit.data
+    if min(np.ptp(data.load), np.ptp(data.penetration)) == 0:
+        return False
+    return bool(np.corrcoef(_ranks(data.load), _ranks(data.penetration))[0, 1] < _OPPOSITE)
+
+
+def _less_series(optimum: Optimum) -> FloatArray:
+    """Return the fitted less the measured values, without what the series add, shape (N,)."""
+    added = optimum.series_in_mm
+    return optimum.differences if added is None else optimum.differences + added
+
+
+def _missed(optimum: Optimum) -> tuple[float, float | None]:
+    """Return the residuals over the readings, and over the scatter from one to the next.
+
+    The scatter is that of the second differences along the load, by their median, which a kink or
+    an outlier does not move. None for fewer than `_FEWEST_NEIGHBOURS` readings.
+    """
+    fit, r, size = optimum.fit, optimum.r, 1.0
+    if not fit.noise.is_log:
+        r, size = _less_series(optimum), float(np.sqrt((fit.observed**2).mean()))
+    rms = float(np.sqrt((r**2).mean()))
+    if r.size < _FEWEST_NEIGHBOURS or size == 0:
+        return rms / size if size > 0 else 0.0, None
+    over = "group" if "group" in fit.data.data.labels else "pair"
+    bends = np.diff(r[np.lexsort((fit.data.load, fit.data.groups(over)[1]))], 2)
+    scatter = MEDIAN_TO_SIGMA * float(np.median(np.abs(bends))) / np.sqrt(6)
+    return rms / size, rms / scatter if scatter > 0 else None
+
+
+# --- tests of the noise -------------------------------------------------------------------------
+
+
+def findings_of(optimum: Optimum) -> list[Finding]:
+    """Return the tests of the noise that fail."""
+    if optimum.r.size < _FEWEST + optimum.point.size:
+        return []
+    noise = optimum.covariance_of_readings
+    allowed = () if noise is None else noise.model.effects
+    with np.errstate(divide="ignore", invalid="ignore"):  # of readings or loads that are all equal
+        tests = [_sequence(optimum, allowed), _spread(optimum)]
+        if "drift" not in allowed:
+            tests.insert(0, _drift(optimum))
+        if "offset" not in allowed:
+            tests.insert(0, _series(optimum))
+    failed = [finding for finding in tests if finding is not None]
+    # A series or a drift explains a sequence of like residuals.
+    explained = {"series", "pairs", "drift"} & {finding.test for finding in failed}
+    return [finding for finding in failed if not (explained and finding.test == "sequence")]
+
+
+def _failed(test: str, p: float, says: str, remedy: str) -> Finding | None:
+    """Return a finding if such residuals are surprising; p is NaN if none can tell."""
+    return Finding(test=test, p=p, says=says, remedy=remedy) if p < _SURPRISING else None
+
+
+def _groups(optimum: Optimum, *names: str) -> tuple[str, list[str], Indices]:
+    """Return the first of some groupings with several groups: its name, theirs, and the rows'."""
+    data = optimum.fit.data
+    for name in names:
+        if name != "group" or name in data.data.labels:
+            groups, index = data.groups(name)
+            if len(groups) > 1:
+                return name, groups, index
+    return "", [""], np.zeros(optimum.r.size, dtype=np.intp)
+
+
+def _series(optimum: Optimum) -> Finding | None:
+    """Test whether residuals depend on the series: a mean and a trend along the load of each."""
+    over, names, index = _groups(optimum, "group", "pair")
+    if not over:
+        return None
+    member = as_floats(index[:, None] == np.arange(len(names)))
+    load = np.log(optimum.fit.data.load)
+    p = _f_test(optimum, np.hstack([member, member * (load - load.mean())[:, None]]))
+    if over == "group":
+        says = (
+            f"the {len(names)} series of the column group differ by more than the scatter within "
+            "them, so that the intervals are too narrow"
+        )
+        return _failed("series", p, says, "allow for it with --group group")
+    says = (
+        f"the residuals differ between the {len(names)} pairs of the table: each pair has errors "
+        "of its own, or the law is wrong in the clearance or the moduli"
+    )
+    return _failed("pairs", p, says, "name the series by a column, and add --group COLUMN")
+
+
+def _drift(optimum: Optimum) -> Finding | None:
+    """Test whether residuals have trends along the rows of the series, each its own."""
+    _, _, index = _groups(optimum, "group", "pair")
+    data = optimum.fit.data
+    position = _less_mean(positions(index, data.columns.get("time")), index)
+    load = _less_mean(np.log(data.load), index)
+    if abs(np.corrcoef(position, load)[0, 1]) > 0.9:
+        return None  # along a single sweep of the load a drift looks like another law
+    p = _f_test(optimum, position[:, None] * (index[:, None] == np.unique(index)))
+    says = "the residuals drift along the rows of a series"
+    return _failed("drift", p, says, "allow for it with --drift")
+
+
+def _less_mean(values: FloatArray, index: Indices) -> FloatArray:
+    return as_floats(values - (np.bincount(index, values) / np.bincount(index))[index])
+
+
+def _sequence(optimum: Optimum, allowed: Collection[str]) -> Finding | None:
+    """Test whether each residual is like the one before, by their correlation."""
+    from scipy import special
+
+    _, _, index = _groups(optimum, "group")
+    order = np.argsort(index, kind="stable")
+    r, same = optimum.r[order], np.diff(index[order]) == 0
+    r = r - r.mean()
+    correlation = float((r[1:] * r[:-1])[same].sum() / (r**2).sum())
+    turns = np.diff(np.sign(np.diff(optimum.fit.data.load)))
+    remedy = "repeat some loads, in another order: this may be a drift, or the law's shape"
+    if np.any(turns != 0):
+        untried = {
+            "offset": "name the series by a column with --group COLUMN",
+            "drift": "allow for a drift with --drift",
+        }
+        options = [text for effect, text in untried.items() if effect not in allowed]
+        remedy = ", or ".join([*options, "try other laws with `cylcontact choose`"])
+    says = (
+        f"readings in sequence err alike (correlation {correlation:.2f}), so that the intervals "
+        "are too narrow"
+    )
+    return _failed("sequence", float(special.ndtr(-correlation * np.sqrt(r.size))), says, remedy)
+
+
+def _spread(optimum: Optimum) -> Finding | None:
+    """Test whether the size of the residuals depends on that of the readings."""
+    from scipy import special
+
+    fit, noise = optimum.fit, optimum.covariance_of_readings
+    if fit.noise.is_given:
+        return None
+    correlation = float(np.corrcoef(_ranks(np.abs(optimum.r)), _ranks(fit.observed))[0, 1])
+    degrees = optimum.r.size - 2
+    t = correlation * np.sqrt(degrees / max(1 - correlation**2, 1e-12))
+    relative = " relative to it" if fit.noise.is_log else ""
+    remedy = "allow for both kinds of scatter with --noise both"
+    if noise is not None:
+        relative = " relative to that assumed"
+        if len(noise.model.scatter) == 2:
+            remedy = "look for what else makes readings scatter"
+    says = (
+        f"the scatter of the readings{relative} {'grows' if correlation > 0 else 'falls'} with them"
+    )
+    return _failed("spread", 2 * float(special.stdtr(degrees, -abs(t))), says, remedy)
+
+
+def _f_test(optimum: Optimum, columns: FloatArray) -> float:
+    """Return the probability of residuals that depend on columns so much; NaN if too few rows."""
+    from scipy import special
+
+    r = optimum.r
+    design = np.column_stack([np.ones(r.size), columns])
+    left, singular, _ = np.linalg.svd(design, full_matrices=False)
+    basis = left[:, singular > 1e-10 * singular[0]]
+    rank, rest = basis.shape[1] - 1, r.size - optimum.point.size - basis.shape[1]
+    if rank < 1 or rest < _FEWEST_IN_SERIES:
+        return np.nan
+    along = float(((basis.T @ r) ** 2).sum())
+    explained = max(along - r.size * float(r.mean()) ** 2, 0.0)
+    left_over = max(float((r**2).sum()) - along, 1e-300)
+    return float(special.fdtrc(rank, rest, explained / rank / (left_over / rest)))
+
+
+def _ranks(values: FloatArray) -> FloatArray:
+    """Return the ranks of values; ties share their mean."""
+    _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
+    return as_floats((np.cumsum(counts) - (counts - 1) / 2)[place])
+
+
+# --- what it means, in sentences ----------------------------------------------------------------
+
+# A law that describes less than this share of the variance of readings is not theirs; nor is one
+# that misses them by more than a share of them, and by several times their scatter.
+_DESCRIBED = 0.8
+_MISSED, _TIMES_SCATTER = 0.05, 3.0
+# A stiffness that is certainly outside these, over that of the pair as given, is not the pair's.
+_USUAL_STIFFNESS = (0.8, 1.25)
+# What the estimates are, beside their names.
+COMPLIANCE = (
+    "the compliance is what the readings yield per load beyond the law's own datum: the points "
+    "between which they are taken, the housing and the rig; negative is less"
+)
+_MEANINGS = {
+    "kappa": "kappa is a factor of the penetration, as of a modulus E*/kappa",
+    "stiffness_factor": "stiffness_factor is a factor of the load, as of a modulus so much larger",
+    "modulus_factor": "modulus_factor is a factor of the modulus E*",
+    "compliance": COMPLIANCE,
+}
+_DATUM = "the datum, the housing or the rig (try --free compliance)"
+_DETERMINED = {
+    "poorly": f"poorly determined (not to ±{100 * FAIRLY:g} % of the value, or for a shift of the "
+    "prediction, or cut off by a bound)",
+    "not": "not determined by these data (the interval is as wide as the value, or for a shift as "
+    "the prediction, or as the bounds, or there is none)",
+    "at a bound": "at a bound of the search: widen it",
+}
+# Deviations in words, with their factor from mm or a share.
+_AMOUNTS = {
+    "constant": ("{} µm", 1e3),
+    "proportional": ("{} % of the penetration", 100.0),
+    "offset": ("{} µm of offset", 1e3),
+    "gain": ("{} % of gain", 100.0),
+    "drift": ("{} µm of drift", 1e3),
+}
+# At most so many rows of the data are listed.
+_LISTED = 8
+
+
+def warnings_of(uncertainty: Uncertainty) -> list[str]:
+    """Return what makes the intervals of a fit to measurements doubtful, with the remedy."""
+    return [*data_warnings(uncertainty), *_on_lack_of_determination(uncertainty)]
+
+
+def data_warnings(uncertainty: Uncertainty) -> list[str]:
+    """Return what the readings show against a law or the noise assumed, with the remedy."""
+    sentences = [
+        _on_misfit(uncertainty),
+        _on_chi_square(uncertainty),
+        *_on_stiffness(uncertainty),
+        *(finding.sentence for finding in uncertainty.findings),
+        _on_outliers(uncertainty),
+    ]
+    return [sentence for sentence in sentences if sentence]
+
+
+def verdicts_of(uncertainty: Uncertainty) -> list[str]:
+    """Return the verdicts on a fit to measurements, most important first."""
+    determined = _on_lack_of_determination(uncertainty) or [
+        f"every free parameter is determined to ±{100 * FAIRLY:g} % or better "
+        f"(well: ±{100 * WELL:g} %), a shift in terms of the prediction"
+    ]
+    groups = [" = ".join(map(str, lines)) for lines in uncertainty.duplicates]
+    duplicates = f"identical rows, each of them counted: lines {_listed(groups, '; ')}"
+    return [
+        _on_noise(uncertainty),
+        *determined,
+        *(text for name, text in _MEANINGS.items() if name in uncertainty.estimates),
+        *_on_correlations(uncertainty),
+        *([duplicates] if groups else []),
+        *uncertainty.notes,
+    ]
+
+
+def describes(uncertainty: Uncertainty) -> bool:
+    """Return whether a law describes the readings at all."""
+    return not _misfit(uncertainty)
+
+
+def _misfit(uncertainty: Uncertainty) -> str:
+    """Return by how much a law misses readings that it does not describe; "" if it does."""
+    share, missed = uncertainty.r_squared, uncertainty.missed
+    times = uncertainty.missed_over_scatter
+    if share is not None and share < _DESCRIBED:
+        return f"R² = {share:.3g}"
+    if missed is None or times is None or missed < _MISSED or times < _TIMES_SCATTER:
+        return ""
+    return (
+        f"it misses them by {100 * missed:.2g} % (root mean square), {times:.2g} times their "
+        "scatter from one to the next"
+    )
+
+
+def _on_misfit(uncertainty: Uncertainty) -> str:
+    how = _misfit(uncertainty)
+    if not how:
+        return ""
+    if uncertainty.falls:
+        return (
+            f"the law does not describe these readings ({how}): the penetration falls as the load "
+            "rises, so one of them has the opposite sign (--sign penetration, or --sign load)"
+        )
+    causes = ("the units of the columns", "the materials", "the radii")
+    listed = _causes(uncertainty, "and", *causes, "a kink (a seat that settles)", "a drift")
+    return f"the law does not describe these readings ({how}): look at {listed}"
+
+
+def _causes(uncertainty: Uncertainty, word: str, *causes: str) -> str:
+    *first, last = causes if "compliance" in uncertainty.estimates else (*causes, _DATUM)
+    return f"{', '.join(first)}, {word} {last}"
+
+
+def _on_stiffness(uncertainty: Uncertainty) -> list[str]:
+    sentences = []
+    for name, estimate in uncertainty.estimates.items():
+        ends, nominal = estimate.profile or estimate, estimate.nominal
+        if not nominal or ends.low is None or ends.high is None:
+            continue
+        least, most = _USUAL_STIFFNESS
+        if ends.low / nominal <= most and ends.high / nominal >= least:
+            continue
+        causes = ("a diameter given as a radius", "another unit", "another material")
+        sentences.append(
+            f"{name} is {estimate.value:.3g} ({ends.low:.3g} to {ends.high:.3g}), and "
+            f"{nominal:.3g} for the pair as given: is it "
+            f"{_causes(uncertainty, 'or', *causes, 'another law')}?"
+        )
+    return sentences
+
+
+def _on_outliers(uncertainty: Uncertainty) -> str:
+    if not uncertainty.outliers:
+        return ""
+    lines = [f"{outlier.line} ({outlier.deviations:+.1f})" for outlier in uncertainty.outliers]
+    changes = [
+        f"{name} {estimate.value:.4g} → {uncertainty.without_outliers[name]:.4g}"
+        for name, estimate in uncertainty.estimates.items()
+        if name in uncertainty.without_outliers
+    ]
+    without = f"; without them {', '.join(changes)}" if changes else ""
+    return (
+        f"rows more than {_OUTLYING:g} robust standard deviations away, not left out: lines "
+        f"{_listed(lines, ', ')}{without}"
+    )
+
+
+def _listed(texts: Sequence[str], mark: str) -> str:
+    return mark.join(texts[:_LISTED]) + (", …" if len(texts) > _LISTED else "")
+
+
+def _on_noise(uncertainty: Uncertainty) -> str:
+    sigma, unit = uncertainty.residual_sigma, uncertainty.residual_unit
+    if not uncertainty.sigma_known and sigma < ROUNDING:
+        return (
+            "the data follow the law to round-off: there is no noise to estimate, and no interval"
+        )
+    if uncertainty.noise is not None:
+        return _on_deviations(uncertainty.noise, uncertainty.level)
+    if not uncertainty.sigma_known:
+        of_share = f"{100 * sigma:.3g} % of the penetration"
+        return (
+            f"measured data: the residuals scatter by "
+            f"{of_share if unit.startswith('share') else f'{sigma:.3g} {unit}'} (standard "
+            f"deviation, estimated from them with {uncertainty.degrees_of_freedom} degrees of "
+            f"freedom); intervals are at {100 * uncertainty.level:g} % and hold if the law is "
+            "right and the noise independent"
+        )
+    p = uncertainty.chi_square_p
+    assert p is not None
+    verdict = "as large as the given standard deviations allow"
+    if p > 1 - _SURPRISING:
+        verdict = "smaller than the given standard deviations: those look too large"
+    return _on_chi_square(uncertainty) or (
+        f"measured data with given standard deviations: residuals are {verdict} (p = {p:.3g})"
+    )
+
+
+def _on_chi_square(uncertainty: Uncertainty) -> str:
+    p = uncertainty.chi_square_p
+    if p is None or p >= _SURPRISING:
+        return ""
+    return (
+        "the residuals are larger than the given standard deviations allow: the law is wrong, or "
+        f"they are too small; the intervals are then too narrow (p = {p:.3g})"
+    )
+
+
+def _on_deviations(noise: FittedDeviations, level: float) -> str:
+    def amounts(names: Sequence[str]) -> list[str]:
+        given = [name for name in noise.deviations if name in names]
+        words = ((_AMOUNTS[name], noise.deviations[name]) for name in given)
+        return [text.format(f"{factor * value:.3g}") for (text, factor), value in words]
+
+    single, shared = amounts(("constant", "proportional")), amounts(("offset", "gain", "drift"))
+    parts, number = [], len(noise.series)
+    if single:
+        parts.append(f"single readings scatter by {' and '.join(single)} (standard deviation)")
+    if shared:
+        parts.append(f"the {number} series differ by {', '.join(shared)} (standard deviations)")
+    elif number == 1:
+        effects = noise.series[0].effects
+        if "drift" in effects:
+            drift = f"{1e3 * effects['drift']:.3g} µm"
+            parts.append(f"the readings drift by {drift} from the first to the last")
+        if "offset" in effects:
+            parts.append("there is one series, and the intervals are not about others like it")
+    elif number:
+        parts.append(
+            f"the {number} series have fixed effects, so that the intervals are about these "
+            "series, not about others like them"
+        )
+    sizes = "; ".join(parts) or "the standard deviations are those given"
+    return f"measured data: {sizes}; intervals are at {100 * level:g} %"
+
+
+def _on_lack_of_determination(uncertainty: Uncertainty) -> list[str]:
+    together = uncertainty.only_together
+    if together:
+        which = "has no effect on the fit: fix it"
+        if len(together) > 1:
+            which = "are not identifiable, only a combination of them: fix one"
+        return [
+            f"{' and '.join(together)} {which} with --fix {together[0]}=VALUE, or [fixed] in the "
+            "campaign"
+        ]
+    sentences = []
+    for verdict, meaning in _DETERMINED.items():
+        names = [name for name, e in uncertainty.estimates.items() if e.verdict == verdict]
+        sentences += [f"{', '.join(names)}: {meaning}"] if names else []
+    return sentences
+
+
+def _on_correlations(uncertainty: Uncertainty) -> list[str]:
+    names, sentences = list(uncertainty.correlation), []
+    for i, first in enumerate(names):
+        for other in names[i + 1 :]:
+            value = uncertainty.correlation[first][other]
+            if abs(value) > _STRONG_CORRELATION:
+                kind = "rise together" if value > 0 else "trade off"
+                sentences.append(
+                    f"{first} and {other} {kind} (correlation {value:.3f}): quote them together, "
+                    "or fix one"
+                )
+    return sentences

@@ -1,0 +1,560 @@
+"""The result of a fit to readings: coefficients with intervals, predictions, tables, pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cylcontact.bodies.pair import CylinderPair
+from cylcontact.datasets.measurements import MeasuredData, Measurements, measurements_of
+from cylcontact.files.spec import parse_spec
+from cylcontact.files.units import column_named, load_in_N_per_mm
+from cylcontact.fitting.checks import verdicts_of, warnings_of
+from cylcontact.fitting.law_models import user_model, with_rig
+from cylcontact.fitting.noise import NoiseModel
+from cylcontact.fitting.readings import Optimum
+from cylcontact.fitting.records import Interval, Uncertainty
+from cylcontact.fitting.results import FitResult, Rows, or_dash
+from cylcontact.fitting.tables import TableCampaign
+from cylcontact.laws.adapters import RigCompliance
+from cylcontact.laws.law import ContactLaw
+from cylcontact.support.arrays import as_floats
+from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import advice, brief
+from cylcontact.support.text_tables import Table
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from cylcontact.fitting.design import Design
+    from cylcontact.plots.figure import Drawing
+
+# Columns of a table, by name.
+Columns = dict[str, Any]
+# The headings of the effects of series, with their factor from mm or a share.
+_EFFECTS = {"offset": ("offset, µm", 1e3), "gain": ("gain, %", 100.0), "drift": ("drift, µm", 1e3)}
+
+
+class DataFit(FitResult):
+    """A law fitted to readings, with the uncertainty of its coefficients; from `cylcontact.fit`.
+
+    `print(result)` gives the report, and a notebook shows it with its picture.
+    """
+
+    uncertainty: Uncertainty
+
+    round_off: ClassVar[float] = 1e-12
+
+    # --- the fit itself -----------------------------------------------------------------------
+
+    @cached_property
+    def optimum(self) -> Optimum:
+        """The fit at its best parameters, with its residuals and their derivatives.
+
+        Raises
+        ------
+        InputError
+            If it was read from a file and has a law of your own: `with_law` names that again.
+        """
+        return self._optimum(None)
+
+    def with_law(self, law: str) -> Self:
+        """Return the result with its law, a function of your own, run again.
+
+        The current folder is searched first.
+
+        Raises
+        ------
+        InputError
+            If that is not its law.
+        """
+        if law != self.law:
+            rule, remedy = f"is not its law, {self.law}", "leave --law out, or name that one"
+            raise InputError(f"fit result {self.name!r}", "law", law, rule, remedy)
+        return self.with_optimum(self._optimum(law))
+
+    def with_optimum(self, optimum: Optimum) -> Self:
+        """Return the result, which remembers the fit that it is of, with a law of your own too."""
+        self.__dict__["optimum"] = optimum
+        return self
+
+    def __getstate__(self) -> dict[Any, Any]:
+        # The fit holds functions, and is made again where it is needed.
+        state = super().__getstate__()
+        fields = {k: v for k, v in state["__dict__"].items() if k != "optimum"}
+        return {**state, "__dict__": fields}
+
+    def _optimum(self, law: str | None) -> Optimum:
+        source = f"fit result {self.name!r}"
+        campaign = TableCampaign.of_settings(self.name, self.settings, source)
+        if law is not None:
+            model = user_model(law, self.contact, source, Path.cwd())
+            campaign = replace(campaign, model=with_rig(model, campaign.spec.named))
+        fit, noise = campaign.plain, self.uncertainty.noise
+        point = fit.point(self.coefficients)
+        if isinstance(campaign.noise, NoiseModel) and noise and fit.law(point) is not None:
+            fit = fit.with_noise(campaign.noise, point, noise.deviations)
+        if not np.isfinite(fit.value_of(self.coefficients)):
+            rule = "leave the law undefined for some of the data"
+            raise InputError(source, "coefficients", self.coefficients, rule, "redo the fit")
+        return Optimum(fit, point)
+
+    @cached_property
+    def data(self) -> Measurements:
+        """The measurements; `data.read` says what was read of the table."""
+        where = f"fit result {self.name!r}, settings.measurements"
+        settings = self.settings["measurements"]
+        return measurements_of(parse_spec(MeasuredData, settings, where), where)
+
+    @property
+    def free(self) -> dict[str, float]:
+        """The coefficients that were searched."""
+        return {name: self.coefficients[name] for name in self.uncertainty.estimates}
+
+    @property
+    def level(self) -> float:
+        """The level of the intervals."""
+        return self.uncertainty.level
+
+    def _level(self, level: float | None) -> float:
+        """Return a level that was asked for, or that of the fit."""
+        level = self.level if level is None else level
+        if not 0 < level < 1:
+            rule, remedy = "must lie between 0 and 1", "0.95 is common"
+            raise InputError(f"fit result {self.name!r}", "level", level, rule, remedy)
+        return level
+
+    @property
+    def correlation(self) -> pd.DataFrame:
+        """Correlations of the free coefficients."""
+        import pandas as pd
+
+        return pd.DataFrame(self.uncertainty.correlation)
+
+    @property
+    def aic(self) -> float:
+        """Akaike's information criterion, 2k − 2·ln L, k with the deviations of the noise."""
+        return 2 * self._of_uncertainty("estimated") - 2 * self._of_uncertainty("log_likelihood")
+
+    @property
+    def bic(self) -> float:
+        """The Bayesian information criterion, k·ln N − 2·ln L."""
+        k, N = self._of_uncertainty("estimated"), self.uncertainty.rows
+        return float(k * np.log(N) - 2 * self._of_uncertainty("log_likelihood"))
+
+    @property
+    def r_squared(self) -> float:
+        """Share of the variance of the readings that the law describes."""
+        return self._of_uncertainty("r_squared")
+
+    def _of_uncertainty(self, name: str) -> float:
+        value = getattr(self.uncertainty, name)
+        if value is None:
+            rule = (
+                "is not there, as the data follow the law exactly or an older version fitted them"
+            )
+            raise InputError(f"fit result {self.name!r}", name, None, rule, "fit the data again")
+        return float(value)
+
+    # --- tables -------------------------------------------------------------------------------
+
+    @property
+    def residuals(self) -> pd.DataFrame:
+        """The data beside the fit, a row for each measurement.
+
+        Columns line, the labels of the table, load_N_per_mm, penetration_mm, fitted_mm, residual_mm
+        (measured less fitted), standardised (in standard deviations), and with series series_mm,
+        what the series adds to the law.
+        """
+        import pandas as pd
+
+        return pd.DataFrame(self.residual_columns())
+
+    def residual_columns(self) -> Columns:
+        """Return the columns of `residuals`, for a command that starts without pandas."""
+        optimum = self.optimum
+        fit, data = optimum.fit, optimum.fit.data
+        is_standard = fit.noise.is_given or optimum.covariance_of_readings is not None
+        size = 1.0 if is_standard else optimum.sigma
+        labels = {
+            name: [words[int(row) % len(words)] for row in data.rows]
+            for name, words in data.data.labels.items()
+        }
+        series = optimum.series_in_mm
+        return {
+            "line": [data.line(k) for k in range(len(data))],
+            **labels,
+            "load_N_per_mm": data.load,
+            "penetration_mm": data.penetration,
+            "fitted_mm": fit.observed + optimum.differences,
+            "residual_mm": -optimum.differences,
+            "standardised": -optimum.r / size if size > 0 else np.zeros(len(data)),
+            **({} if series is None else {"series_mm": series}),
+        }
+
+    def predict(
+        self,
+        load: ArrayLike | str | Sequence[str],
+        level: float | None = None,
+        pair: CylinderPair | None = None,
+    ) -> pd.DataFrame:
+        """Return what the fitted law predicts for readings, with bands.
+
+        Parameters
+        ----------
+        load : array_like, str or sequence of str
+            Loads in N/mm, or with their unit, such as "4500 N".
+        level : float, optional
+            Of the bands, between 0 and 1; by default that of the fit.
+        pair : CylinderPair, optional
+            Any pair of the same contact; by default those of the data.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns load_N_per_mm, penetration_mm, low_mm and high_mm (band of a new reading),
+            curve_low_mm and curve_high_mm (band of the curve), and beyond (whether the load is
+            beyond the readings). Where the table has other units, the load, the penetration and
+            the band of a new reading in these as well. Where the data have several pairs and none
+            is given, rows for each, named in the column pair.
+
+        Raises
+        ------
+        InputError
+            If the coefficients have no covariance, or the law is undefined at a load.
+        """
+        import pandas as pd
+
+        return pd.DataFrame(self.predicted_columns(load, level, pair))
+
+    def predicted_columns(
+        self,
+        load: ArrayLike | str | Sequence[str],
+        level: float | None = None,
+        pair: CylinderPair | None = None,
+    ) -> Columns:
+        """Return the columns of `predict`, for a command that starts without pandas."""
+        level, data = self._level(level), self.optimum.fit.data
+        if pair is not None and pair.contact != self.contact:
+            rule, remedy = f"is not {self.contact}, as the fit is", "give a pair of its contact"
+            raise InputError("prediction", "pair.contact", pair.contact, rule, remedy)
+        if pair is not None:
+            return self._predicted(load, level, pair)
+        names, groups = data.groups("pair")
+        pairs = [_pair_of(data.take(np.flatnonzero(groups == k))) for k in range(len(names))]
+        tables = [self._predicted(load, level, each) for each in pairs]
+        if len(names) == 1:
+            return tables[0]
+        columns = {key: np.concatenate([table[key] for table in tables]) for key in tables[0]}
+        return {**columns, "pair": np.repeat(names, len(columns["beyond"]) // len(names)).tolist()}
+
+    def _predicted(self, load: Any, level: float, pair: CylinderPair) -> Columns:
+        texts = [load] if isinstance(load, str) else load
+        if isinstance(texts, Sequence) and all(isinstance(text, str) for text in texts):
+            length = None if pair.length is None else float(np.ravel(pair.length)[0])
+            texts = [load_in_N_per_mm(str(text), length) for text in texts]
+        loads, data = np.atleast_1d(as_floats(texts)), self.optimum.fit.data
+        ends = self.optimum.band(pair, level, load=loads)
+        columns: Columns = {
+            "load_N_per_mm": loads,
+            "penetration_mm": ends.value,
+            "low_mm": ends.new_low,
+            "high_mm": ends.new_high,
+            "curve_low_mm": ends.low,
+            "curve_high_mm": ends.high,
+            "beyond": (loads < data.load.min()) | (loads > data.load.max()),
+        }
+        units = data.data.units
+        unit = column_named(f"load_{units.get('load', '')}")
+        if unit is not None and unit.unit != "N_per_mm" and not (unit.is_total and not pair.length):
+            length = pair.length if unit.is_total and pair.length is not None else 1.0
+            columns[unit.name] = loads * length / unit.factor
+        depth = column_named(f"penetration_{units.get('penetration', '')}")
+        if depth is not None and depth.unit != "mm":
+            for name in ("penetration", "low", "high"):
+                columns[f"{name}_{depth.unit}"] = columns[f"{name}_mm"] / depth.factor
+        return columns
+
+    def interval(
+        self, function: Callable[[ContactLaw], ArrayLike], level: float | None = None
+    ) -> pd.DataFrame:
+        """Return the interval of any number that follows from the fitted law.
+
+        Parameters
+        ----------
+        function : callable
+            From the law of the contact, without the rig, to a number or to m of them, such as a
+            stiffness at a load or the penetration at the peak of a joint.
+        level : float, optional
+            Of the interval, between 0 and 1; by default that of the fit.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each number: value, standard_error, low and high, by the delta method.
+
+        Raises
+        ------
+        InputError
+            If the coefficients have no covariance.
+
+        Examples
+        --------
+        >>> import pandas as pd
+        >>> import cylcontact as cc
+        >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+        >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+        >>> load, noise = np.geomspace(10.0, 1000.0, 9), 1 + 0.01 * np.cos(np.arange(9))
+        >>> depth = cc.laws.Explicit().penetration(load, pair) * noise
+        >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
+        >>> result = cc.fit(data, "explicit", pair)
+        >>> print(result.interval(lambda law: 1e3 * law.penetration(500.0, pair)).round(3))
+           value  standard_error    low   high
+        0  4.993           0.016  4.954  5.031
+        """
+        import pandas as pd
+
+        def of_contact(law: ContactLaw) -> ArrayLike:
+            return function(law.base if isinstance(law, RigCompliance) else law)
+
+        value, variance, reach = self.optimum.propagated(of_contact, self._level(level))
+        error = np.sqrt(variance)
+        ends = {"low": value - reach * error, "high": value + reach * error}
+        return pd.DataFrame({"value": value, "standard_error": error, **ends})
+
+    def design(
+        self,
+        candidates: ArrayLike,
+        add: int = 5,
+        *,
+        dR: ArrayLike | None = None,
+        parameter: str | None = None,
+        level: float | None = None,
+    ) -> Design:
+        """Return which further readings would narrow the intervals most.
+
+        Parameters
+        ----------
+        candidates : array_like
+            Loads in N/mm at which readings can be taken.
+        add : int
+            How many readings are to be added, as one new series.
+        dR : array_like, optional
+            Clearances in mm at which they can be taken; by default that of the first reading.
+        parameter : str, optional
+            The parameter whose interval counts; by default all together.
+        level : float, optional
+            Of the intervals, between 0 and 1; by default that of the fit.
+
+        Raises
+        ------
+        InputError
+            If the coefficients have no covariance, or the law is undefined at a candidate.
+
+        Examples
+        --------
+        A modulus is known best from readings at large loads:
+
+        >>> import pandas as pd
+        >>> import cylcontact as cc
+        >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+        >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+        >>> load, noise = np.geomspace(10.0, 200.0, 9), 0.01 * np.cos(np.arange(9))
+        >>> depth = 1e3 * cc.laws.Explicit().penetration(load, pair) + noise
+        >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": depth})
+        >>> result = cc.fit(data, "explicit", pair, noise="constant")
+        >>> result.design([10.0, 50.0, 200.0], add=2, parameter="stiffness_factor").readings
+           load_N_per_mm  dR_mm  number
+        0          200.0   0.03       2
+        """
+        from cylcontact.fitting.design import design
+
+        loads = np.atleast_1d(as_floats(candidates))
+        clearances = None if dR is None else np.atleast_1d(as_floats(dR))
+        return design(self.optimum, loads, clearances, add, parameter, self._level(level))
+
+    # --- pictures -----------------------------------------------------------------------------
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the data, the fitted law and the band of a new reading; return the axes.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; by default a figure of its own.
+        """
+        from cylcontact.fitting import pictures
+
+        return pictures.plot(self.optimum, self.law, self.level, ax)
+
+    def plot_residuals(self, ax: Axes | None = None) -> Axes:
+        """Draw the residuals over the load; `ax` as for `plot`."""
+        from cylcontact.fitting import pictures
+
+        standardised = self.residual_columns()["standardised"]
+        lines = {outlier.line for outlier in self.uncertainty.outliers}
+        return pictures.plot_residuals(self.optimum.fit.data, standardised, lines, ax)
+
+    def _draw_profile(self, name: str, axes: Axes) -> None:
+        from cylcontact.plots.style import QUIET
+
+        ends = self.uncertainty.estimates[name].profile
+        assert ends is not None
+        values, root, limit = self.optimum.profile(name, ends, self.level)
+        axes.plot(values, root, marker="", linestyle="-")
+        axes.axhline(limit, color=QUIET, linestyle=":", marker="")
+        for end in (ends.low, ends.high):
+            axes.axvline(end, color=QUIET, linestyle="--", marker="", linewidth=0.8)
+        axes.set_ylabel("rise of the objective (std. dev.)")
+
+    def drawing(self) -> Drawing:
+        """Return a figure of the data with the law and its band, the residuals beneath.
+
+        Its table is that of the residuals, its headline the free coefficients.
+        """
+        from cylcontact.plots.figure import Drawing
+
+        values = ", ".join(f"{name} = {value:.4g}" for name, value in self.free.items())
+        caption = (
+            f"{brief(self.name)}: {self.uncertainty.rows} measurements, the {brief(self.law)} law "
+            f"fitted to them ({values}), and the band of {100 * self.level:g} % of new readings; "
+            "beneath, measured less fitted in standard deviations."
+        )
+        return Drawing(self.figure(), self.residuals, self.free, caption)
+
+    def figure(self) -> Figure:
+        """Return the figure of `drawing` alone."""
+        from cylcontact.fitting import pictures
+
+        return pictures.two_panels(96.0, 2.4, self.plot, self.plot_residuals)
+
+    def _repr_html_(self) -> str:
+        from cylcontact.plots.style import figure_style
+
+        try:
+            with figure_style():
+                return super()._repr_html_() + self.drawing()._repr_html_()
+        except InputError:  # the result was read from a file, and the law is a user's own
+            return super()._repr_html_()
+
+    # --- in words -----------------------------------------------------------------------------
+
+    @property
+    def _read(self) -> list[str]:
+        return self.data.read
+
+    @property
+    def objective_unit(self) -> str:
+        """The unit of the objective, empty if it is relative."""
+        return "std. dev." if self.uncertainty.sigma_known else super().objective_unit
+
+    def _verdict(self, name: str) -> str:
+        estimate = self.uncertainty.estimates.get(name)
+        return "fixed" if estimate is None else estimate.verdict
+
+    def _error(self, name: str) -> float | None:
+        estimate = self.uncertainty.estimates.get(name)
+        return None if estimate is None else estimate.standard_error
+
+    def _ends(self, name: str) -> Interval | None:
+        estimate = self.uncertainty.estimates.get(name)
+        return None if estimate is None else estimate.profile
+
+    @property
+    def headline(self) -> str:
+        """What was fitted to what."""
+        return (
+            f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, fitted to "
+            f"{self.counts.samples:,} measurements by the {self.objective_words}"
+        )
+
+    @property
+    def status(self) -> str:
+        """In a line whether the fit can be taken as it is."""
+        uncertainty, verdicts = self.uncertainty, [self.identification(name) for name in self.free]
+        parts = [
+            f"{self.basins()[0][1]} of {len(self.runs)} runs agree",
+            f"{verdicts.count('at a bound') or 'none'} at a bound",
+            f"{verdicts.count('poorly') + verdicts.count('not') or 'none'} ill determined",
+        ]
+        if uncertainty.r_squared is not None:
+            parts.append(f"R² = {uncertainty.r_squared:.5f}")
+        if uncertainty.log_likelihood is not None:
+            parts.append(f"AIC = {self.aic:.1f}, BIC = {self.bic:.1f}")
+        return " · ".join(parts)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What makes the result doubtful, with the remedy.
+
+        Tests of the noise that fail, with the option that allows for it, parameters that are at a
+        bound or not determined, and fewer than half of the runs at the best.
+        """
+        disagreement = self._on_disagreement((), "--fix NAME=VALUE")
+        sentences = map(advice, [*warnings_of(self.uncertainty), *disagreement])
+        return [sentence.replace("runs=", "starts=") for sentence in sentences]
+
+    @property
+    def verdicts(self) -> list[str]:
+        """Sentences on the fit, most important first.
+
+        They state how large the noise is, which parameters are determined, which are correlated,
+        which rows are duplicates, what the published constants give, and how many runs agree.
+        """
+        published = []
+        if self.published is not None:
+            published = [
+                f"on these data the law has an objective of {self.published.objective:.4g} with "
+                f"its published constants, and {self.objective.value:.4g} fitted"
+            ]
+        return [*map(advice, [*verdicts_of(self.uncertainty), *published, *self._on_runs()])]
+
+    def __str__(self) -> str:
+        series = self.uncertainty.noise.series if self.uncertainty.noise else []
+        if len(series) < 2:
+            return super().__str__()
+        names = list(series[0].effects)
+        rows = []
+        for each in series:
+            effects = (f"{_EFFECTS[name][1] * each.effects[name]:.3g}" for name in names)
+            rows.append((each.name, str(each.rows), *effects))
+        table = Table(("series", "readings", *(_EFFECTS[name][0] for name in names)), rows)
+        return f"{super().__str__()}\n\n{table}"
+
+    def _table(self) -> tuple[tuple[str, ...], Rows]:
+        published = self.published
+        rows: Rows = []
+        # The free ones first: the others are the law's own constants.
+        for name in sorted(self.coefficients, key=lambda name: name not in self.free):
+            error, ends = or_dash(self._error(name), ".2g", ""), self._ends(name)
+            interval = "" if ends is None else f"{ends.low:.5g} … {ends.high:.5g}{ends.cut}"
+            paper = f"{published.coefficients[name]:.5g}" if published else ""
+            value, unit = f"{self.coefficients[name]:.5g}", self.units.get(name, "")
+            rows.append((name, value, unit, error, interval, paper, self.identification(name)))
+        paper = f"{published.objective:.5g}" if published else ""
+        value = f"{self.objective.value:.5g}"
+        rows.append((self.objective_words, value, self.objective_unit, "", "", paper, ""))
+        if min(self.settings["measurements"]["numbers"]["penetration"]) > 0:
+            # Of readings about zero a relative difference says nothing.
+            worst = self.max_abs_diff_percent
+            fitted, paper = or_dash(worst.fitted, ".4g"), or_dash(worst.published)
+            rows.append(("largest difference", fitted, "%", "", "", paper, ""))
+        interval = f"{100 * self.level:g} % interval"
+        columns = ("", "fitted", "unit", "std. error", interval, "published", "determined")
+        if published:
+            return columns, rows
+        return (*columns[:5], columns[6]), [(*row[:5], row[6]) for row in rows]
+
+
+def _pair_of(data: Measurements) -> CylinderPair:
+    """Return the pair of rows of one pair, without a length if they have several."""
+    pair, lengths = data.take(np.array([0])).pair, data.columns.get("length")
+    return pair if lengths is None or np.ptp(lengths) == 0 else replace(pair, length=None)

@@ -1,0 +1,266 @@
+"""What a fit needs of a law: its parameters, and how it is built and evaluated from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from cylcontact.bodies.pair import CONTACTS, Contact
+from cylcontact.laws import (
+    LAWS,
+    Enhanced,
+    Explicit,
+    LankaraniNikravesh,
+    Liu,
+    LogarithmicLaw,
+    Persson,
+    PowerClearance,
+    PowerLaw,
+)
+from cylcontact.laws.adapters import ScaledLaw
+from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN, internal_exponent
+from cylcontact.laws.law import Coefficients, ContactLaw
+from cylcontact.laws.power import of_clearance
+from cylcontact.support.arrays import FloatArray, as_floats
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a law: searched between two bounds, fixed at a value, or tied to others.
+
+    `nominal` is a value to start from, that of the law's source if the model says so; `tie` the
+    expression that sets it, e.g. "a/10" (`fitting.ties`). The zero of a `shift` is arbitrary, so
+    that a relative error has no meaning. A `stiffness` sets how stiff the contact is, and is free
+    by default in a fit to measurements.
+    """
+
+    name: str
+    low: float = math.nan
+    high: float = math.nan
+    nominal: float | None = None
+    value: float | None = None
+    tie: str | None = None
+    shift: bool = False
+    stiffness: bool = False
+    unit: str = ""
+    meaning: str = ""
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it is fixed."""
+        return self.value is not None
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it is searched."""
+        return not self.fixed and self.tie is None
+
+
+@dataclass(frozen=True)
+class LawModel:
+    """A law with named parameters, as it is fitted."""
+
+    law: str  # its name in campaigns
+    contact: Contact
+    parameters: tuple[Parameter, ...]  # each with default bounds, or fixed
+    build: Callable[[Coefficients], ContactLaw]  # raises InputError for values that define none
+    # For power laws at each clearance: from candidates, shape (P, k), and clearances ΔR in mm,
+    # shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
+    # from moments and has a lower bound.
+    power_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    # From candidates, clearances and ε to K*, n and their derivatives by the parameters, shape
+    # (P, k, m), with every maximum in the law smoothed over ε. At ε = 0 it is `power_form`.
+    smooth_form: Callable[[FloatArray, FloatArray, float], tuple[FloatArray, ...]] | None = None
+    # Whether it can be fitted on a grid, where a sample has ΔR and f/E* only, and whether its
+    # nominal values are those of the law's source, not of this project.
+    on_grid: bool = False
+    nominal_is_published: bool = True
+    # The range of ΔR in mm, both ends included: calibration may use the open end of [0.005, 10[,
+    # which the law itself excludes.
+    dR_min: float = 0.0
+    dR_max: float = math.inf
+    digest: str = ""  # the hash of the file of a user's own law
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the parameters, in the order of the columns of candidates."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @property
+    def published(self) -> dict[str, float] | None:
+        """The published values of the parameters, if all have one."""
+        nominal = {p.name: p.nominal for p in self.parameters if p.nominal is not None}
+        is_published = self.nominal_is_published and len(nominal) == len(self.parameters)
+        return nominal if is_published else None
+
+    def candidates(self, *coefficients: Coefficients) -> FloatArray:
+        """Return P sets of coefficients by name as candidates, shape (P, k)."""
+        return np.array([[values[name] for name in self.names] for values in coefficients])
+
+
+# --- the laws of the package --------------------------------------------------------------------
+
+# Constants whose zero is arbitrary, and those that set how stiff the contact is.
+_SHIFTS = {"c", "p", "n1", "q", "n2", "Y_log_exponent", "Y_slope", "Y_offset", "n_exponent"}
+_STIFFNESSES = {"kappa", "factor", "modulus_factor"}
+
+
+def parameters_of_fields(kind: Any, *names: str) -> tuple[Parameter, ...]:
+    """Return the constants of a dataclass as parameters; its values, if it has them, as nominal."""
+    return tuple(
+        Parameter(
+            each.name,
+            nominal=None if isinstance(kind, type) else getattr(kind, each.name),
+            shift=each.name in _SHIFTS,
+            stiffness=each.name in _STIFFNESSES,
+            **each.metadata,
+        )
+        for each in fields(kind)
+        if each.metadata and (not names or each.name in names)
+    )
+
+
+def _of_logarithmic(law: LogarithmicLaw, contact: Contact) -> LawModel:
+    """Return a law by κ, c and a factor of Λ, which acts through ln F + c alone and is fixed."""
+
+    def build(values: Coefficients) -> ContactLaw:
+        c = values["c"] + math.log(values["Lambda_factor"])
+        return replace(law, kappa=values["kappa"], c=c)
+
+    factor = Parameter("Lambda_factor", 1e-3, 1e3, 1.0, value=1.0, meaning="factor of Λ")
+    return LawModel(law.name, contact, (*parameters_of_fields(law), factor), build)
+
+
+def _scaled(law: ContactLaw) -> LawModel:
+    """Return a law between f/(E*·ΔR) and δ/ΔR, by factors of E* and ΔR.
+
+    The second is fixed by default: at small loads it is not identifiable beside the first.
+    """
+
+    def build(values: Coefficients) -> ContactLaw:
+        clearance = values["clearance_factor"]
+        return ScaledLaw(law, values["modulus_factor"] * clearance, clearance)
+
+    parameters = (
+        Parameter("modulus_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="factor of E*"),
+        Parameter("clearance_factor", 0.05, 20.0, nominal=1.0, value=1.0, meaning="factor of ΔR"),
+    )
+    return LawModel(law.name, "internal", parameters, build)
+
+
+def _of_coefficients(law: Any, contact: Contact, **more: Any) -> LawModel:
+    """Return a law by its coefficients for a contact."""
+    parameters = parameters_of_fields(law.defaults[contact])
+    return LawModel(law.name, contact, parameters, law, on_grid=True, **more)
+
+
+def _lankarani(contact: Contact) -> LawModel:
+    """Return the law of Lankarani and Nikravesh by a factor of its load and the exponent."""
+
+    def build(values: Coefficients) -> ContactLaw:
+        return ScaledLaw(LankaraniNikravesh(n=values["n"]), load_factor=values["factor"])
+
+    law = LankaraniNikravesh()
+    factor = Parameter("factor", 1e-2, 1e2, 1.0, stiffness=True, meaning="factor of the law's load")
+    return LawModel(law.name, contact, (factor, *parameters_of_fields(law)), build)
+
+
+def _power_law(values: Coefficients) -> ContactLaw:
+    return PowerLaw(**values)
+
+
+def _power_clearance(values: Coefficients) -> ContactLaw:
+    return PowerClearance(**values)
+
+
+def _of_power(contact: Contact) -> Iterator[LawModel]:
+    """Yield the ways to fit a power law."""
+    for name, factor, form in (
+        ("power-one-pair", "K", None),
+        ("power", "K_star", _constant),
+        ("power-dimensionless", "C", _with_dR),
+    ):
+        n, each = parameters_of_fields(PowerLaw, "n", factor)
+        on_grid = form is not None
+        yield LawModel(name, contact, (each, n), _power_law, form, on_grid=on_grid)
+
+
+def _of_clearance(contact: Contact) -> LawModel:
+    """Return the power law by the clearance; two of its constants are zero by default."""
+    parameters = tuple(
+        replace(p, value=0.0 if p.name in ("q", "n2") else None)
+        for p in parameters_of_fields(PowerClearance)
+    )
+    return LawModel(
+        PowerClearance.name, contact, parameters, _power_clearance,
+        _by_clearance, on_grid=True,
+    )  # fmt: skip
+
+
+def package_models() -> Iterator[LawModel]:
+    """Yield the models of the laws of the package, those with default constants first."""
+    for name in LAWS:
+        law = LAWS[name]()
+        if isinstance(law, LogarithmicLaw):
+            yield from (_of_logarithmic(law, contact) for contact in CONTACTS)
+        elif isinstance(law, Liu | Persson):
+            yield _scaled(law)
+    inside = {"dR_min": INTERNAL_DR_MIN, "dR_max": INTERNAL_DR_MAX}
+    forms = {"power_form": _enhanced, "smooth_form": _smooth_enhanced}
+    yield _of_coefficients(Enhanced, "internal", **forms, **inside)
+    yield _of_coefficients(Enhanced, "external", power_form=_enhanced)
+    for contact in CONTACTS:
+        yield _of_coefficients(Explicit, contact, nominal_is_published=False)
+    yield from (_lankarani(contact) for contact in CONTACTS)
+    for contact in CONTACTS:
+        yield from _of_power(contact)
+    yield from (_of_clearance(contact) for contact in CONTACTS)
+
+
+def _constant(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the same K* and n at every ΔR (Eqs 3-4)."""
+    K_star, n = candidates.T[:, :, None] + np.zeros_like(dR)
+    return K_star, n
+
+
+def _with_dR(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return K* = C·ΔR^(2 − n), and n."""
+    C, n = candidates.T[:, :, None] + np.zeros_like(dR)
+    return as_floats(C * dR ** (2 - n)), n
+
+
+def _by_clearance(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return K* and n of `PowerClearance`."""
+    K_star, n = of_clearance(dR, *candidates.T[:, :, None])
+    return as_floats(K_star), as_floats(n)
+
+
+def _enhanced(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return K* and n of candidates at clearances (Eqs 5 and 6)."""
+    a, b, *rest = candidates.T[:, :, None]
+    n = internal_exponent(dR, *rest) if len(rest) > 1 else rest[0] + np.zeros_like(dR)
+    return as_floats(a * dR + b), as_floats(n)
+
+
+def _smooth_enhanced(
+    candidates: FloatArray, dR: FloatArray, smooth: float
+) -> tuple[FloatArray, ...]:
+    """Return ln K*, n and their derivatives, with Y = ½(Y₁ + Y₂ + √((Y₁ − Y₂)² + ε²))."""
+    a, b, scale, exponent, slope, offset, n_exponent = candidates.T[:, :, None]
+    K_star, log_dR, log_log = a * dR + b, np.log(dR), np.log(np.log(1000 * dR))
+    power, reach = np.exp(exponent * log_log), np.exp(n_exponent * log_dR)
+    first, second = scale * power, slope * dR + offset
+    gap = np.sqrt((first - second) ** 2 + smooth**2 + np.finfo(float).tiny)
+    n = 0.5 * (first + second + gap) * reach
+    linear = (0.5 - 0.5 * (first - second) / gap) * reach
+    logarithmic = reach - linear
+    K_slopes, n_slopes = np.zeros((2, *candidates.shape, dR.size))
+    K_slopes[:, 0], K_slopes[:, 1] = dR / K_star, 1 / K_star
+    n_slopes[:, 2] = logarithmic * power
+    n_slopes[:, 3] = logarithmic * first * log_log
+    n_slopes[:, 4], n_slopes[:, 5], n_slopes[:, 6] = linear * dR, linear, n * log_dR
+    return np.log(K_star), n, K_slopes, n_slopes
