@@ -51,6 +51,8 @@ is simulated {sets} times with errors of known size and fitted with the explicit
 give the percentage of sets whose interval contains the true stiffness factor and the true offset;
 {sets} sets determine 95 % to ± 2 %.
 
+![Coverage for each kind of data, with the right options and without](pictures/coverage.png)
+
 | data | options | stiffness factor | offset | warned |
 |---|---|---:|---:|---:|
 {coverage}

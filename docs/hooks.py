@@ -33,7 +33,7 @@ picture in the current folder. [All scripts](../gallery.md)
 
 
 def on_page_content(text, **_):
-    """Set the formulas and indices of a page."""
+    """Set the formulas and indices of a page; an empty head of a column is an empty cell."""
 
     def mathml(match):
         latex = html.unescape(match[2])
@@ -41,7 +41,7 @@ def on_page_content(text, **_):
             return convert(latex)
         return f'<div class="formula">{convert(latex, display="block")}</div>'
 
-    text = FORMULA.sub(mathml, text)
+    text = FORMULA.sub(mathml, text).replace("<th></th>", "<td></td>")
     pieces, end = [], 0
     for match in NOT_TEXT.finditer(text):
         pieces += [INDEXED.sub(r"\1<sub>\2</sub>", text[end : match.start()]), match[0]]

@@ -6,6 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 from matplotlib.patches import Arc, Circle, FancyArrowPatch, Polygon, Rectangle
 
 import cylcontact as cc
@@ -302,10 +303,29 @@ def what_limits():
     return figure
 
 
+def coverage():
+    """How often 95 % intervals contain the true offset, with the right options and without."""
+    rows = pd.read_csv(Path(__file__).parents[1] / "datasets/coverage.csv", keep_default_na=False)
+    rows = rows[rows["parameter"] == "offset"]
+    kinds = list(dict.fromkeys(rows["kind"]))
+    right = ~rows["kind"].duplicated()
+    figure, axes = plt.subplots(figsize=(SIZE, 3.0), layout="constrained")
+    for part, mark, name in ((rows[right], "o", "options that describe the errors"),
+                             (rows[~right], "x", "one of them left out")):  # fmt: skip
+        axes.plot(part["coverage_percent"], part["kind"].map(kinds.index), mark, label=name)
+    axes.axvspan(92, 98, alpha=0.2)
+    axes.set_yticks(range(len(kinds)), kinds)
+    axes.invert_yaxis()
+    axes.set(xlabel="95 % intervals that contain the true offset (%)", xlim=(0, 101))
+    axes.legend(loc="lower left")
+    return figure
+
+
 PICTURES = {
     function.__name__: function
     for function in (
         pair, housing, datum, tilt, choice, reading_a_map, slider_crank, one_curve, what_limits,
+        coverage,
     )
 }  # fmt: skip
 

@@ -11,13 +11,14 @@ from cylcontact.reports.figures import recipes
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
+BELOW = "---\nsearch:\n  boost: 0.5\n---\n"  # the other pages come first in a search
 
 
 def figures():
     """Return a page of all figures, each above its caption and its code."""
     functions = recipes(ROOT)
     parts = [
-        "# Figures\n",
+        f"{BELOW}# Figures\n",
         "The figures of the paper, and after them ours. The caption of a figure is the docstring "
         "of its function; helpers are beside it in the file.\n",
     ]
@@ -41,7 +42,7 @@ def figures():
 def claims(table):
     """Return a page of the paper's claims, by verdict."""
     parts = [
-        "# What the paper claims\n",
+        f"{BELOW}# What the paper claims\n",
         "Each claim is read in every way that its words allow; ✓ and ✗ say whether it holds so. "
         "`cylcontact claims` prints the same.\n",
     ]

@@ -1,4 +1,7 @@
-"""A joint in MATLAB or Octave: a pin falls into its bearing and rolls up the other side."""
+"""A joint in MATLAB or Octave.
+
+The exported joint is run by Octave. A pin falls into its bearing and rolls up the other side.
+"""
 
 import subprocess
 from pathlib import Path

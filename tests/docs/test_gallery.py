@@ -65,7 +65,8 @@ def test_the_pictures_of_the_pages_can_be_drawn(tmp_path):
     text = (ROOT / "docs/pictures.py").read_text(encoding="utf-8")
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs/pictures.py").write_text(text, encoding="utf-8")
-    (tmp_path / "fitting").symlink_to(ROOT / "fitting")
+    for folder in ("fitting", "datasets"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
     subprocess.run([sys.executable, "-W", "error", "docs/pictures.py"], cwd=tmp_path, check=True)
     drawn = {path.name for path in (tmp_path / "docs/pictures").iterdir()}
     assert drawn == {path.name for path in (ROOT / "docs/pictures").iterdir()}
