@@ -133,9 +133,12 @@ def _fit_mujoco(curve: _Curve) -> Values:
             np.log(curve.force / _mujoco(curve.x, still, mass, (-1.0, 0.0), solimp(p)))
         )
 
+    def misses(p: FloatArray) -> FloatArray:
+        return as_floats(ratio(p) - ratio(p).mean())
+
     ln_x = float(np.log(curve.x[-1]))
     bounds = ([0.1, ln_x - 3, 1.0], [1.0, ln_x + 3, 8.0])
-    best = least_squares(lambda p: ratio(p) - ratio(p).mean(), (0.7, ln_x, 2.0), bounds=bounds).x
+    best = least_squares(misses, (0.7, ln_x, 2.0), bounds=bounds).x
     return {"solref": (-float(np.exp(ratio(best).mean())), 0.0), "solimp": solimp(best)}
 
 
