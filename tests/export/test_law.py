@@ -290,9 +290,9 @@ def test_the_command_writes_a_fit_with_its_origin(run):
 REFUSED = [
     (("hertz", "--to", "c"), "neither a law that can be exported nor a fit result"),
     (("johnson", "--to", "rust"), "'rust': is not a known target"),
-    (("johnson", "--to", "cpp"), "is gone for a law; choose c: it compiles as C++"),
-    (("johnson", "--to", "jax"), "is gone for a law; install cylcontact"),
-    (("johnson", "--to", "fmu"), "is gone for a law; export a joint"),
+    (("johnson", "--to", "cpp"), "is gone; choose c: it compiles as C++"),
+    (("johnson", "--to", "jax"), "is gone; install cylcontact"),
+    (("johnson", "--to", "fmu"), "is gone; export a joint"),
     (("explicit", "--to", "c"), "--contact: is missing, and the explicit law has other coef"),
     ((INTERNAL, "--contact", "external", "--to", "c"), "contradicts --contact external"),
     (("liu", "--contact", "external", "--to", "c"), "the law 'liu' is for a pin in a hole"),

@@ -140,8 +140,7 @@ def logarithmic_moments(
     """
     log_E, log_load = np.log(pairs.E_star), np.log(load)
     ends = np.broadcast_to(np.log(law.max_load(pairs)), log_E.shape)
-    reach, first = (np.log(law.max_load(each) / each.E_star) for each in (clearances, pairs))
-    t = np.atleast_1d(reach - first.flat[0])
+    t = np.atleast_1d(np.log(clearances.dR / pairs.dR))
     (x, U), (y, V) = _interpolation(1 + ends), _interpolation(log_load)
     # Logarithms of z over its mean are small, so subtracting their mean loses no digits.
     middle = 1 + ends.mean() - log_load.mean() + t

@@ -188,8 +188,8 @@ def export_joint(
     """Return a clearance joint as a force element in another language.
 
     The source is self-contained, with `start`, `evaluate` and `accept` as
-    `cylcontact.mechanism.ClearanceJoint` has them; units, constants, assumptions and check values
-    stand in its comments.
+    `cylcontact.mechanism.ClearanceJoint` has them. Its comments have units, materials, assumptions
+    and a motion with its forces, to check a build against.
 
     Parameters
     ----------
@@ -208,8 +208,8 @@ def export_joint(
     Raises
     ------
     InputError
-        If the target is unknown, the file's name is not one that the language can import, the
-        joint's name is taken in its Fortran, or an FMU finds no C compiler.
+        If the target is unknown, MATLAB cannot call a file of that name, the joint's name is taken
+        in its Fortran, or there is no C compiler for an FMU.
 
     Examples
     --------

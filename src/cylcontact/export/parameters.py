@@ -10,8 +10,9 @@ Units are m, N, s and kg, but for the parameters of Adams, which are in mm.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,11 +38,12 @@ class _Impact(NamedTuple):
 
 
 class _Curve(NamedTuple):
-    """A law over a range: penetration in m, force in N, stiffness in N/m."""
+    """A law over a range: penetration in m, force in N, stiffness in N/m; an effective mass."""
 
     x: FloatArray
     force: FloatArray
     stiffness: FloatArray
+    mass: float
 
     def power(self) -> tuple[float, float]:
         """Return k and n of the force k·x^n that is closest."""
@@ -62,8 +64,8 @@ Values = dict[str, Any]
 class _Code(NamedTuple):
     """The contact of a code.
 
-    `elastic` gives the parameters without damping that are closest to a law, `damped` the same with
-    a damping; `force` takes x ≥ 0 in m, v in m/s, an impact and the parameters.
+    `elastic` gives the parameters closest to a law, with the one named `damping` at none. `force`
+    takes x ≥ 0 in m, v in m/s, an impact and the parameters.
     """
 
     title: str
@@ -71,10 +73,21 @@ class _Code(NamedTuple):
     note: str
     address: str
     units: Mapping[str, str]  # of the parameters
-    elastic: Callable[[_Curve, _Impact], Values]
-    damped: Callable[[Values, float], Values]
+    damping: str
+    elastic: Callable[[_Curve], Values]
     force: Callable[..., Any]
-    by_factor: bool = False  # whether `damped` takes a hysteresis factor, and needs no search
+
+    def damped(self, values: Values, by: float) -> Values:
+        """Return parameters with a damping; that of Exudyn is a hysteresis factor."""
+        damping: Any = by
+        if self.damping == "solref":
+            damping = (values["solref"][0], 0.0 - by)
+        elif self.damping == "restitutionCoefficient":
+            damping = 1.0
+            if by != 0:
+                miss = partial(_miss_exudyn, by)
+                damping = float(brentq(miss, 1e-12, 1.0, xtol=1e-14))
+        return {**values, self.damping: damping}
 
 
 def _step(share: FloatArray) -> FloatArray:
@@ -83,51 +96,42 @@ def _step(share: FloatArray) -> FloatArray:
     return as_floats(s**2 * (3 - 2 * s))
 
 
-def _fit_adams(curve: _Curve, _impact: _Impact) -> Values:
+def _fit_adams(curve: _Curve) -> Values:
     k, e = curve.power()
     return {"K": k * 1e-3**e, "e": e, "c_max": 0.0, "d_max": 1e3 * float(curve.x[0])}
 
 
-def _adams(
-    x: FloatArray, v: FloatArray, _: _Impact, K: float, e: float, c_max: float, d_max: float
-) -> FloatArray:
+def _adams(x: Any, v: Any, _: _Impact, K: float, e: float, c_max: float, d_max: float) -> Any:
     depth, rate = 1e3 * x, 1e3 * v
     return np.maximum(K * depth**e + c_max * _step(depth / d_max) * rate, 0.0)
 
 
-def _impedance(
-    x: FloatArray, d_0: float, d_width: float, width: float, midpoint: float, power: float
-) -> FloatArray:
-    """Return MuJoCo's impedance."""
+def _mujoco(
+    x: Any, v: Any, impact: _Impact, solref: Sequence[float], solimp: Sequence[float]
+) -> Any:
+    k, b, (d_0, d_width, width, midpoint, power) = -solref[0], -solref[1], solimp
     s = np.clip(x / width, 0.0, 1.0)
     below = s**power / midpoint ** (power - 1)
     above = 1 - (1 - s) ** power / (1 - midpoint) ** (power - 1)
-    return as_floats(d_0 + (d_width - d_0) * np.where(s <= midpoint, below, above))
-
-
-def _mujoco(
-    x: FloatArray, v: FloatArray, impact: _Impact, solref: tuple[float, ...],
-    solimp: tuple[float, ...],
-) -> FloatArray:  # fmt: skip
-    k, b = -solref[0], -solref[1]
-    part = _impedance(x, *solimp) / solimp[1]
+    part = (d_0 + (d_width - d_0) * np.where(s <= midpoint, below, above)) / d_width
     return np.maximum(impact.mass * (k * x * part**2 + b * v * part), 0.0)
 
 
-def _fit_mujoco(curve: _Curve, impact: _Impact) -> Values:
+def _fit_mujoco(curve: _Curve) -> Values:
     """Fit the stiffness, and d_0, width and power of the impedance.
 
     At the smallest midpoint the impedance rises most at first touch, as the stiffness does.
     """
-    d_width, midpoint, still = 1e-3, 1e-4, np.zeros_like(curve.x)
+    d_width, still, mass = 1e-3, np.zeros_like(curve.x), _Impact(curve.mass, 0.0)
 
     def solimp(p: FloatArray) -> tuple[float, ...]:
         part, ln_width, power = map(float, p)
-        return part * d_width, d_width, float(np.exp(ln_width)), midpoint, power
+        return part * d_width, d_width, float(np.exp(ln_width)), 1e-4, power
 
     def ratio(p: FloatArray) -> FloatArray:
-        force = _mujoco(curve.x, still, impact, (-1.0, 0.0), solimp(p))
-        return as_floats(np.log(curve.force / force))
+        return as_floats(
+            np.log(curve.force / _mujoco(curve.x, still, mass, (-1.0, 0.0), solimp(p)))
+        )
 
     def misses(p: FloatArray) -> FloatArray:
         return as_floats(ratio(p) - ratio(p).mean())
@@ -138,26 +142,30 @@ def _fit_mujoco(curve: _Curve, impact: _Impact) -> Values:
     return {"solref": (-float(np.exp(ratio(best).mean())), 0.0), "solimp": solimp(best)}
 
 
+def _fit_exudyn(curve: _Curve) -> Values:
+    stiffness, exponent = curve.power()
+    return {
+        "contactStiffness": stiffness, "contactStiffnessExponent": exponent,
+        "restitutionCoefficient": 1.0, "minimumImpactVelocity": 1e-3 * IMPACT_RATE_FLOOR,
+        "impactModel": 2,
+    }  # fmt: skip
+
+
+def _miss_exudyn(factor: float, e: float) -> float:
+    return _exudyn_factor(e) - factor
+
+
 def _exudyn_factor(e: float) -> float:
     return 1.5 * (1 - e) * (11 - e) / (1 + 9 * e) if e > 1 / 3 else (1 - e) * (1 + e) / e
 
 
-def _damp_exudyn(values: Values, damping: float) -> Values:
-    """Return the parameters with the restitution coefficient whose factor c is `damping`."""
-    e = 1.0
-    if damping != 0:
-        e = float(brentq(lambda e: _exudyn_factor(e) - damping, 1e-12, 1.0, xtol=1e-14))
-    return {**values, "restitutionCoefficient": e}
-
-
 def _exudyn(
-    x: FloatArray, v: FloatArray, impact: _Impact, contactStiffness: float,
-    contactStiffnessExponent: float, restitutionCoefficient: float, minimumImpactVelocity: float,
-    **_others: int,
-) -> FloatArray:  # fmt: skip
-    elastic = contactStiffness * x**contactStiffnessExponent
+    x: Any, v: Any, impact: _Impact, contactStiffness: float, contactStiffnessExponent: float,
+    restitutionCoefficient: float, minimumImpactVelocity: float, **_others: int,
+) -> Any:  # fmt: skip
     onset = max(impact.speed, minimumImpactVelocity)
-    return elastic * (1 + _exudyn_factor(restitutionCoefficient) * v / onset)
+    factor = _exudyn_factor(restitutionCoefficient)
+    return contactStiffness * x**contactStiffnessExponent * (1 + factor * v / onset)
 
 
 _CODES: Mapping[str, _Code] = {
@@ -167,9 +175,7 @@ _CODES: Mapping[str, _Code] = {
         "In mm, N, s; full damping from the penetration of the smallest force on.",
         "https://adams.thisaray.com/adams_solver/state_contact.html",
         {"K": "N/mm^e", "e": "", "c_max": "N s/mm", "d_max": "mm"},
-        _fit_adams,
-        lambda values, damping: {**values, "c_max": damping},
-        _adams,
+        "c_max", _fit_adams, _adams,
     ),
     "chrono": _Code(
         "Chrono SMC, Hooke",
@@ -177,8 +183,7 @@ _CODES: Mapping[str, _Code] = {
         "SetContactForceModel(Hooke), UseMaterialProperties(false), both materials alike.",
         "https://api.projectchrono.org/classchrono_1_1_ch_system_s_m_c.html",
         {"kn": "N/m", "gn": "1/s"},
-        lambda curve, _: {"kn": curve.linear(), "gn": 0.0},
-        lambda values, damping: {**values, "gn": damping},
+        "gn", lambda curve: {"kn": curve.linear(), "gn": 0.0},
         lambda x, v, impact, kn, gn: np.maximum(kn * x + impact.mass * gn * v, 0.0),
     ),
     "drake": _Code(
@@ -187,10 +192,10 @@ _CODES: Mapping[str, _Code] = {
         "Give both geometries these; the approximation kSap has no such dissipation.",
         "https://drake.mit.edu/doxygen_cxx/group__compliant__contact.html",
         {"point_contact_stiffness": "N/m", "hunt_crossley_dissipation": "s/m"},
-        lambda curve, _: {
+        "hunt_crossley_dissipation",
+        lambda curve: {
             "point_contact_stiffness": 2 * curve.linear(), "hunt_crossley_dissipation": 0.0,
         },
-        lambda values, damping: {**values, "hunt_crossley_dissipation": damping},
         lambda x, v, _, point_contact_stiffness, hunt_crossley_dissipation: (
             point_contact_stiffness / 2 * x * np.maximum(1 + hunt_crossley_dissipation * v, 0.0)
         ),
@@ -201,9 +206,7 @@ _CODES: Mapping[str, _Code] = {
         "solref holds for this effective mass m; d_width of other forces is added to F.",
         "https://mujoco.readthedocs.io/en/stable/modeling.html#solver-parameters",
         {"solref": "(1/s^2, 1/s)", "solimp": "(-, -, m, -, -)"},
-        _fit_mujoco,
-        lambda values, damping: {**values, "solref": (values["solref"][0], 0.0 - damping)},
-        _mujoco,
+        "solref", _fit_mujoco, _mujoco,
     ),
     "exudyn": _Code(
         "Exudyn, ObjectContactSphereSphere",
@@ -215,14 +218,7 @@ _CODES: Mapping[str, _Code] = {
             "contactStiffness": "N/m^n", "contactStiffnessExponent": "",
             "restitutionCoefficient": "", "minimumImpactVelocity": "m/s", "impactModel": "",
         },
-        lambda curve, _: {
-            "contactStiffness": curve.power()[0], "contactStiffnessExponent": curve.power()[1],
-            "restitutionCoefficient": 1.0, "minimumImpactVelocity": 1e-3 * IMPACT_RATE_FLOOR,
-            "impactModel": 2,
-        },
-        _damp_exudyn,
-        _exudyn,
-        by_factor=True,
+        "restitutionCoefficient", _fit_exudyn, _exudyn,
     ),
     "simscape": _Code(
         "Simscape Multibody, Spatial Contact Force",
@@ -230,11 +226,11 @@ _CODES: Mapping[str, _Code] = {
         "w ends where the range begins; the page leaves s open, taken as a cubic here.",
         "https://www.mathworks.com/help/sm/ref/spatialcontactforce.html",
         {"stiffness": "N/m", "damping": "N s/m", "transition_region_width": "m"},
-        lambda curve, _: {
+        "damping",
+        lambda curve: {
             "stiffness": curve.linear(), "damping": 0.0,
             "transition_region_width": float(curve.x[0]),
         },
-        lambda values, damping: {**values, "damping": damping},
         lambda x, v, _, stiffness, damping, transition_region_width: np.maximum(
             _step(x / transition_region_width) * (stiffness * x + damping * v), 0.0
         ),
@@ -364,7 +360,7 @@ def contact_parameters(
     require(code in CODES, "export", "--to", code, "is not known", f"choose {listed(CODES)}")
     for key, number in (("--mass", mass), ("--speed", 1.0 if speed is None else speed)):
         require(0 < number < np.inf, "export", key, number, "must be positive", "give kg and m/s")
-    curve = _curve(joint, low, high)
+    curve = _curve(joint, low, high, mass)
     if speed is None:
         length = joint.pair.contact_length("the export")
         deepest = float(joint.law.penetration(np.sqrt(low * high) / length, joint.pair))
@@ -372,25 +368,18 @@ def contact_parameters(
         energy = stored_energy(1e-3 * deepest, block, parameters)
         speed = float(f"{np.sqrt(2 * energy / mass):.3g}")
     impact, own = _Impact(mass, speed), _CODES[code]
-    values = _damped(own, own.elastic(curve, impact), joint.chi, curve, impact)
-    still, step = np.zeros_like(curve.x), 1e-5 * curve.x
+    values = _damped(own, own.elastic(curve), joint.chi, curve, impact)
     force, above, below = (
-        own.force(x, still, impact, **values) for x in (curve.x, curve.x + step, curve.x - step)
+        own.force(x, np.zeros_like(x), impact, **values)
+        for x in (curve.x, curve.x * (1 + 1e-5), curve.x * (1 - 1e-5))
+    )
+    restitution = (
+        _restitution(own, values, curve, _Impact(mass, factor * speed)) for factor in (1, 0.5, 2)
     )
     return ContactParameters(
-        values,
-        low,
-        high,
-        mass,
-        speed,
-        tuple(
-            _restitution(own, values, curve, _Impact(mass, v))
-            for v in (speed, speed / 2, 2 * speed)
-        ),
-        _error(force / curve.force),
-        _error((above - below) / (2 * step) / curve.stiffness),
-        own,
-    )
+        values, low, high, mass, speed, tuple(restitution), _error(force / curve.force),
+        _error((above - below) / (2e-5 * curve.x) / curve.stiffness), own,
+    )  # fmt: skip
 
 
 def _error(ratio: FloatArray) -> tuple[float, float]:
@@ -398,7 +387,7 @@ def _error(ratio: FloatArray) -> tuple[float, float]:
     return float(np.abs(ratio - 1).max()), float(np.sqrt(np.mean((ratio - 1) ** 2)))
 
 
-def _curve(joint: ClearanceJoint, low: float, high: float) -> _Curve:
+def _curve(joint: ClearanceJoint, low: float, high: float, mass: float) -> _Curve:
     """Return the law over the range, evenly by the logarithm of the force."""
     pair, length = joint.pair, joint.pair.contact_length("the export")
     most, text = float(joint.law.max_load(pair)) * length, f"{low:g}:{high:g}"
@@ -409,12 +398,12 @@ def _curve(joint: ClearanceJoint, low: float, high: float) -> _Curve:
     require(high < most, "export", "--range", text, rule, remedy)
     force = np.geomspace(low, high, _FORCES)
     x = joint.law.penetration(force / length, pair)
-    return _Curve(1e-3 * x, force, 1e3 * length * joint.law.stiffness(x, pair))
+    return _Curve(1e-3 * x, force, 1e3 * length * joint.law.stiffness(x, pair), mass)
 
 
 def _damped(code: _Code, values: Values, chi: float, curve: _Curve, impact: _Impact) -> Values:
     """Return parameters with the damping that gives the restitution of a hysteresis factor."""
-    if chi == 0 or code.by_factor:
+    if chi == 0 or code.damping == "restitutionCoefficient":
         return code.damped(values, chi)
     wanted = float(achieved_restitution(chi))
 

@@ -23,7 +23,7 @@ import numpy as np
 from numba.extending import overload
 
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.laws import Conformal, explicit, formula, lambert, liu, logarithmic, power
+from cylcontact.laws import Conformal, explicit, lambert, liu, logarithmic, power
 from cylcontact.laws.conformal.curve import FAR_STEP
 from cylcontact.laws.law import ENERGY_NODES, ENERGY_WEIGHTS, ContactLaw, has_formula
 from cylcontact.laws.tabulated import (
@@ -85,17 +85,24 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     return Kernel(TABLE, table, float(table[0]))
 
 
-@overload(formula.choose, strict=False)
-def _choose(test: Any, yes: Any, no: Any) -> Any:
-    return lambda test, yes, no: yes if test else no
-
-
 @overload(lambert.branch_distance, strict=False)
 def _branch_distance(p: Any) -> Any:
     return _of_number
 
 
-_of_number = called(lambert.branch_distance_of_number)
+_inner = called(lambert.inner_distance)
+
+
+@called
+def _of_number(p: float) -> float:
+    """Return `branch_distance` of a number."""
+    if p > 0 and p < 1:
+        return _inner(p)
+    if p == 0:
+        return math.inf
+    return 0.0 if p == 1 else math.nan
+
+
 _power, _power_slope, _power_energy = map(merged, (power.load, power.stiffness, power.energy))
 _log, _log_slope, _log_energy = map(
     called, (logarithmic.load, logarithmic.stiffness, logarithmic.energy)

@@ -11,8 +11,8 @@ few units in the last place of 1 + w, so the relative error of w grows next to t
 1e-10 at 1 − p = 1e-12.
 
 One step of fourth order from a start in closed form leaves an error below half a unit in the last
-place of 1 + w. There is no iteration and no convergence test. `branch_distance_of_number` has
-it in readable form, as other languages and compiled code compute it; arrays take the same start in
+place of 1 + w. There is no iteration and no convergence test. `inner_distance` has it in
+readable form, as other languages and compiled code compute it; arrays take the same start in
 single precision and Fritsch's step, in as few passes as possible.
 """
 
@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from cylcontact.laws.formula import choose
 from cylcontact.support.arrays import FloatArray
 
 # The start w = r(A + r(B + Cr))/(1 + Dr) with r = √(−ln p), in which w is smooth. Fitted over all
@@ -27,18 +28,21 @@ from cylcontact.support.arrays import FloatArray
 A, B, C, D = 1.41441, 1.0246, 0.25518, 0.25524
 
 
+def inner_distance(p):
+    """Return w for 0 < p < 1, by the inverse series (Householder) of its equation."""
+    g = -np.log(p)
+    r = np.sqrt(g)
+    u = 1 + r * (A + r * (B + C * r)) / (1 + D * r)
+    start = u - 1
+    t = (start - np.log(u) - g) / (start * start)
+    return start - t * start * u * (1 + t * (0.5 + t * (0.5 + start / 3)))
+
+
 def branch_distance_of_number(p):
-    """Return `branch_distance` of a number, by the inverse series (Householder) of its equation."""
-    if p > 0 and p < 1:
-        g = -np.log(p)
-        r = np.sqrt(g)
-        u = 1 + r * (A + r * (B + C * r)) / (1 + D * r)
-        start = u - 1
-        t = (start - np.log(u) - g) / (start * start)
-        return start - t * start * u * (1 + t * (0.5 + t * (0.5 + start / 3)))
-    if p == 0:
-        return np.inf
-    return 0.0 if p == 1 else np.nan
+    """Return `branch_distance` as other languages compute it."""
+    # At the branch point the regular formula would divide by zero; there it computes p = 0.5.
+    w = inner_distance(choose((p > 0) & (p < 1), p, 0.5))
+    return choose(p <= 1, choose(p > 0, choose(p < 1, w, 0), np.inf), np.nan)
 
 
 def branch_distance(p: FloatArray) -> FloatArray:

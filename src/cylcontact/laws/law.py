@@ -191,6 +191,11 @@ class Law:
         return self.constants_for(pair.contact)
 
     @property
+    def title(self) -> str:
+        """What errors call the law."""
+        return type(self).__name__
+
+    @property
     def needs(self) -> tuple[str, ...]:
         """What the law needs of a pair besides E* and ΔR."""
         return tuple(name for name in self.formula.of_pair if name not in ("E_star", "dR"))
@@ -198,9 +203,9 @@ class Law:
     def require_pair(self, pair: CylinderPair) -> None:
         """Raise `InputError` for a pair that the law is not for."""
         if len(self.contacts) == 1:
-            require_hole(type(self).__name__, pair)
+            require_hole(self.title, pair)
         if not self.any_plane:
-            pair.require_plane_strain(type(self).__name__)
+            pair.require_plane_strain(self.title)
 
     def numbers_at(self, pair: CylinderPair) -> tuple[Any, ...]:
         """Return the numbers of the formula at a pair."""
@@ -214,7 +219,7 @@ class Law:
         rule = "is a plane, and the law needs a finite ΔR"
         remedy = "use laws.Johnson(datum=depth in mm) for a cylinder on a plane"
         finite = np.isfinite(asked.get("dR", 0.0))
-        require(finite, type(self).__name__, "pair.R_j", pair.R_j, rule, remedy)
+        require(finite, self.title, "pair.R_j", pair.R_j, rule, remedy)
         with np.errstate(all="ignore"):
             return formula.numbers_of(**asked, **self.constants_at(pair))
 

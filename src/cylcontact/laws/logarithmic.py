@@ -135,6 +135,11 @@ class LogarithmicLaw(Law):
     about: str = field(default="", repr=False)
     any_plane: ClassVar[bool] = False
 
+    @property
+    def title(self) -> str:
+        """What errors call the law."""
+        return f"the {self.name} law"
+
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm; NaN outside [0, max_load]."""
         f = numbers_for(pair, load=load)
