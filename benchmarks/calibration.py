@@ -22,11 +22,11 @@ from benchmarks.harness import Row, compare, require_agreement, rows
 from cylcontact.datasets import Grid, reduce_grid
 from cylcontact.datasets.sampling import BLOCK, blocks
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.reference import OnMoments
 from cylcontact.fitting.runs import searches
 from cylcontact.fitting.search import genetic_search
 from cylcontact.fitting.specs import GeneticSpec
-from cylcontact.laws.law import Parameter
 
 CLOSE, SECONDS = 1.001, 200
 BOUNDS = {
