@@ -329,7 +329,6 @@ class _Reader(ast.NodeTransformer):
             self.function.changes.append(node.id)
 
     def visit_Assign(self, node: Node) -> Any:
-        """Read an assignment; that of several values is one after the other."""
         remarks, gap = node.remarks, node.gap
         match node:
             case ast.Assign(targets=[ast.Tuple(elts=names)], value=ast.Tuple(elts=values)):
@@ -352,25 +351,21 @@ class _Reader(ast.NodeTransformer):
         return self.generic_visit(node)
 
     def visit_Expr(self, node: ast.Expr) -> Any:
-        """Read a call of a function that changes a record."""
         if not isinstance(node.value, ast.Call):
             self.where.refuse(node, "does nothing", "remove it")
         return self.generic_visit(node)
 
     def visit_If(self, node: Node) -> Any:
-        """Read a choice."""
         node.test = self.visit(node.test)
         node.body, node.orelse = self._block(node.body), self._block(node.orelse)
         return node
 
     def visit_While(self, node: Node) -> Any:
-        """Read a loop with a condition."""
         if node.orelse:
             self.where.refuse(node, "is a loop with an else", "use a variable")
         return self.visit_If(node)
 
     def visit_For(self, node: Node) -> Any:
-        """Read a loop over a range."""
         call, is_named = node.iter, isinstance(node.target, ast.Name)
         is_range = isinstance(call, ast.Call) and ast.unparse(call.func) == "range"
         if not (is_named and is_range) or node.orelse:
@@ -388,19 +383,16 @@ class _Reader(ast.NodeTransformer):
         return node
 
     def visit_Compare(self, node: ast.Compare) -> Any:
-        """Read a comparison of two numbers."""
         if len(node.ops) > 1:
             self.where.refuse(node, "chains comparisons", "join two with `and`")
         return self.generic_visit(node)
 
     def visit_Constant(self, node: ast.Constant) -> Any:
-        """Read a number or a truth value."""
         if not isinstance(node.value, bool | int | float):
             self.where.refuse(node, "is not a number", "use numbers")
         return node
 
     def visit_Name(self, node: ast.Name) -> Any:
-        """Read a variable, or a constant of the module."""
         if node.id in self.variables or node.id in self.program.constants:
             return node
         if node.id not in self.names:
@@ -408,7 +400,6 @@ class _Reader(ast.NodeTransformer):
         return self._number(node, node.id, self.names[node.id])
 
     def visit_Attribute(self, node: ast.Attribute) -> Any:
-        """Read a field, or a constant of another module."""
         match node.value:
             case ast.Name(id=of) if of in self.program.constants:
                 if node.attr not in self.program.constants[of]:
@@ -433,7 +424,6 @@ class _Reader(ast.NodeTransformer):
         return ast.Name(name)
 
     def visit_BinOp(self, node: ast.BinOp) -> Any:
-        """Read a sum, product or power; `&` and `|` of arrays are `and` and `or`."""
         self.generic_visit(node)
         logical = {ast.BitAnd: ast.And, ast.BitOr: ast.Or}.get(type(node.op))
         if logical is None:
@@ -441,7 +431,6 @@ class _Reader(ast.NodeTransformer):
         return ast.copy_location(ast.BoolOp(logical(), [node.left, node.right]), node)
 
     def visit_Call(self, node: ast.Call) -> Any:
-        """Read a call of another plain function or a known one."""
         function: Any = None
         match node.func:
             case ast.Attribute(value=ast.Name(id=of), attr=attr):
