@@ -50,7 +50,7 @@ fit table.csv --fixed n=1.1 --columns load=load_N_per_mm {FIT}
 compare good.json
 laws --E 207GPa --nu 0.3 --dR 0.05 --load 100
 export johnson --to c --contact internal -o out.c
-export good.json --to python -o out.py
+export good.json --to matlab -o out.m
 export --joint joint.toml --to c -o out.c
 simulate slider_crank.toml --law explicit --revolutions 1 --restitution 0.9 --table out.parquet
 sweep slider_crank.toml --law explicit --revolutions 1 -j 1 -o out.csv
