@@ -29,7 +29,7 @@ EXTRAS = {
     "distributed": "dask distributed",
     "docs": "latex2mathml material mkdocs mkdocstrings",
     "browser": "playwright",
-    "peers": "cma exudyn fmpy iminuit jax libcosimpy lmfit mujoco odrpack pymoo statsmodels",
+    "peers": "cma exudyn fmpy iminuit libcosimpy lmfit mujoco odrpack statsmodels",
 }
 # Set by `--rest`.
 REQUIRED = False
