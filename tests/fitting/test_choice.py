@@ -39,7 +39,7 @@ def test_the_law_of_the_data_is_the_best_and_its_equal_cannot_be_told_apart(choi
     said = " ".join(str(choice).split())
     assert "the data cannot tell" in said
     assert "(conformal is its elastic solution)" not in said  # it was not asked for
-    assert "cannot tell the law from the datum" in said
+    assert "cannot tell the law from the compliance" in said
 
 
 @pytest.mark.slow

@@ -346,4 +346,4 @@ def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatc
     load = ("predict", "r.json", "--load", "5 N/mm")
     assert "not run because a result names it" in run(*load)[2]
     assert run(*load, "--law", "mine:load")[0] == 0
-    assert "is not its law, mine:load" in run(*load, "--law", "mine:flat")[2]
+    assert "is not the law of this fit, mine:load" in run(*load, "--law", "mine:flat")[2]

@@ -318,8 +318,8 @@ def predict(
     if beyond.any():
         loads = fitted.optimum.fit.data.load
         rows = ", ".join(str(row) for row, is_beyond in enumerate(beyond, start=1) if is_beyond)
-        reach = f"reach from {loads.min():g} to {loads.max():g} N/mm"
-        say(f"\n! beyond the readings, which {reach}: row {rows}")
+        measured = f"{loads.min():g} to {loads.max():g} N/mm"
+        say(f"\n! outside the measured loads, {measured}: row {rows}")
 
 
 def _aligned(columns: Mapping[str, Any]) -> str:
