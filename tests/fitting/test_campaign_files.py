@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from cylcontact import InputError
 from cylcontact.fitting import read_campaign
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.tables import campaign_of
@@ -13,9 +12,7 @@ from tests.support.spec_files import (
     CAMPAIGN,
     DROP,
     GRID,
-    assert_told,
     changed,
-    labels,
     write_bench,
     write_toml,
 )
@@ -94,73 +91,3 @@ def test_a_campaign_is_redone_from_its_settings(tmp_path):
     assert again.key == campaign.key
     assert again.parameters == campaign.parameters
     assert again.grid.size == campaign.grid.size
-
-
-# --- bad input --------------------------------------------------------------------------------
-
-# What no schema says; tests/cli/test_malformed.py has the rest.
-# Changes to a good campaign; the key, value, rule and remedy of the error.
-BAD_INPUT = [
-    ({"law": "hertz"}, "law", "hertz", "is not a law that can be fitted", "enhanced or"),
-    ({"objective": "rms"}, "objective", "rms", "is not a known objective", "rms-log-penetration"),
-    *(
-        ({"genetic.populations": sizes}, "genetic.populations", sizes, "sizes from 4", "e.g. [60")
-        for sizes in ([], [3], [100_001])
-    ),
-    *(
-        ({"genetic.crossovers": names}, "genetic.crossovers", names, "known crossovers", "blend")
-        for names in ([], ["blend", "two-points"])
-    ),
-    ({"bounds.n": [1.5, 1]}, "bounds.n", [1.5, 1.0], "below the upper bound", "use [fixed]"),
-    ({"bounds.n": [1]}, "bounds.n.1", None, "is required", "[bounds]"),
-    ({"bounds.n": ["1", 2]}, "bounds.n.0", "1", "must be a number", "[bounds]"),
-    ({"fixed.n": 1.1}, "fixed.n", None, "is also in [bounds]", "keep one of them"),
-    ({"ties.n": "K_star"}, "ties.n", None, "is also in [bounds]", "keep one of them"),
-    (
-        {"bounds": {}, "fixed": {"K_star": 1.1, "n": 1.1}},
-        *("parameters", None, "are all fixed or tied", "free at least one"),
-    ),
-    (
-        {"bounds.m": [1, 2]},
-        *("bounds.m", None, "not a parameter of power for internal", "K_star, n"),
-    ),
-    ({"fixed.m": 1}, "fixed.m", None, "not a parameter of power for internal", "K_star, n"),
-    # of 1.0.0rc1
-    ({"parameters.n": {"low": 1}}, "parameters", None, "is gone", "write [bounds]"),
-    ({"optimizer": "cma"}, "optimizer", None, "is gone", "leave it out"),
-    *(
-        ({"dataset": name}, "dataset", name, "no such file beside the campaign or above", "e.g.")
-        for name in ("datasets/none.toml", "datasets", "a\0b")
-    ),
-]
-
-
-@pytest.mark.parametrize(
-    ("changes", "key", "value", "rule", "remedy"), BAD_INPUT, ids=labels(BAD_INPUT)
-)
-def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
-    tmp_path, changes, key, value, rule, remedy
-):
-    path = write_bench(tmp_path, changes)
-    with pytest.raises(InputError) as caught:
-        read_campaign(path)
-    assert_told(caught, path, key, value, rule, remedy)
-
-
-@pytest.mark.parametrize("values", [[0.001, 1.0], [1.0, 10.1]])
-def test_clearances_that_the_law_is_not_stated_for_are_refused(tmp_path, values):
-    law = {"law": "enhanced", "bounds": {name: [0.1, 1.0] for name in INTERNAL}}
-    path = write_bench(tmp_path, law)
-    write_toml(tmp_path / "datasets/small.toml", changed(GRID, {"axes.dR": {"values": values}}))
-    with pytest.raises(InputError) as caught:
-        read_campaign(path)
-    rule = "ΔR (mm) leave the range of the enhanced law for internal contact, 0.005 to 10 mm"
-    assert_told(caught, path, "dataset", values, rule, "narrow the dR axis of the grid")
-
-
-def test_a_grid_is_no_campaign_and_a_campaign_no_grid(tmp_path):
-    write_bench(tmp_path)
-    path = tmp_path / "datasets/small.toml"
-    with pytest.raises(InputError) as caught:
-        read_campaign(path)
-    assert_told(caught, path, "", None, "is a grid spec, not a campaign", "name a campaign")

@@ -24,7 +24,6 @@ from tests.support.measured_files import (
     write_measured,
     write_table,
 )
-from tests.support.spec_files import changed, tree, write_toml
 
 ROOT = Path(__file__).resolve().parents[2]
 ONE = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
@@ -159,61 +158,6 @@ def test_conformal_contact_is_fitted_to_rows_of_several_moduli_and_clearances():
     assert result.coefficients["stiffness_factor"] == pytest.approx(1.2, rel=2e-3)
 
 
-# --- campaign files ---------------------------------------------------------------------------
-
-
-# What no schema says; tests/cli/test_malformed.py has the rest.
-BAD_CAMPAIGNS = [
-    ({"dataset": "x.toml"}, "data", "conflicts with dataset"),
-    ({"data": "absent.csv"}, "data", "no such file beside the campaign"),
-    ({"law": "hooke"}, "law", "is not a law that can be fitted"),
-    ({"law": "conformal", "contact": "external"}, "law", "is for internal contact only"),
-    ({"law": "liu", "contact": "external"}, "law", "is for internal contact only"),
-    ({"loss_scale": 1.0}, "loss_scale", "is gone"),
-    ({"loss": "huber"}, "loss", "is gone"),
-    ({"objective": "rms-luck"}, "objective", "is not an objective for measurements"),
-    ({"materials": "absent.csv"}, "materials", "no such file"),
-    ({"bounds": {"K": [0.0, 1.0]}}, "bounds.K", "is not a parameter of"),
-    (
-        {"fixed": {"kappa": 1.0, "offset": 1.0}},
-        *("parameters", "are all fixed"),
-    ),
-    ({"ignore": ["colour"]}, "ignore", "is not a column of the table"),
-    ({"loads": "299:", "free": ["c"]}, "data", "are not more than the 3 free"),
-    ({"law": "mine:load", "bounds": {"K_star": [0.5, 10.0]}}, "bounds.n", "is required: a law of"),
-]
-
-
-@pytest.mark.parametrize(("changes", "key", "rule"), BAD_CAMPAIGNS, ids=lambda c: str(c)[:40])
-def test_a_bad_campaign_is_told(tmp_path, changes, key, rule):
-    write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.01)
-    (tmp_path / "mine.py").write_text(USER_LAW)
-    path = write_toml(tmp_path / "c.toml", changed(SPEC, changes))
-    with pytest.raises(InputError) as caught:
-        read_campaign(path)
-    assert caught.value.key == key
-    assert rule in caught.value.rule
-    assert len(str(caught.value).splitlines()) == 1
-
-
-def test_rows_that_no_coefficients_reach_are_named(tmp_path):
-    columns = {"load_N_per_mm": [1, 2, 1e9], "penetration_um": [0.01, 0.02, 0.5]}
-    table = write_table(tmp_path / "t.csv", columns)
-    bounds = {"kappa": [0.9, 1.1], "c": [-1.5, -0.5]}
-    campaign = campaign_of_table(
-        table,
-        "johnson",
-        "internal",
-        {**CONSTANTS, "dR_um": 50},
-        bounds=bounds,
-        fixed={"offset": 0.0},
-    )
-    with pytest.raises(InputError) as caught:
-        fit_table(campaign)
-    assert caught.value.source == f"{table}, line 4"
-    assert "lies outside the domain of johnson" in caught.value.rule
-
-
 # --- the command line -------------------------------------------------------------------------
 
 
@@ -240,31 +184,6 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     rows = pd.read_csv(folder / "residuals.csv", comment="#")
     assert rows["line"].tolist() == list(range(2, 38))
     assert rows["residual_mm"].to_numpy() == pytest.approx(result.residuals["residual_mm"])
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("--contact", "internal"), "--law: is required for a table"),
-        ((*JOHNSON, "--bound", "c=1"), "'--bound': 'c=1' is not valid"),
-        ((*JOHNSON, "--fix", "c=1", "--bound", "c=1:2"), "c is given twice"),
-        (
-            (*JOHNSON, "--pin", "PEEK", "--hole", "bronze", "--material-j", "PTFE"),
-            "--pin: says the same as --material-j; keep one of them",
-        ),
-        (
-            ("--law", "johnson", "--contact", "external", "--pin", "PEEK", "--hole", "bronze"),
-            "--contact = 'external': has no pin and no hole; leave out --pin; rollers have",
-        ),
-    ],
-)
-def test_a_bad_command_line_is_told_and_leaves_nothing(tmp_path, run, arguments, message):
-    table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
-    before = tree(tmp_path)
-    code, said, errors = run("fit", table, *arguments, "-o", tmp_path / "r.json")
-    assert (code, said, len(errors.splitlines())) == (2, "", 1)
-    assert message in errors
-    assert tree(tmp_path) == before
 
 
 # --- the rig ----------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from scipy import stats
 from scipy.optimize import minimize
 
 import cylcontact as cc
-from cylcontact import CylinderPair, InputError, laws
+from cylcontact import CylinderPair, laws
 from cylcontact.fitting.noise import (
     Covariance,
     Degrees,
@@ -468,41 +468,3 @@ def test_noise_other_than_assumed_is_found_and_what_is_advised_allows_for_it(nam
 def test_a_drift_along_one_sweep_cannot_be_told_from_the_law():
     assert "drift" not in found(ungrouped(readings(7, 1, 40, drift=4e-4)))
     assert "drift" not in found(by_load())  # nor where no time is given
-
-
-# --- conflicts --------------------------------------------------------------------------------
-
-
-GIVEN = {"penetration_std_um": 0.05}
-# Columns beside the readings, settings, the key that is blamed, and the rule.
-CONFLICTS = [
-    ({}, {"group": "group", "objective": "rms-penetration"}, "objective", "conflicts with group"),
-    ({}, {"drift": True, "objective": "rms-penetration"}, "objective", "conflicts with drift"),
-    (GIVEN, {"noise": "constant"}, "noise", "conflicts with penetration_std, which says the same"),
-    (GIVEN, {"noise": "both"}, "noise", "conflicts with the column penetration_std"),
-    (
-        GIVEN | {"load_std_N_per_mm": 1.0},
-        {"objective": "rms-penetration"},
-        *("objective", "conflicts with load_std, which has a likelihood of its own"),
-    ),
-    (
-        {},
-        {"noise": "constant", "objective": "rms-penetration"},
-        "noise",
-        "conflicts with objective",
-    ),
-    ({}, {"noise": "white"}, "noise", "is not a known noise"),
-    ({}, {"free": ["c"], "fixed": {"c": 1.4}}, "free", "is bounded, fixed or tied as well"),
-    ({}, {"free": ["kappa"]}, "free", "is not a parameter of explicit for internal contact"),
-    ({}, {"group": "date"}, "group", ""),
-    ({}, {"group": "group", "drift": True, "noise": "constant"}, "group", "effects of the series"),
-]
-
-
-@pytest.mark.parametrize(("columns", "settings", "key", "rule"), CONFLICTS)
-def test_what_contradicts_itself_is_told(columns, settings, key, rule):
-    kept = {} if "group" in settings else {"ignore": ["group"]}
-    with pytest.raises(InputError) as caught:
-        cc.fit(readings(0, 4, 3).assign(**columns), "explicit", PAIR, **settings, **kept)
-    assert caught.value.key == key
-    assert rule in caught.value.rule

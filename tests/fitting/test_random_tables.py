@@ -144,11 +144,3 @@ def test_a_result_is_saved_under_any_name(name, tmp_path):
     for write in (result.save, result.write):
         write(str(tmp_path / name))
         assert DataFit.read(str(tmp_path / name)).coefficients == result.coefficients
-
-
-@pytest.mark.parametrize(("rows", "branch"), [(slice(None, None, -1), "loading"),
-                                              (slice(None), "unloading")])  # fmt: skip
-def test_a_branch_that_the_table_lacks_is_refused(rows, branch):
-    table = frame()[rows]
-    with pytest.raises(cc.InputError, match=f"has no rows of {branch}"):
-        cc.fit(table.reset_index(drop=True), "johnson", PAIRS["internal"], branch=branch)

@@ -1,16 +1,14 @@
 """Result files: written and read back whole, and refused when they are anything else."""
 
 import json
-import math
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
-from cylcontact import InputError
 from cylcontact.fitting import FitResult, read_campaign
-from tests.support.spec_files import assert_told, changed, labels, tree, write_bench
+from tests.support.spec_files import tree, write_bench
 
 COMMITTED = sorted((Path(__file__).resolve().parents[2] / "fitting/results").glob("*.json"))
 EXTERNAL, RECOVERED = (
@@ -71,46 +69,6 @@ def test_the_commit_is_that_of_the_campaign_and_marked_when_changed(tmp_path):
     assert campaign.provenance["git_commit"] == commit
     write_bench(tmp_path, {"seed": 8})
     assert campaign.provenance["git_commit"] == f"{commit}-dirty"
-
-
-# --- bad input --------------------------------------------------------------------------------
-
-REDO = "redo the fit"
-NAMES = "must be the coefficients of its campaign: a, b, n"
-
-# Changes to a committed result; what stands after the file's name in the source of the error,
-# its key, value, rule and remedy.
-BAD_INPUT = [
-    (
-        {"profiles.a.objective": [0.1, math.nan]},
-        *("", "profiles.a.objective.1", math.nan, "a finite number", "a value that fits"),
-    ),
-    ({"format": 3}, "", "format", 3, "is not a version that this cylcontact reads", "redo the fit"),
-    ({"runs": []}, "", "runs", [], "must hold at least one run", REDO),
-    ({"coefficients": {"a": 0.4, "b": 0.9}}, "", "coefficients", ["a", "b"], NAMES, REDO),
-    ({"settings": {}}, "", "settings", None, "lacks the campaign or the dataset", REDO),
-    (
-        {"settings.campaign.seed": "1"},
-        *(", settings.campaign", "seed", "1", "must be an integer", "the seed"),
-    ),
-    (
-        {"settings.dataset.axes.E.points": 0},
-        *(", settings.dataset", "axes.E.points", 0, "must be at least 2", "values = [...]"),
-    ),
-]
-
-
-@pytest.mark.parametrize(
-    ("changes", "where", "key", "value", "rule", "remedy"), BAD_INPUT, ids=labels(BAD_INPUT)
-)
-def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
-    tmp_path, changes, where, key, value, rule, remedy
-):
-    path = tmp_path / "r.json"
-    path.write_text(json.dumps(changed(json.loads(EXTERNAL.read_text("utf-8")), changes)))
-    with pytest.raises(InputError) as caught:
-        FitResult.read(path)
-    assert_told(caught, f"{path}{where}", key, value, rule, remedy)
 
 
 # --- verdicts ---------------------------------------------------------------------------------
