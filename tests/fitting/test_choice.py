@@ -115,14 +115,8 @@ def test_a_law_of_ones_own_is_compared_like_the_packages(tmp_path, monkeypatch, 
 HOUSING = {"R_o": 20.0}
 
 
-@pytest.mark.parametrize(
-    "named",
-    [
-        ["conformal", "johnson"],
-        pytest.param(["johnson", "conformal"], marks=pytest.mark.slow),
-        pytest.param([], marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("named", [["johnson", "conformal"], []])
 def test_laws_that_know_no_housing_have_a_compliance_in_any_order(tmp_path, frame, choice, named):
     alone = choice.table.loc["johnson", "aicc"]
     choice = cc.choose(frame, PAIR, laws=named, housing=HOUSING)

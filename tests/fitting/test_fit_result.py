@@ -374,9 +374,9 @@ def test_commands_print_json(run, tmp_path):
         0.9,
         pytest.approx(row["low_mm"]),
     )
-    code, said, _ = run("choose", tmp_path / "mine.csv", *of_pair, "--law", "johnson,power",
+    code, said, _ = run("choose", tmp_path / "mine.csv", *of_pair, "--law", "johnson,explicit",
                         "--json", "-j", 1)  # fmt: skip
-    assert (code, [row["law"] for row in json.loads(said)["rows"]]) == (0, ["johnson", "power"])
+    assert (code, [row["law"] for row in json.loads(said)["rows"]]) == (0, ["johnson", "explicit"])
 
 
 def test_results_with_a_loss_of_before_are_read(plain, tmp_path):
