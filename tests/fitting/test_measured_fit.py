@@ -28,7 +28,6 @@ from tests.support.measured_files import (
 ROOT = Path(__file__).resolve().parents[2]
 ONE = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
 EXAMPLE = ROOT / "fitting/examples/pin-in-hole.toml"
-SPEC = {"data": "measured.csv", "contact": "internal", "law": "johnson", "constants": CONSTANTS}
 
 
 # --- recovery ---------------------------------------------------------------------------------
@@ -98,7 +97,7 @@ def test_stiffness_and_offset_are_free_and_the_shape_is_held(tmp_path, law, cont
 def test_a_function_of_ones_own_is_fitted_like_a_law(tmp_path, objective):
     campaign = user_campaign(tmp_path, objective=objective)
     assert campaign.spec.objective == (objective or "rms-log-penetration")
-    result = fit_table(campaign, jobs=2)
+    result = fit_table(campaign)
     truth = {**TRUTHS["power", "internal"], "offset": 0.0}
     assert result.coefficients == pytest.approx(truth, rel=1e-6)
 
@@ -119,12 +118,8 @@ def test_nothing_is_imported_because_a_result_names_it(tmp_path):
 # --- what the result holds --------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def example():
-    return fit_table(read_campaign(EXAMPLE))
-
-
-def test_the_shipped_example_finds_the_law_it_was_made_of(example):
+def test_the_shipped_example_finds_the_law_it_was_made_of():
+    example = fit_table(read_campaign(EXAMPLE))
     assert isinstance(example, DataFit)
     actual = example.uncertainty
     for name, truth in (("kappa", 1.0), ("c", -1.0)):

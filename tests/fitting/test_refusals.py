@@ -151,7 +151,7 @@ CONFLICTS = [
     ({}, {"drift": True} | RMS, "objective", "conflicts with drift"),
     (GIVEN, {"noise": "constant"}, "noise", "conflicts with penetration_std, which says the same"),
     (GIVEN, {"noise": "both"}, "noise", "conflicts with the column penetration_std"),
-    (BOTH, RMS, "objective", "conflicts with load_std, which has a likelihood of its own"),
+    (BOTH, RMS, "objective", "conflicts with load_std, which needs rms-standardised"),
     ({}, {"noise": "constant"} | RMS, "noise", "conflicts with objective"),
     ({}, {"noise": "white"}, "noise", "is not a known noise"),
     ({}, {"free": ["c"], "fixed": {"c": 1.4}}, "free", "is bounded, fixed or tied as well"),

@@ -123,14 +123,6 @@ def test_a_descent_recovers_the_coefficients_that_made_the_data(contact):
     assert point == pytest.approx(truth, rel=1e-5, abs=1e-6)
 
 
-def test_descents_alone_find_the_optimum_that_is_known(external):
-    point, value = minimise(external, external.low)
-    assert value == pytest.approx(0.0547, abs=5e-5)
-    assert external.coefficients(point) == pytest.approx(
-        {"a": 0.391, "b": 1.049, "n": 1.0933}, abs=5e-4
-    )
-
-
 def samples_space(objective, contact="internal"):
     model = MODELS["enhanced", contact]
     E, dR, load = np.geomspace(60, 600, 3), np.geomspace(0.05, 9.0, 5), np.geomspace(10, 1000, 6)

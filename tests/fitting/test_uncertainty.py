@@ -201,7 +201,7 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
         for name in names:
             ratio, _ = noise.ratio({name: truth[name]}, best)
-            hits["profile"].append(ratio <= noise.threshold(LEVEL, [name]))
+            hits["profile"].append(ratio <= noise.threshold(LEVEL, name))
         band = noise.band(ahead, LEVEL, load=[20.0])
         depth = float(law.penetration(20.0, ahead)[0])
         hits["curve"].append(band.low[0] <= depth <= band.high[0])

@@ -383,7 +383,7 @@ _MEANINGS = {
     "modulus_factor": "modulus_factor multiplies the modulus E*",
     "compliance": COMPLIANCE,
 }
-_DATUM = "the datum, the housing or the rig (try --free compliance)"
+_DATUM = "the reference point, the housing or the rig (try --free compliance)"
 _DETERMINED = {
     "poorly": f"poorly determined, as the interval is wider than ±{100 * FAIRLY:g} % of the value "
     "(for a shift: of the prediction) or ends at a bound of the search",
@@ -467,7 +467,7 @@ def _on_misfit(uncertainty: Uncertainty) -> str:
             "rises, so one of them has the opposite sign (--sign penetration, or --sign load)"
         )
     causes = ("the units of the columns", "the materials", "the radii")
-    listed = _causes(uncertainty, "and", *causes, "a kink (a seat that settles)", "a drift")
+    listed = _causes(uncertainty, "and", *causes, "a kink (the seat settles)", "a drift")
     return f"the law does not describe these readings ({how}): check {listed}"
 
 

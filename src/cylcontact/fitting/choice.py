@@ -378,7 +378,7 @@ def _require_some(
     """Refuse measurements to which no law is left, with the reason of the first."""
     if not fitted:
         name, why = next(iter(left_out.items()))
-        rule = f"no law can be ranked on them; {name} is {why}"
+        rule = f"no law can be ranked; {name} is {why}"
         raise InputError(table.source, "", None, rule, remedy)
 
 
