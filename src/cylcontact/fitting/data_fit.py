@@ -77,10 +77,8 @@ class DataFit(FitResult):
             If that is not its law.
         """
         if law != self.law:
-            rule, remedy = (
-                f"is not the law of this fit, {self.law}",
-                "leave it out, or name that one",
-            )
+            rule = f"is not the law of this fit, {self.law}"
+            remedy = "leave --law out, or name that one"
             raise InputError(f"fit result {self.name!r}", "law", law, rule, remedy)
         return self.with_optimum(self._optimum(law))
 

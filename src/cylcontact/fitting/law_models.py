@@ -1,9 +1,9 @@
 """The models by which laws are fitted: those of the package, and what a test rig adds.
 
 `cylcontact laws --list` has the parameters of each law with their bounds. A campaign may add three
-to any law: `offset`, the reading at first touch in mm, `compliance`, the extra
-displacement per unit load in mm per N/mm (`laws.adapters.RigCompliance`), and `stiffness_factor`,
-which multiplies the load.
+to any law: `offset`, the reading at first touch in mm; `compliance`, the extra displacement per
+unit load in mm per N/mm (`laws.adapters.RigCompliance`); and `stiffness_factor`, which multiplies
+the load.
 
 A fit to measurements holds the constants that give a law its shape, which are known, and frees the
 offset and one parameter of stiffness: the law's own if it has one, such as Johnson's `kappa`, else
