@@ -41,7 +41,7 @@ from cylcontact.fitting.checks import (
 from cylcontact.fitting.law_models import RIG_NAMES, fittable_laws, is_user_law
 from cylcontact.fitting.noise import Covariance
 from cylcontact.fitting.readings import Optimum
-from cylcontact.fitting.search import EXACT, descend
+from cylcontact.fitting.search import descend, polish
 from cylcontact.fitting.tables import Table, TableCampaign, fit_table, read_table
 from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
@@ -432,12 +432,12 @@ def _missed(optimum: Optimum, parts: Sequence[Indices]) -> FloatArray:
     with on_one_thread():
         for part in parts:
             rest = fit.take(np.setdiff1d(np.arange(missed.size), part))
-            points, _ = descend(rest, optimum.point[None], EXACT)
+            point, _ = polish(rest, optimum.point)  # one descent from a bound may stay near it
             if isinstance(fit.noise, Covariance):
-                added = _of_series(Optimum(rest, points[0]), fit.noise)
-                missed[part] = (fit.differences(points)[0] + added)[part]
+                added = _of_series(Optimum(rest, point), fit.noise)
+                missed[part] = (fit.differences(point[None])[0] + added)[part]
             else:
-                missed[part] = fit.raw(points)[0][part]
+                missed[part] = fit.raw(point[None])[0][part]
     return missed
 
 
