@@ -65,7 +65,7 @@ def test_a_stiffness_that_is_not_the_pairs_is_told(factor):
     table = pd.read_csv(SPECIMENS, comment="#")
     table["load_kN"] *= factor
     wrong = " ".join(str(cc.fit(table, "explicit", pair, group="specimen")).split())
-    assert "for the pair as given: is it a diameter given as a radius" in wrong
+    assert "for the pair as given; possible causes: a diameter given as a radius" in wrong
     assert 'free="compliance"' in wrong
 
 

@@ -157,7 +157,7 @@ def test_commands_predict_and_design(tmp_path, run):
     )
     assert (code, errors) == (0, "")
     assert "load_N  penetration_um" in said
-    assert "beyond the readings" in said
+    assert "outside the measured loads" in said
     code, said, _ = run(
         *("design", tmp_path / "t.csv", *pair, "--candidates", "5:400", "--add", 3),
         *("--parameter", "offset", "-o", tmp_path / "design"),

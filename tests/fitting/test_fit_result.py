@@ -374,19 +374,9 @@ def test_commands_print_json(run, tmp_path):
         0.9,
         pytest.approx(row["low_mm"]),
     )
-    code, said, _ = run("choose", tmp_path / "mine.csv", *of_pair, "--law", "johnson,power",
+    code, said, _ = run("choose", tmp_path / "mine.csv", *of_pair, "--law", "johnson,explicit",
                         "--json", "-j", 1)  # fmt: skip
-    assert (code, [row["law"] for row in json.loads(said)["rows"]]) == (0, ["johnson", "power"])
-
-
-def test_what_is_gone_says_what_to_use(run):
-    for arguments, rule in (
-        (("uncertainty", "r.json"), "is gone; `cylcontact fit` gives the standard errors"),
-        (("fit", "mine.csv", "--loss", "huber"), "--loss: is gone; leave it out"),
-    ):
-        code, said, errors = run(*arguments)
-        assert (code, said, len(errors.splitlines())) == (2, "", 1)
-        assert rule in errors
+    assert (code, [row["law"] for row in json.loads(said)["rows"]]) == (0, ["johnson", "explicit"])
 
 
 def test_results_with_a_loss_of_before_are_read(plain, tmp_path):

@@ -9,7 +9,7 @@ from scipy import stats
 from scipy.optimize import minimize
 
 import cylcontact as cc
-from cylcontact import CylinderPair, InputError, laws
+from cylcontact import CylinderPair, laws
 from cylcontact.fitting.noise import (
     Covariance,
     Degrees,
@@ -249,36 +249,32 @@ def restricted(X, y, V):
 
 def test_the_restricted_likelihood_is_that_of_the_full_covariance():
     covariance, likelihood, slopes = likelihood_and_design(7)
-    y, differences = likelihood.residuals, []
-    for factor in (1.0, 0.5, 2.0):
-        deviations = {name: value * factor for name, value in DEVIATIONS.items()}
+    differences = []
+    for changes in (1.0, 0.5, 2.0, {"constant": 0.0, "drift": 0.0}):
+        own = (
+            changes
+            if isinstance(changes, dict)
+            else {n: v * changes for n, v in DEVIATIONS.items()}
+        )
+        deviations = DEVIATIONS | own
         V, _, _ = dense(covariance, deviations)
-        differences.append(likelihood(deviations) - restricted(slopes, y, V))
+        differences.append(likelihood(deviations) - restricted(slopes, likelihood.residuals, V))
     assert np.ptp(differences) == pytest.approx(0.0, abs=1e-9)
-    without = {**DEVIATIONS, "constant": 0.0, "drift": 0.0}
-    expected = restricted(slopes, y, dense(covariance, without)[0]) + differences[0]
-    assert likelihood(without) == pytest.approx(expected, rel=1e-11)
 
 
-def test_errors_and_the_likelihood_of_the_readings_are_those_of_the_full_covariance():
-    covariance, likelihood, slopes = likelihood_and_design(7)
-    V, _, _ = dense(covariance, DEVIATIONS)
-    _, normal, rest, _ = least_squares(slopes, likelihood.residuals, V)
-    assert likelihood.parameter_covariance(DEVIATIONS) == pytest.approx(normal, rel=1e-10)
-    expected = stats.multivariate_normal.logpdf(rest, cov=V)
-    assert likelihood.log_likelihood(DEVIATIONS) == pytest.approx(expected, rel=1e-11)
-
-
-def test_the_effects_of_the_series_solve_hendersons_equations():
+def test_errors_likelihood_and_effects_are_those_of_the_full_covariance():
     covariance, likelihood, X = likelihood_and_design(7)
     V, single, Z = dense(covariance, DEVIATIONS)
     y = likelihood.residuals
+    beta, normal, rest, _ = least_squares(X, y, V)
+    assert likelihood.parameter_covariance(DEVIATIONS) == pytest.approx(normal, rel=1e-10)
+    expected = stats.multivariate_normal.logpdf(rest, cov=V)
+    assert likelihood.log_likelihood(DEVIATIONS) == pytest.approx(expected, rel=1e-11)
+    # The effects of the series solve Henderson's equations.
     R, G = 1 / single, np.tile([DEVIATIONS[n] ** 2 for n in ("offset", "gain", "drift")], 7)
-    left = np.block(
-        [[(X.T * R) @ X, (X.T * R) @ Z], [(Z.T * R) @ X, (Z.T * R) @ Z + np.diag(1 / G)]]
-    )
-    solution = np.linalg.solve(left, np.concatenate([(X.T * R) @ y, (Z.T * R) @ y]))
-    beta, _, rest, _ = least_squares(X, y, V)
+    both = np.hstack([X, Z])
+    left = (both.T * R) @ both + np.diag(np.concatenate([[0.0, 0.0], 1 / G]))
+    solution = np.linalg.solve(left, (both.T * R) @ y)
     assert solution[:2] == pytest.approx(beta, rel=1e-9)
     effects = replace(covariance, deviations=DEVIATIONS).series_effects(-rest)
     assert effects.ravel() == pytest.approx(solution[2:], rel=1e-9)
@@ -316,13 +312,11 @@ def test_a_balanced_layout_has_the_error_and_the_degrees_of_an_analysis_of_varia
 
 def fitted_by_lmfit(frame, predicted, start):
     """The least squares of lmfit, of readings in mm."""
-    lmfit = require_package("lmfit")
+    lmfit, seen = require_package("lmfit"), 1e-3 * frame["penetration_um"].to_numpy()
     parameters = lmfit.create_params(**start)
-
-    def residuals(values):
-        return predicted(**values.valuesdict()) - 1e-3 * frame["penetration_um"].to_numpy()
-
-    return lmfit.minimize(residuals, parameters, xtol=1e-12, ftol=1e-12)
+    return lmfit.minimize(
+        lambda values: predicted(**values.valuesdict()) - seen, parameters, xtol=1e-12, ftol=1e-12
+    )
 
 
 def scaled(law, frame):
@@ -358,18 +352,11 @@ def test_information_criteria_of_two_laws_differ_as_lmfits_do(constant):
     power = cc.fit(frame, "power-one-pair", PAIR, noise="constant", ignore=["group"])
     zeroed = cc.fit(frame, "liu", PAIR, noise="constant", ignore=["group"], fixed={"offset": 0.0})
     load = frame["load_N_per_mm"].to_numpy()
-    start = {"stiffness_factor": 1.0, "offset": 0.0}
-    peer = fitted_by_lmfit(frame, scaled(LAW, frame), start)
-    of_power = fitted_by_lmfit(
-        frame,
-        lambda K, n: (load / K) ** (1 / n),
-        {name: power.coefficients[name] for name in ("K", "n")},
-    )
-    of_liu = fitted_by_lmfit(
-        frame,
-        lambda stiffness_factor: laws.Liu().penetration(load / stiffness_factor, PAIR),
-        {"stiffness_factor": 1.0},
-    )
+    peer = fitted_by_lmfit(frame, scaled(LAW, frame), {"stiffness_factor": 1.0, "offset": 0.0})
+    start = {name: power.coefficients[name] for name in ("K", "n")}
+    of_power = fitted_by_lmfit(frame, lambda K, n: (load / K) ** (1 / n), start)
+    liu = scaled(laws.Liu(), frame)
+    of_liu = fitted_by_lmfit(frame, lambda factor: liu(factor, 0.0), {"factor": 1.0})
     assert (peer.nvarys, of_power.nvarys, of_liu.nvarys) == (2, 2, 1)
     for fit, other in ((power, of_power), (zeroed, of_liu)):
         assert fit.aic - own.aic == pytest.approx(other.aic - peer.aic, rel=1e-6)
@@ -468,41 +455,3 @@ def test_noise_other_than_assumed_is_found_and_what_is_advised_allows_for_it(nam
 def test_a_drift_along_one_sweep_cannot_be_told_from_the_law():
     assert "drift" not in found(ungrouped(readings(7, 1, 40, drift=4e-4)))
     assert "drift" not in found(by_load())  # nor where no time is given
-
-
-# --- conflicts --------------------------------------------------------------------------------
-
-
-GIVEN = {"penetration_std_um": 0.05}
-# Columns beside the readings, settings, the key that is blamed, and the rule.
-CONFLICTS = [
-    ({}, {"group": "group", "objective": "rms-penetration"}, "objective", "conflicts with group"),
-    ({}, {"drift": True, "objective": "rms-penetration"}, "objective", "conflicts with drift"),
-    (GIVEN, {"noise": "constant"}, "noise", "conflicts with penetration_std, which says the same"),
-    (GIVEN, {"noise": "both"}, "noise", "conflicts with the column penetration_std"),
-    (
-        GIVEN | {"load_std_N_per_mm": 1.0},
-        {"objective": "rms-penetration"},
-        *("objective", "conflicts with load_std, which has a likelihood of its own"),
-    ),
-    (
-        {},
-        {"noise": "constant", "objective": "rms-penetration"},
-        "noise",
-        "conflicts with objective",
-    ),
-    ({}, {"noise": "white"}, "noise", "is not a known noise"),
-    ({}, {"free": ["c"], "fixed": {"c": 1.4}}, "free", "is bounded, fixed or tied as well"),
-    ({}, {"free": ["kappa"]}, "free", "is not a parameter of explicit for internal contact"),
-    ({}, {"group": "date"}, "group", ""),
-    ({}, {"group": "group", "drift": True, "noise": "constant"}, "group", "effects of the series"),
-]
-
-
-@pytest.mark.parametrize(("columns", "settings", "key", "rule"), CONFLICTS)
-def test_what_contradicts_itself_is_told(columns, settings, key, rule):
-    kept = {} if "group" in settings else {"ignore": ["group"]}
-    with pytest.raises(InputError) as caught:
-        cc.fit(readings(0, 4, 3).assign(**columns), "explicit", PAIR, **settings, **kept)
-    assert caught.value.key == key
-    assert rule in caught.value.rule

@@ -28,19 +28,10 @@ NOISE = 0.03
 REPLICATES = 200
 
 
-def on_data(problem, data, **changes):
-    """The same problem on other data, perhaps with given deviations."""
-    return replace(problem, data=data, **changes)
-
-
 def descended(problem, start):
     """The optimum next to a start, and the noise there."""
     point, _ = problem.minimise(np.array(start, dtype=float))
     return point, Optimum(problem, point)
-
-
-def residuals_at(problem, point):
-    return problem.raw(point[None, :])[0]
 
 
 # --- certified values -------------------------------------------------------------------------
@@ -121,7 +112,7 @@ def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
 
     problem, best = noisy.fit, noisy.best
     data = problem.data
-    known = on_data(problem, data, noise=Plain(False, NOISE * data.penetration))
+    known = replace(problem, noise=Plain(False, NOISE * data.penetration))
     names = [p.name for p in known.free]
 
     def chi_square(values):
@@ -152,7 +143,8 @@ def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
     names = [p.name for p in problem.free]
 
     def residuals(parameters):
-        return residuals_at(problem, np.array([parameters[name].value for name in names]))
+        point = np.array([parameters[name].value for name in names])
+        return problem.raw(point[None, :])[0]
 
     parameters = lmfit.Parameters()
     for name in names:
@@ -202,14 +194,14 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
     rng = np.random.default_rng(seed)
     for _ in range(replicates):
         seen = with_columns(data, penetration=exact * np.exp(size * rng.normal(size=len(data))))
-        again = on_data(problem, seen)
+        again = replace(problem, data=seen)
         point, noise = descended(again, start)
         best = again.coefficients(point)
         errors = half_width(LEVEL, noise.degrees_of_each()) * np.sqrt(np.diag(noise.covariance))
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
         for name in names:
             ratio, _ = noise.ratio({name: truth[name]}, best)
-            hits["profile"].append(ratio <= noise.threshold(LEVEL, [name]))
+            hits["profile"].append(ratio <= noise.threshold(LEVEL, name))
         band = noise.band(ahead, LEVEL, load=[20.0])
         depth = float(law.penetration(20.0, ahead)[0])
         hits["curve"].append(band.low[0] <= depth <= band.high[0])
@@ -303,7 +295,7 @@ def test_a_band_of_a_new_reading_is_that_of_students_t(noisy):
 )
 def test_given_deviations_are_held_against_the_residuals(noisy, size, words):
     data = noisy.fit.data
-    known = on_data(noisy.fit, data, noise=Plain(False, size * NOISE * data.penetration))
+    known = replace(noisy.fit, noise=Plain(False, size * NOISE * data.penetration))
     actual = uncertainty_of(descended(known, known.point(noisy.best))[1])
     assert words in verdicts_of(actual)[0]
     degrees = actual.degrees_of_freedom
@@ -346,4 +338,4 @@ def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatc
     load = ("predict", "r.json", "--load", "5 N/mm")
     assert "not run because a result names it" in run(*load)[2]
     assert run(*load, "--law", "mine:load")[0] == 0
-    assert "is not its law, mine:load" in run(*load, "--law", "mine:flat")[2]
+    assert "is not the law of this fit, mine:load" in run(*load, "--law", "mine:flat")[2]

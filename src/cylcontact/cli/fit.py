@@ -112,10 +112,10 @@ SETTINGS: Options = {
                        metavar="NAME=COLUMN", parser=_COLUMN, **_PANEL)),
     "group": _text("Column of groups, e.g. specimens.", "COLUMN"),
     "sheet": _text("Sheet of a workbook."),
-    "header": (int | None, option("Line of the names, 0 for none.", metavar="LINE", **_PANEL)),
-    "decimal": _text("What marks decimals, . or ,", "MARK"),
+    "header": (int | None, option("Line of the column names, or 0.", metavar="LINE", **_PANEL)),
+    "decimal": _text("Decimal mark, . or ,", "MARK"),
     "loads": _text("Only rows of these loads, in the table's unit, e.g. 5:", "LOW:HIGH"),
-    "sign": _text("Counted negative: load, penetration, both, neither.", "WHAT"),
+    "sign": _text("What is negative: load, penetration, both, neither.", "WHAT"),
     "branch": _text(f"Only rows of {listed(BRANCHES)}."),
     "noise": _text(f"{listed(NOISES)}."),
     "drift": (bool | None, option("Allow for a drift of each series.", "--drift", **_PANEL)),
@@ -156,7 +156,7 @@ def fit(
 ) -> None:
     """Calibrate a law to another law over a grid, or to a table of measurements.
 
-    What a table does not say of its pair takes the options of cylcontact laws, --pin and others.
+    For what a table does not say of its pair, use the options of cylcontact laws, such as --pin.
     """
     from cylcontact.fitting import Campaign, DataFit, calibrate, fit_table, read_campaign
     from cylcontact.fitting.results import require_same_inputs
@@ -231,7 +231,7 @@ def choose(
     parameters: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
-    """Fit all laws to a table and rank them; say whether the data can tell.
+    """Fit all laws to a table, rank them, and say whether the data can decide.
 
     The table takes the options of cylcontact fit, the pair those of laws.
     """
@@ -261,7 +261,7 @@ def design(
     law: str = option("The law, e.g. johnson.", metavar="NAME", default=...),
     candidates: Any = interval("Loads to choose from, in N/mm.", default=...),
     add: int = count(1, "Readings to add.", default=5),
-    parameter: str | None = option("The one that counts; all by default.", metavar="NAME"),
+    parameter: str | None = option("The parameter to narrow; all by default.", metavar="NAME"),
     clearances: list[float] | None = several(
         "Clearances that can be taken, in mm.", "--dR-choices", metavar="DR"
     ),
@@ -318,8 +318,8 @@ def predict(
     if beyond.any():
         loads = fitted.optimum.fit.data.load
         rows = ", ".join(str(row) for row, is_beyond in enumerate(beyond, start=1) if is_beyond)
-        reach = f"reach from {loads.min():g} to {loads.max():g} N/mm"
-        say(f"\n! beyond the readings, which {reach}: row {rows}")
+        measured = f"{loads.min():g} to {loads.max():g} N/mm"
+        say(f"\n! outside the measured loads, {measured}: row {rows}")
 
 
 def _aligned(columns: Mapping[str, Any]) -> str:

@@ -269,12 +269,12 @@ def _series(optimum: Optimum) -> Finding | None:
     if over == "group":
         says = (
             f"the {len(names)} series of the column group differ by more than the scatter within "
-            "them, so that the intervals are too narrow"
+            "them, so the intervals are too narrow"
         )
         return _failed("series", p, says, "allow for it with --group group")
     says = (
-        f"the residuals differ between the {len(names)} pairs of the table: each pair has errors "
-        "of its own, or the law is wrong in the clearance or the moduli"
+        f"the residuals differ between the {len(names)} pairs of the table: each pair has its "
+        "own error, or the law depends wrongly on the clearance or the moduli"
     )
     return _failed("pairs", p, says, "name the series by a column, and add --group COLUMN")
 
@@ -306,7 +306,7 @@ def _sequence(optimum: Optimum, allowed: Collection[str]) -> Finding | None:
     r = r - r.mean()
     correlation = float((r[1:] * r[:-1])[same].sum() / (r**2).sum())
     turns = np.diff(np.sign(np.diff(optimum.fit.data.load)))
-    remedy = "repeat some loads, in another order: this may be a drift, or the law's shape"
+    remedy = "repeat some loads in another order, to tell a drift from a wrong law"
     if np.any(turns != 0):
         untried = {
             "offset": "name the series by a column with --group COLUMN",
@@ -315,8 +315,8 @@ def _sequence(optimum: Optimum, allowed: Collection[str]) -> Finding | None:
         options = [text for effect, text in untried.items() if effect not in allowed]
         remedy = ", or ".join([*options, "try other laws with `cylcontact choose`"])
     says = (
-        f"readings in sequence err alike (correlation {correlation:.2f}), so that the intervals "
-        "are too narrow"
+        f"the errors of successive readings are alike (correlation {correlation:.2f}), so the "
+        "intervals are too narrow"
     )
     return _failed("sequence", float(special.ndtr(-correlation * np.sqrt(r.size))), says, remedy)
 
@@ -331,15 +331,13 @@ def _spread(optimum: Optimum) -> Finding | None:
     correlation = float(np.corrcoef(_ranks(np.abs(optimum.r)), _ranks(fit.observed))[0, 1])
     degrees = optimum.r.size - 2
     t = correlation * np.sqrt(degrees / max(1 - correlation**2, 1e-12))
-    relative = " relative to it" if fit.noise.is_log else ""
+    assumed = ", relative to the reading," if fit.noise.is_log else ""
     remedy = "allow for both kinds of scatter with --noise both"
     if noise is not None:
-        relative = " relative to that assumed"
+        assumed = ", relative to the noise assumed,"
         if len(noise.model.scatter) == 2:
-            remedy = "look for what else makes readings scatter"
-    says = (
-        f"the scatter of the readings{relative} {'grows' if correlation > 0 else 'falls'} with them"
-    )
+            remedy = "look for another cause of scatter"
+    says = f"the scatter{assumed} {'grows' if correlation > 0 else 'falls'} with the reading"
     return _failed("spread", 2 * float(special.stdtr(degrees, -abs(t))), says, remedy)
 
 
@@ -376,21 +374,21 @@ _MISSED, _TIMES_SCATTER = 0.05, 3.0
 _USUAL_STIFFNESS = (0.8, 1.25)
 # What the estimates are, beside their names.
 COMPLIANCE = (
-    "the compliance is what the readings yield per load beyond the law's own datum: the points "
-    "between which they are taken, the housing and the rig; negative is less"
+    "compliance is the extra displacement per unit load that the law does not include (mounting, "
+    "rig, housing); it may be negative"
 )
 _MEANINGS = {
-    "kappa": "kappa is a factor of the penetration, as of a modulus E*/kappa",
-    "stiffness_factor": "stiffness_factor is a factor of the load, as of a modulus so much larger",
-    "modulus_factor": "modulus_factor is a factor of the modulus E*",
+    "kappa": "kappa multiplies the penetration; it acts like a modulus of E*/kappa",
+    "stiffness_factor": "stiffness_factor multiplies the load; it acts like a larger modulus",
+    "modulus_factor": "modulus_factor multiplies the modulus E*",
     "compliance": COMPLIANCE,
 }
-_DATUM = "the datum, the housing or the rig (try --free compliance)"
+_DATUM = "the reference point, the housing or the rig (try --free compliance)"
 _DETERMINED = {
-    "poorly": f"poorly determined (not to ±{100 * FAIRLY:g} % of the value, or for a shift of the "
-    "prediction, or cut off by a bound)",
-    "not": "not determined by these data (the interval is as wide as the value, or for a shift as "
-    "the prediction, or as the bounds, or there is none)",
+    "poorly": f"poorly determined, as the interval is wider than ±{100 * FAIRLY:g} % of the value "
+    "(for a shift: of the prediction) or ends at a bound of the search",
+    "not": f"not determined by these data, as the interval is wider than ±{100 * _POORLY:g} % of "
+    "the value (for a shift: of the prediction), reaches both bounds of the search, or is missing",
     "at a bound": "at a bound of the search: widen it",
 }
 # Deviations in words, with their factor from mm or a share.
@@ -425,11 +423,11 @@ def data_warnings(uncertainty: Uncertainty) -> list[str]:
 def verdicts_of(uncertainty: Uncertainty) -> list[str]:
     """Return the verdicts on a fit to measurements, most important first."""
     determined = _on_lack_of_determination(uncertainty) or [
-        f"every free parameter is determined to ±{100 * FAIRLY:g} % or better "
-        f"(well: ±{100 * WELL:g} %), a shift in terms of the prediction"
+        f"every free parameter is determined to within ±{100 * FAIRLY:g} % of its value, or of "
+        f"the prediction for a shift (well: ±{100 * WELL:g} %)"
     ]
     groups = [" = ".join(map(str, lines)) for lines in uncertainty.duplicates]
-    duplicates = f"identical rows, each of them counted: lines {_listed(groups, '; ')}"
+    duplicates = f"identical rows, all of them counted: lines {_listed(groups, '; ')}"
     return [
         _on_noise(uncertainty),
         *determined,
@@ -454,8 +452,8 @@ def _misfit(uncertainty: Uncertainty) -> str:
     if missed is None or times is None or missed < _MISSED or times < _TIMES_SCATTER:
         return ""
     return (
-        f"it misses them by {100 * missed:.2g} % (root mean square), {times:.2g} times their "
-        "scatter from one to the next"
+        f"the residuals are {100 * missed:.2g} % of them (root mean square), {times:.2g} times "
+        "the scatter between neighbouring readings"
     )
 
 
@@ -469,8 +467,8 @@ def _on_misfit(uncertainty: Uncertainty) -> str:
             "rises, so one of them has the opposite sign (--sign penetration, or --sign load)"
         )
     causes = ("the units of the columns", "the materials", "the radii")
-    listed = _causes(uncertainty, "and", *causes, "a kink (a seat that settles)", "a drift")
-    return f"the law does not describe these readings ({how}): look at {listed}"
+    listed = _causes(uncertainty, "and", *causes, "a kink (the seat settles)", "a drift")
+    return f"the law does not describe these readings ({how}): check {listed}"
 
 
 def _causes(uncertainty: Uncertainty, word: str, *causes: str) -> str:
@@ -489,9 +487,9 @@ def _on_stiffness(uncertainty: Uncertainty) -> list[str]:
             continue
         causes = ("a diameter given as a radius", "another unit", "another material")
         sentences.append(
-            f"{name} is {estimate.value:.3g} ({ends.low:.3g} to {ends.high:.3g}), and "
-            f"{nominal:.3g} for the pair as given: is it "
-            f"{_causes(uncertainty, 'or', *causes, 'another law')}?"
+            f"{name} is {estimate.value:.3g} ({ends.low:.3g} to {ends.high:.3g}), but would be "
+            f"{nominal:.3g} for the pair as given; possible causes: "
+            f"{_causes(uncertainty, 'or', *causes, 'another law')}"
         )
     return sentences
 
@@ -507,7 +505,7 @@ def _on_outliers(uncertainty: Uncertainty) -> str:
     ]
     without = f"; without them {', '.join(changes)}" if changes else ""
     return (
-        f"rows more than {_OUTLYING:g} robust standard deviations away, not left out: lines "
+        f"outliers (beyond {_OUTLYING:g} robust standard deviations), included in the fit: lines "
         f"{_listed(lines, ', ')}{without}"
     )
 
@@ -549,7 +547,7 @@ def _on_chi_square(uncertainty: Uncertainty) -> str:
         return ""
     return (
         "the residuals are larger than the given standard deviations allow: the law is wrong, or "
-        f"they are too small; the intervals are then too narrow (p = {p:.3g})"
+        f"the deviations are too small; the intervals are too narrow (p = {p:.3g})"
     )
 
 
@@ -571,11 +569,11 @@ def _on_deviations(noise: FittedDeviations, level: float) -> str:
             drift = f"{1e3 * effects['drift']:.3g} µm"
             parts.append(f"the readings drift by {drift} from the first to the last")
         if "offset" in effects:
-            parts.append("there is one series, and the intervals are not about others like it")
+            parts.append("there is one series, and the intervals hold for it alone")
     elif number:
         parts.append(
-            f"the {number} series have fixed effects, so that the intervals are about these "
-            "series, not about others like them"
+            f"the {number} series have fixed effects, so the intervals hold for these series, "
+            "not for others"
         )
     sizes = "; ".join(parts) or "the standard deviations are those given"
     return f"measured data: {sizes}; intervals are at {100 * level:g} %"

@@ -1,17 +1,16 @@
 """Which law describes measurements: all that apply, ranked, and whether the data can tell.
 
-Each law is fitted as `cylcontact fit` does, with one parameter of stiffness, the offset and the
-compliance free and the constants of its shape held. The compliance has either sign: what the
-readings yield beyond the law's own datum, for the points between which they are taken, the housing
-and the rig. A law would else be ranked by its datum, not by its shape. If the housing is known,
-the laws that know it have no compliance; the others are fitted without the housing. Two criteria
-rank the laws:
+Each law is fitted as `cylcontact fit` does. One parameter of stiffness, the offset and the
+compliance are free; the constants of its shape are fixed. The compliance is the extra displacement
+per unit load of mounting, rig and housing, and may be negative. Without it a law would be ranked by
+the reference point of its penetration, not by its shape. If the housing is known, the laws that
+take it have no compliance; the others are fitted without the housing. Two criteria rank the laws:
 
 - AICc, Akaike's information criterion with the correction for few readings (Hurvich and Tsai 1989);
 - the cross-validated error: each part of the data is predicted by a fit to the rest. Parts are the
-  series, if there are three or more, since readings of one series err alike; with a noise model,
-  which predicts what a series adds from its other readings, and without series they are ten parts
-  of the rows at random.
+  series, if there are three or more, since the errors of one series are alike. They are ten parts
+  of the rows at random if there are no series, or if a noise model predicts what a series adds from
+  its other readings.
 
 A law is told apart from the best only where both do so: its AICc is larger by more than 7 (Burnham
 and Anderson 2002), and its cross-validated error by more than one standard error of the difference
@@ -42,7 +41,7 @@ from cylcontact.fitting.checks import (
 from cylcontact.fitting.law_models import RIG_NAMES, fittable_laws, is_user_law
 from cylcontact.fitting.noise import Covariance
 from cylcontact.fitting.readings import Optimum
-from cylcontact.fitting.search import EXACT, descend
+from cylcontact.fitting.search import descend, polish
 from cylcontact.fitting.tables import Table, TableCampaign, fit_table, read_table
 from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
@@ -265,7 +264,7 @@ class Choice:
         return (
             f"the data cannot tell {', '.join(first)} and {last} apart: AICc within {_AICC:g}, or "
             f"the cross-validated error (over {self.parts}) within {_STANDARD_ERRORS:g} standard "
-            f"error of the difference; take the one that is right for this contact{solution}, "
+            f"error of the difference; choose the law that is right for this contact{solution}, "
             "or measure at loads where they differ"
         )
 
@@ -278,8 +277,8 @@ class Choice:
         sentences = [COMPLIANCE]
         if np.ptp(values) > _STANDARD_ERRORS * np.nanmax(errors):
             sentences.append(
-                "the data cannot tell the law from the datum: each of these laws follows them with "
-                "a compliance of its own; if yours is known, give it with --fix compliance=VALUE"
+                "the data cannot tell the law from the compliance: these laws fit with different "
+                "compliances; if you know yours, give it with --fix compliance=VALUE"
             )
         return sentences
 
@@ -327,8 +326,8 @@ def choose_law(
     for name in [name for name in fitted if not np.isfinite(missed[name]).all()]:
         del fitted[name]
         left_out[name] = (
-            "left out: cannot be cross-validated: a fit to some of the readings has no value "
-            "at others, as its curve ends before them or passes below 0"
+            "left out: cannot be cross-validated: fitted to part of the readings, its curve "
+            "ends before the others or is below 0 there"
         )
     remedy = "look at the readings: a kink, an outlier or a few only?"
     _require_some(fitted, left_out, table, remedy)
@@ -368,8 +367,8 @@ def _fit_or_reason(table: Table, name: str, is_named: bool) -> Optimum | str:
     if rows > k + 1:
         return optimum
     return (
-        f"left out: {rows} readings are too few to rank it, which estimates {k} "
-        f"numbers; AICc needs {k + 2}"
+        f"left out: {rows} readings are too few to rank it: it has {k} estimated numbers, and "
+        f"AICc needs {k + 2} readings"
     )
 
 
@@ -379,7 +378,7 @@ def _require_some(
     """Refuse measurements to which no law is left, with the reason of the first."""
     if not fitted:
         name, why = next(iter(left_out.items()))
-        rule = f"no law can be ranked on them; {name} is {why}"
+        rule = f"no law can be ranked; {name} is {why}"
         raise InputError(table.source, "", None, rule, remedy)
 
 
@@ -433,12 +432,12 @@ def _missed(optimum: Optimum, parts: Sequence[Indices]) -> FloatArray:
     with on_one_thread():
         for part in parts:
             rest = fit.take(np.setdiff1d(np.arange(missed.size), part))
-            points, _ = descend(rest, optimum.point[None], EXACT)
+            point, _ = polish(rest, optimum.point)  # one descent from a bound may stay near it
             if isinstance(fit.noise, Covariance):
-                added = _of_series(Optimum(rest, points[0]), fit.noise)
-                missed[part] = (fit.differences(points)[0] + added)[part]
+                added = _of_series(Optimum(rest, point), fit.noise)
+                missed[part] = (fit.differences(point[None])[0] + added)[part]
             else:
-                missed[part] = fit.raw(points)[0][part]
+                missed[part] = fit.raw(point[None])[0][part]
     return missed
 
 

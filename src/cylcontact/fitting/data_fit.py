@@ -77,7 +77,8 @@ class DataFit(FitResult):
             If that is not its law.
         """
         if law != self.law:
-            rule, remedy = f"is not its law, {self.law}", "leave --law out, or name that one"
+            rule = f"is not the law of this fit, {self.law}"
+            remedy = "leave --law out, or name that one"
             raise InputError(f"fit result {self.name!r}", "law", law, rule, remedy)
         return self.with_optimum(self._optimum(law))
 
@@ -158,9 +159,7 @@ class DataFit(FitResult):
     def _of_uncertainty(self, name: str) -> float:
         value = getattr(self.uncertainty, name)
         if value is None:
-            rule = (
-                "is not there, as the data follow the law exactly or an older version fitted them"
-            )
+            rule = "is missing: the data follow the law exactly, or an older version fitted them"
             raise InputError(f"fit result {self.name!r}", name, None, rule, "fit the data again")
         return float(value)
 
@@ -426,7 +425,7 @@ class DataFit(FitResult):
         caption = (
             f"{brief(self.name)}: {self.uncertainty.rows} measurements, the {brief(self.law)} law "
             f"fitted to them ({values}), and the band of {100 * self.level:g} % of new readings; "
-            "beneath, measured less fitted in standard deviations."
+            "below, measured less fitted in standard deviations."
         )
         return Drawing(self.figure(), self.residuals, self.free, caption)
 
@@ -473,7 +472,7 @@ class DataFit(FitResult):
         """What was fitted to what."""
         return (
             f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, fitted to "
-            f"{self.counts.samples:,} measurements by the {self.objective_words}"
+            f"{self.counts.samples:,} measurements, minimising the {self.objective_words}"
         )
 
     @property

@@ -1,8 +1,8 @@
 """The models by which laws are fitted: those of the package, and what a test rig adds.
 
 `cylcontact laws --list` has the parameters of each law with their bounds. A campaign may add three
-to any law: `offset`, the reading at first touch in mm, `compliance` of the rig and of another datum
-in mm per N/mm, of either sign (`laws.adapters.RigCompliance`), and `stiffness_factor`, a factor of
+to any law: `offset`, the reading at first touch in mm; `compliance`, the extra displacement per
+unit load in mm per N/mm (`laws.adapters.RigCompliance`); and `stiffness_factor`, which multiplies
 the load.
 
 A fit to measurements holds the constants that give a law its shape, which are known, and frees the
@@ -31,7 +31,7 @@ from cylcontact.support.errors import InputError
 MODELS: dict[tuple[str, Contact], LawModel] = {(m.law, m.contact): m for m in package_models()}
 
 _RIG = (
-    Parameter("stiffness_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="factor of the load"),
+    Parameter("stiffness_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="multiplies the load"),
     Parameter("offset", -1.0, 1.0, 0.0, shift=True, unit="mm", meaning="reading at first touch"),
     Parameter(
         "compliance",
@@ -40,7 +40,7 @@ _RIG = (
         0.0,
         shift=True,
         unit="mm/(N/mm)",
-        meaning="of the rig, and of another datum or housing than the law's",
+        meaning="extra displacement per unit load: mounting, rig, housing",
     ),
 )
 RIG_NAMES = tuple(parameter.name for parameter in _RIG)

@@ -194,7 +194,7 @@ def noise_of(
         return _plain_of(spec, data, sigma, source)
     if spec.objective not in (None, STANDARDISED):
         key = chosen[0] if chosen else "load_std"
-        rule, remedy = f"conflicts with {key}, which has a likelihood of its own", "keep one"
+        rule, remedy = f"conflicts with {key}, which needs {STANDARDISED}", "keep one of them"
         raise InputError(source, "objective", spec.objective, rule, remedy)
     if spec.noise is not None and sigma is not None:
         rule = "conflicts with the column penetration_std, which gives the noise"

@@ -18,7 +18,7 @@ random effects that of a series not yet measured.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -418,15 +418,14 @@ class Optimum:
         """Return the degrees of freedom of each parameter, shape (k,)."""
         return self.degrees_of(np.eye(self.point.size))
 
-    def threshold(self, level: float, names: Sequence[str]) -> float:
-        """Return the largest (S(θ) − S)/τ within a region of this level in these parameters."""
+    def threshold(self, level: float, name: str) -> float:
+        """Return the largest (S(θ) − S)/τ within the interval of a parameter."""
         from scipy import special
 
-        places = [self.fit.names.index(name) for name in names]
-        number, degrees = len(places), float(self.degrees_of_each()[places].min())
+        degrees = float(self.degrees_of_each()[self.fit.names.index(name)])
         if np.isinf(degrees):
-            return float(special.chdtri(number, 1 - level))
-        return float(number * special.fdtri(number, degrees, level))
+            return float(special.chdtri(1, 1 - level))
+        return float(special.fdtri(1, degrees, level))
 
     # --- profiles -----------------------------------------------------------------------------
 
@@ -440,7 +439,7 @@ class Optimum:
     def interval(self, name: str, level: float) -> Interval:
         """Return the profile-likelihood interval of a free parameter."""
         parameter = next(p for p in self.fit.free if p.name == name)
-        limit = float(np.sqrt(self.threshold(level, [name])))
+        limit = float(np.sqrt(self.threshold(level, name)))
         low, low_is_bound, below = self._edge(name, parameter.low, limit)
         high, high_is_bound, above = self._edge(name, parameter.high, limit)
         return Interval(
@@ -515,7 +514,7 @@ class Optimum:
             for index in order:
                 ratio, start = self.ratio({name: float(values[index])}, start)
                 rise[index] = np.sqrt(max(ratio, 0.0))
-        return values, rise, float(np.sqrt(self.threshold(level, [name])))
+        return values, rise, float(np.sqrt(self.threshold(level, name)))
 
     # --- predictions --------------------------------------------------------------------------
 

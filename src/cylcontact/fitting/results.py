@@ -407,8 +407,8 @@ class LawFit(FitResult):
         """What was fitted to what."""
         return (
             f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, fitted to "
-            f"{self.reference} by the {self.objective_words} on {self.counts.samples:,} samples "
-            f"({self.counts.masked:,} masked by the reference's domain)"
+            f"{self.reference}, minimising the {self.objective_words} on {self.counts.samples:,} "
+            f"samples ({self.counts.masked:,} outside the reference's domain)"
         )
 
     @property
