@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact import CylinderPair, Material
 from cylcontact.bodies.material import material_in_MPa
 from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.laws.conformal.arcs import Bodies
@@ -211,18 +211,3 @@ def test_clearances_and_moduli_by_row_share_one_curve():
     curve = Conformal().curve(pairs)
     expected = dR * curve.penetration(f / (pairs.E_star * dR))
     np.testing.assert_allclose(Conformal().penetration(f, pairs), expected, rtol=1e-14)
-
-
-def test_one_curve_is_asked_of_one_pair():
-    pairs = CylinderPair("internal", 0.05, STEEL, Material("pins", np.array([7e4, 2e5]), 0.3))
-    with pytest.raises(InputError, match="has bodies of several α, β or housings; take one"):
-        Conformal().curve(pairs)
-
-
-# --- names that are gone --------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["Parametric", "explicit_penetration", "Palmgren", "Block"])
-def test_a_name_that_is_gone_says_what_to_use(name):
-    with pytest.raises(AttributeError, match=rf"laws\.{name} is gone: \w+"):
-        getattr(laws, name)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.integrate import solve_ivp
 
-from cylcontact import CylinderPair, InputError, Material
+from cylcontact import CylinderPair, Material
 from cylcontact.impact import (
     FACTORS,
     achieved_restitution,
@@ -194,28 +194,3 @@ def test_the_friction_is_eq_14():
     assert not np.signbit(load[3:5]).any()  # no negative zero
     assert np.isnan(friction_load([-1.0, -1e-300, -np.inf, np.nan], 20.0, 0.1, V0, V1)).all()
     assert np.isnan(friction_load(50.0, np.nan, 0.1, V0, V1))
-
-
-# --- bad input --------------------------------------------------------------------------------
-
-REFUSED = [
-    *((factor, "restitution", [0.0, 1.0000001, np.nan]) for factor in FACTORS.values()),
-    (achieved_restitution, "chi", [-1e-9, np.nan, np.inf, [0.5, -0.5]]),
-    (lambda chi: dissipative_load(1.0, 1.0, 1.0, chi), "chi", [-1.0, np.nan]),
-    (lambda v: dissipative_load(1.0, 1.0, 1.0, 0.5, floor=v), "floor", [0.0, np.nan, np.inf]),
-    (hysteresis_factor, "name", ["anagnostopoulos"]),
-    (
-        lambda v: friction_load(1.0, 1.0, 0.1, *v),
-        "v0, v1",
-        [(-1.0, 5.0), (5.0, 5.0)],
-    ),
-    (lambda c: friction_load(1.0, 1.0, c, V0, V1), "coefficient", [-0.1, np.inf, [0.1, -0.1]]),
-]
-
-
-@pytest.mark.parametrize(("act", "key", "values"), REFUSED)
-def test_what_is_out_of_its_range_is_refused(act, key, values):
-    for value in values:
-        with pytest.raises(InputError) as caught:
-            act(value)
-        assert (caught.value.key, str(caught.value.value)) == (key, str(value))

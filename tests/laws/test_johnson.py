@@ -6,7 +6,7 @@ from mpmath import mp
 
 from cylcontact import CylinderPair, Material
 from cylcontact.bodies.material import material_in_MPa
-from cylcontact.laws import Johnson
+from cylcontact.laws import Johnson, lambert
 from tests.support.strategies import ROUNDING, fractions, gaps, moduli, pairs, ratios
 
 LAW = Johnson()
@@ -72,6 +72,27 @@ def error_in_roundings(value, exact):
 def forty_digits():
     with mp.workdps(40):
         yield
+
+
+# --- the branch of Lambert's function -----------------------------------------------------------
+
+DENSE = np.concatenate([
+    10.0 ** -np.linspace(0.001, 300, 501), 1 - 10.0 ** -np.linspace(1, 16, 301),
+    1 - np.arange(1, 65) * 2.0**-53,  # the last 64 numbers below 1
+    np.arange(1, 20) * 5e-324,  # the first subnormals
+])  # fmt: skip
+
+
+def test_w_is_exact_to_two_units_in_the_last_place_of_one_plus_w():
+    """In arrays of any layout and for one number; against mpmath's own Lambert function."""
+    exact = [-mp.lambertw(-mp.mpf(float(p)) / mp.e, -1).real for p in DENSE]  # 1 + w
+    in_arrays = lambert.branch_distance(np.repeat(DENSE, 4).reshape(-1, 4).T[1])
+    for w in (in_arrays, np.array([lambert.branch_distance_of_number(p) for p in DENSE])):
+        errors = [abs(1 + mp.mpf(float(x)) - y) / y for x, y in zip(w, exact, strict=True)]
+        assert max(errors) < 4 * ROUNDING
+    for ask in (lambert.branch_distance, lambert.branch_distance_of_number):
+        ends = [float(ask(p)) for p in (1.0, 0.0, -0.0, 1.1, np.nan)]
+        np.testing.assert_array_equal(ends, [0.0, np.inf, np.inf, np.nan, np.nan])
 
 
 # --- the law against Eq 1 ---------------------------------------------------------------------

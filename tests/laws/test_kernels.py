@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact import CylinderPair, Material, laws
 from cylcontact.laws.kernels import TABLE, kernel, kernel_load
-from cylcontact.laws.tabulated import TABLE_ERROR, tabulate
+from cylcontact.laws.tabulated import TABLE_ERROR
 
 STEEL = Material("steel", E=207e3, nu=0.3)
 PAIRS = {
@@ -78,28 +78,3 @@ def test_a_subclass_with_a_load_of_its_own_is_tabulated_up_to_its_vertical_tange
     deltas = end * np.array([1e-20, 1e-3, 0.5, 0.99, 1 - 1e-6, 1 - 1e-11])
     np.testing.assert_allclose(loads(made, deltas), law.load(deltas, pair), rtol=TABLE_ERROR)
     assert np.isnan(kernel_load(made.kind, made.parameters, end * (1 + 1e-9)))
-
-
-# --- inside compiled code, and refusals ---------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Hole(TwoSprings):
-    """A law that is not defined throughout."""
-
-    name = "law with a hole"
-
-    def load(self, penetration, pair):
-        actual = super().load(penetration, pair)
-        return np.where(np.abs(penetration - 0.1 * pair.dR) < 0.05 * pair.dR, np.nan, actual)
-
-
-@pytest.mark.parametrize(
-    ("law", "rule"),
-    [
-        (Hole(), r"^tabulate: law = 'law with a hole': its load or its stiffness is not a pos"),
-    ],
-)
-def test_laws_that_no_table_can_hold_are_refused(law, rule):
-    with pytest.raises(InputError, match=rule):
-        tabulate(law, PAIRS["wide"])

@@ -40,20 +40,6 @@ def test_a_bronze_pin_in_a_steel_hole_seizes_at_the_temperature_that_the_error_s
         tight.at_temperature(pin=80)
 
 
-def test_a_temperature_needs_expansions_radii_and_a_hole():
-    unknown = Material("rubber", "5 MPa", 0.49)
-    with pytest.raises(InputError, match=r"rubber.thermal_expansion: is not known"):
-        CylinderPair.internal(10.0, 9.9, unknown).at_temperature(50, 50)
-    with pytest.raises(InputError, match="needs both radii"):
-        CylinderPair.from_dR("internal", 0.1, STEEL).at_temperature(50, 50)
-    with pytest.raises(InputError, match="no pin and no hole"):
-        CylinderPair.external(10.0, 9.9, STEEL).at_temperature(50, 50)
-    with pytest.raises(InputError, match="temperature = nan: must be a temperature above"):
-        PAIR.at_temperature(np.nan, 20)
-    with pytest.raises(InputError, match=r"thermal_expansion = 12\.0: is beyond any material"):
-        Material("steel", 207e3, 0.3, thermal_expansion=12.0)
-
-
 # By finite elements of an axisymmetric ring, below, and by Lamé's formulas as in a textbook.
 RINGS = {
     "PEEK in a steel frame, plane stress": ("stress", ["PEEK", 13.0], "steel", -1.0),
@@ -175,15 +161,3 @@ def test_next_to_the_end_of_a_law_a_stiffness_is_met_again_and_not_found():
         length * law.stiffness(law.penetration(500.0 / length, rollers), rollers), rel=1e-9
     )
     assert length > 100.0  # at the other, 2.4 mm, rollers of 20 mm penetrate by 22 mm
-
-
-@pytest.mark.parametrize(
-    ("given", "rule"),
-    [({"stiffness": 1e9}, "is met by no dR from 1e-05 to 5 mm, which give"),
-     ({"penetration": 10.0}, "is met by no dR"), ({}, "is missing"),
-     ({"stiffness": 1e5, "penetration": 1e-3}, "beside a penetration"),
-     ({"stiffness": -1.0}, "must be positive")],
-)  # fmt: skip
-def test_what_no_clearance_gives_is_said(given, rule):
-    with pytest.raises(InputError, match=rule):
-        find("dR", PAIR, 100.0, **given)
