@@ -10,7 +10,7 @@ import pytest
 from cylcontact import InputError
 from cylcontact.export.notation import C, Fortran, Matlab, MatlabArrays
 from cylcontact.export.plain import Constant, Program
-from tests.support.export_runners import C_FLAGS, FORTRAN_FLAGS, compile_with, run_program
+from tests.support.export_runners import C_FLAGS, FORTRAN_FLAGS, compile_with, run_octave_script
 
 LEVEL, WEIGHTS = 2.5, np.array([0.5, 0.25, 0.125])
 SUMS = np.dtype([("total", np.float64), ("parts", np.float64, 3), ("count", np.int64)])
@@ -150,9 +150,7 @@ def octave(folder, language, call):
     text = "\n".join(["1;", parts["constants"], *numbers, parts["program"], parts["helpers"]])
     given = f"x = [{' '.join(map(repr, X.tolist()))}]; y = [{' '.join(map(repr, Y.tolist()))}];"
     script = f"{text}\n{given}\n{call}\nprintf('%.17g\\n', z);\n"
-    (folder / "run.m").write_text(script, encoding="ascii")
-    printed = run_program("octave-cli", "--no-gui", "--norc", "--quiet", folder / "run.m")
-    return np.array(printed.split(), float)
+    return np.array(run_octave_script(script, folder).split(), float)
 
 
 def test_matlab_computes_the_same_also_of_arrays(tmp_path):
