@@ -67,9 +67,8 @@ def test_shipped_values_and_where_they_come_from():
 
 
 def test_a_shipped_material_by_its_name():
-    assert Material.named("titanium alloy") == Material(
-        "titanium alloy", 120e3, 0.34, 830.0, 8.6e-6
-    )
+    titanium = Material("titanium alloy", 120e3, 0.34, 830.0, 8.6e-6)
+    assert Material.named("titanium alloy") == titanium
     with pytest.raises(InputError) as caught:
         Material.named("soap")
     rule = "is not in the table that ships"

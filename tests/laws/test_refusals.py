@@ -194,7 +194,7 @@ REFUSED = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("ask", "message"), REFUSED, ids=lambda each: str(each)[:40])
+@pytest.mark.parametrize(("ask", "message"), REFUSED, ids=[words for _, words in REFUSED])
 def test_bad_input_is_refused_in_one_line(ask, message):
     with pytest.raises(InputError) as caught:
         ask()
