@@ -200,7 +200,7 @@ def extrapolated(pair, part):
     return second[-1], np.abs(second[-1] - first[-1]) + np.abs(second[-1] - second[-2]), ratios
 
 
-PARTS = (1 / 32, 1 / 8, 3 / 16)
+PARTS = (1 / 16, 3 / 16)
 NUMERICAL_PAIRS = {
     "steel in aluminium": pair_of("steel", "al"),
     "aluminium in steel": pair_of("al", "steel"),
