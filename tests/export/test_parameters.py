@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
-from cylcontact import InputError, dissipation
+from cylcontact import dissipation
 from cylcontact.export import CODES, contact_parameters
 from cylcontact.mechanism import joint_from, read_joint
 from tests.support.programs import require_package
@@ -241,26 +241,3 @@ def test_the_command_prints_the_parameters(run, tmp_path):
     assert run(*command, *options) == (0, f"wrist-pin written to {out}\n", "")
     at_speed = contact_parameters(read_joint(JOINT), "adams", 100, 5000, 0.5, 0.4)
     assert out.read_text(encoding="ascii") == f"{at_speed}\n"
-
-
-REFUSALS = {
-    "no range": (("--to", "adams"), "--range: is missing for adams; give total forces in N"),
-    "reversed": (("--to", "adams", "--range", "9:1"), "'9:1' must be two positive numbers, the "),
-    "not finite": (("--to", "drake", "--range", "1:inf"), "'1:inf' must be two positive numbers"),
-    "no mass": (("--to", "mujoco", "--range", "1:9", "--mass", "0"), "--mass = 0.0: must be posit"),
-    "source": (("--to", "c", "--range", "1:9"), "is for a code's own contact; leave it out"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(("arguments", "message"), REFUSALS.values(), ids=REFUSALS)
-def test_the_command_refuses_in_one_line(run, arguments, message):
-    code, out, errors = run("export", "--joint", JOINT, *arguments)
-    assert (code, out, errors.count("\n")) == (2, "", 1)
-    assert message in errors
-
-
-def test_a_range_ends_before_the_law():
-    with pytest.raises(InputError, match=r"goes beyond the law 'johnson', which ends at \d"):
-        contact_parameters(joint_from(changed(PIN, {"law": "johnson"})), "adams", 100, 1e6)
-    with pytest.raises(InputError, match="is no range of force"):
-        contact_parameters(joint_from(PIN), "adams", 9, 1)

@@ -29,13 +29,16 @@ def split(x: float) -> Split:
     return Split(1 if x > 0 else -1, abs(x))
 
 
+split_of_module = split
+
+
 def add(x: float, sums: Sums) -> None:
     """Add weighted powers of x to the sums."""
     for k in range(3):
         sums.parts[k] += WEIGHTS[k] * x ** (k + 1)
         sums.total += sums.parts[k]
     for k in range(4, 0, -2):
-        sums.count += 7 * k // 3 - k % 3
+        sums.count += 7 * k // 3 - k % 3 + abs(k - 3)
 
 
 def evaluate(x: float, y: float, sums: Sums, law: Any) -> float:
@@ -102,6 +105,7 @@ def run_library(library):
 
 C_FILE = """#include <math.h>
 #include <stdbool.h>
+#include <stdlib.h>
 double evaluate(double x, double y);
 {types}
 {constants}
@@ -178,6 +182,13 @@ REFUSED = {
     "return sum([x, x])": ("8: `[x, x]", "not in the rules"),
     "return law.factor * x": ("8: `law.factor", "is not a number of the law"),
     "\n    y = x +\\\n        {1: 2}[1]": ("10: `{1: 2}", "not in the rules"),
+    "x = y = 1": ("8: `x = y = 1", "write two assignments"),
+    "x + 1": ("8: `x + 1", "does nothing"),
+    "while x > 0: x -= 1\n    else: x = 2": ("8: `while x > 0:", "is a loop with an else"),
+    "return missing * x": ("8: `missing", "is not defined"),
+    "return split * x": ("8: `split", "is neither a number nor a vector"),
+    "return split() * x": ("8: `split()", "give all of x"),
+    "f = x; return f": ("7: `f", "has a variable of its own name"),
 }
 HINTS = {"n": int, "vector": Annotated[Any, 3]}
 
@@ -197,3 +208,15 @@ def test_a_constant_has_one_value():
     program.read_text("def f(x):\n    return LEVEL * x", {"LEVEL": 1.0})
     with pytest.raises(InputError, match="two values"):
         program.read_text("def g(x):\n    return LEVEL * x", {"LEVEL": 2.0})
+
+
+def test_functions_have_names_of_their_own_and_plain_arguments():
+    def split(x):
+        return x
+
+    program = Program({})
+    program.read(split_of_module)
+    with pytest.raises(InputError, match="has the name of another function"):
+        program.read(split)
+    with pytest.raises(InputError, match="takes other than plain arguments"):
+        program.read_text("def g(*x):\n    return 1.0", {})

@@ -8,7 +8,6 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation
 
-from cylcontact import InputError
 from cylcontact.export import export_joint
 from cylcontact.mechanism import SpatialJoint
 from tests.support.fmu_masters import Cosim, Fmu, export_fmu
@@ -69,12 +68,6 @@ def test_a_motion_that_is_not_a_number_has_no_force_and_no_impact_rate(target, t
     assert np.isnan(wanted[:13, :12]).all()
     assert np.isnan(wanted[:13, -4:-2]).any(axis=1).all()
     assert np.isfinite(wanted[13]).all()
-
-
-@pytest.mark.parametrize("name", ["press", "Move", "law"])
-def test_a_module_is_not_called_as_one_of_its_functions(name):
-    with pytest.raises(InputError, match="is taken by something else in fortran"):
-        export_joint(joint_for(name=name), "fortran")
 
 
 def test_the_fmu_gives_the_numbers_of_the_library(tmp_path):

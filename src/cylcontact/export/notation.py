@@ -116,9 +116,6 @@ class C:
         """Return a value of a type."""
         if isinstance(kind, Vector):
             return f"{{{', '.join(map(self.number, value))}}}"
-        if fields := fields_of(kind):
-            parts = (self.value(k, getattr(value, name)) for name, k in fields.items())
-            return f"{{{', '.join(parts)}}}"
         return str(int(value)) if kind is int else self.number(value)
 
     def number_of(self, name: str, value: Any) -> str:
@@ -245,12 +242,7 @@ class C:
         if text in self.starts.get(id(node), ()):
             is_once = _stores(self.f.body, text) == 1
             text = ("const " if is_once else "") + self.declared(text, self.f.locals[text])
-            given = self.text(value)
-            if given.startswith(f"({self.type_name(self.program.type_of(value, self.local))}){{"):
-                given = given.partition(")")[2]
-            yield f"{text} = {given}{self.end}"
-        else:
-            yield f"{text} = {self.text(value)}{self.end}"
+        yield f"{text} = {self.text(value)}{self.end}"
 
     def _added(self, target: Node, op: Node, value: Node) -> str:
         return f"{self.text(target)} {self.symbols[type(op)]}= {self.text(value)}{self.end}"
@@ -369,11 +361,7 @@ class C:
         if called and not isinstance(called, Function):
             return self._made(called, [self.text(each) for each in node.args])
         name = node.func.id if called else self.names.get(node.func.id, node.func.id)
-        if (
-            called is None
-            and name == "fabs"
-            and self.program.type_of(node.args[0], self.local) is int
-        ):
+        if name == "fabs" and self.program.type_of(node, self.local) is int:
             name = "abs"
         return f"{name}({', '.join(self._given(node))})"
 
@@ -485,9 +473,7 @@ end function log1p""".lstrip()
     def value(self, kind: Any, value: Any) -> str:
         """Return a value of a type."""
         text = super().value(kind, value)
-        if isinstance(kind, Vector):
-            return f"[{text[1:-1]}]"
-        return f"{self.type_name(kind)}({text[1:-1]})" if fields_of(kind) else text
+        return f"[{text[1:-1]}]" if isinstance(kind, Vector) else text
 
     def number_of(self, name: str, value: Any) -> str:
         """Return a parameter."""
@@ -626,12 +612,6 @@ end""".lstrip(),
         """Return assignments to the fields of a constant."""
         lines = [f"{of}.{name} = {self.value(c.kind, c.value)};" for name, c in fields.items()]
         return "\n".join(self._remarked(lines, fields.values()))
-
-    def value(self, kind: Any, value: Any) -> str:
-        """Return a value of a type."""
-        if fields := fields_of(kind):
-            return self._made(kind, [self.value(k, getattr(value, n)) for n, k in fields.items()])
-        return super().value(kind, value)
 
     def parts_of_zero(self, kind: Any) -> str:
         """Return a record of zeros."""
