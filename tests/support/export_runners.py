@@ -56,8 +56,7 @@ rmpath('{folder}');
 def run_c(case, folder):
     (folder / "law.c").write_text(case.source("c"), encoding="ascii")
     (folder / "law.h").write_text(case.header(), encoding="ascii")
-    for file in ("law.c", "law.h"):
-        compile_with("g++", *CPP_FLAGS, "-c", folder / file, "-o", folder / "cpp.o")
+    compile_with("g++", *CPP_FLAGS, "-fsyntax-only", folder / "law.c", folder / "law.h")
     return _compiled("gcc", C_FLAGS, "run.c", C_WRAPPER, case, folder)
 
 
