@@ -65,6 +65,8 @@ class C:
     ) -> None:
         """Take names of public functions and records; `scratch` is a local of public functions."""
         self.program, self.public, self.scratch = program, public or {}, scratch
+        # The variables that are declared at a statement; other languages declare them at the top.
+        self.starts: dict[int, list[str]] = {}
 
     # --- a file ---
 
@@ -156,7 +158,7 @@ class C:
         name = self.public.get(f.name)
         yield self.head(f)
         yield "{"
-        self.starts: dict[int, list[str]] = {}
+        self.starts = {}
         loops: list[Node] = [n for n in _walk(f.body) if isinstance(n, ast.For)]
         turns = {loop.target.id for loop in loops}
         self._place(f.body, [name for name in f.locals if name not in {*f.arguments, *turns}])
@@ -234,7 +236,7 @@ class C:
                 yield self.end_loop
 
     def _declarations(self, node: Node) -> Iterator[str]:
-        names = self.starts.get(id(node), ())
+        names = self._starts(node)
         yield from _merged([f"{self.declared(n, self.f.locals[n])};" for n in names])
 
     def _assigned(self, node: Node, target: Node, value: Node) -> Iterator[str]:
@@ -520,12 +522,6 @@ end function log1p""".lstrip()
         self.last = f.body[-1]
         yield from (self.wrapped(f"    {line}") if line else "" for line in self.lines(f.body))
         yield f"end {what} {name}"
-
-    def _declarations(self, node: Node) -> Iterator[str]:
-        yield from ()
-
-    def _starts(self, node: Node) -> Sequence[str]:
-        return ()
 
     def _assigned(self, node: Node, target: Node, value: Node) -> Iterator[str]:
         if isinstance(value, ast.IfExp) and not self.has_choice:
