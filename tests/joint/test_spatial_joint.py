@@ -13,7 +13,14 @@ from cylcontact import InputError
 from cylcontact.files.spec import read_toml
 from cylcontact.joint import spatial_forces
 from cylcontact.joint.contact import LEFT_HOLE
-from cylcontact.joint.spatial_forces import OUTSIDE, RIM_MISSING, UNLIKE, WORK
+from cylcontact.joint.spatial_forces import (
+    OUTSIDE,
+    RIM_MISSING,
+    STATE,
+    UNLIKE,
+    WORK,
+    WRENCH,
+)
 from cylcontact.mechanism import (
     JointState,
     SpatialJoint,
@@ -331,15 +338,16 @@ def test_a_pin_at_rest_on_one_rim_keeps_the_restitution_of_an_impact_at_the_othe
 def test_a_door_that_rattles_keeps_its_energy():
     """A leaf of 2 kg on one hinge without dissipation: 0.3 s, some hundred impacts on both rims."""
     joint = joint_for(**ELASTIC, thrust={**THRUST, "restitution": 1.0})
-    out, work = np.zeros((600_000, 3)), np.zeros(1, WORK)[0]
-    fly(FIXED.copy(), FIXED, np.zeros(4), work, joint.record, joint.planar.kernel.parameters, out)
+    out = np.zeros((600_000, 3))
+    records = (np.zeros(1, kind)[0] for kind in (STATE, WRENCH, WORK))
+    fly(FIXED.copy(), FIXED, *records, joint.record, joint.planar.kernel.parameters, out)
     onsets = np.count_nonzero(np.diff((out[:, 1:] > 0).astype(int), axis=0) > 0, axis=0)
     assert onsets.min() > 50
     assert abs(out[-1, 0] - out[0, 0]) < 1e-8
 
 
 @numba.njit
-def fly(pin, fixed, state, w, joint, law, out):
+def fly(pin, fixed, state, wrench, work, joint, law, out):
     """Integrate the leaf in its plane by Runge and Kutta; write energy and penetrations of rims.
 
     y has x and z of the centre of mass, the angle about y, and their rates.
@@ -353,15 +361,15 @@ def fly(pin, fixed, state, w, joint, law, out):
             pin[0], pin[2] = at[0] - across, at[1] + down
             pin[3], pin[5] = np.cos(at[2] / 2), np.sin(at[2] / 2)
             pin[7], pin[9], pin[11] = at[3] + at[5] * down, at[4] + at[5] * across, at[5]
-            spatial_forces.evaluate(state, fixed, pin, w, joint, law)
-            force_x, force_z = w.force_pin[0], w.force_pin[2]
-            moment = w.moment_pin[1] + down * force_x + across * force_z
+            spatial_forces.evaluate(state, fixed, pin, wrench, work, joint, law)
+            force_x, force_z = wrench.force_pin[0], wrench.force_pin[2]
+            moment = wrench.moment_pin[1] + down * force_x + across * force_z
             slopes[stage, :3] = at[3:]
             slopes[stage, 3:] = force_x / mass, force_z / mass - 9.81, moment / inertia
             if stage == 0:
                 motion = 0.5 * mass * (at[3] ** 2 + at[4] ** 2) + 0.5 * inertia * at[5] ** 2
-                out[step, 0] = w.elastic_energy + motion + mass * 9.81 * at[1]
-                out[step, 1:] = w.penetration[0], w.penetration[1]
+                out[step, 0] = wrench.elastic_energy + motion + mass * 9.81 * at[1]
+                out[step, 1:] = wrench.penetration[0], wrench.penetration[1]
         y += size / 6 * (slopes[0] + 2 * slopes[1] + 2 * slopes[2] + slopes[3])
 
 

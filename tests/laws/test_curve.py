@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact import CylinderPair, Material
 from cylcontact.bodies.material import material_in_MPa
 from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.laws.conformal.arcs import Bodies
@@ -201,28 +201,3 @@ def test_a_band_of_housings_is_its_members(loads):
     for k in range(3):
         one = CylinderPair.internal(float(R_i[k, 0]), float(R_j[k, 0]), pin=STEEL, hole=BRONZE)
         np.testing.assert_allclose(delta[k], law.penetration(f, one), rtol=1e-10)
-
-
-def test_clearances_and_moduli_by_row_share_one_curve():
-    rng = np.random.default_rng(3)
-    factor, dR = rng.uniform(0.5, 2, 50), rng.uniform(0.01, 0.1, 50)
-    hole, pin = Material("hole", 70e3 * factor, 0.33), Material("pin", 207e3 * factor, 0.3)
-    pairs, f = CylinderPair("internal", dR, hole, pin), rng.uniform(1, 1000, 50)
-    curve = Conformal().curve(pairs)
-    expected = dR * curve.penetration(f / (pairs.E_star * dR))
-    np.testing.assert_allclose(Conformal().penetration(f, pairs), expected, rtol=1e-14)
-
-
-def test_one_curve_is_asked_of_one_pair():
-    pairs = CylinderPair("internal", 0.05, STEEL, Material("pins", np.array([7e4, 2e5]), 0.3))
-    with pytest.raises(InputError, match="has bodies of several α, β or housings; take one"):
-        Conformal().curve(pairs)
-
-
-# --- names that are gone --------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["Parametric", "explicit_penetration", "Palmgren", "Block"])
-def test_a_name_that_is_gone_says_what_to_use(name):
-    with pytest.raises(AttributeError, match=rf"laws\.{name} is gone: \w+"):
-        getattr(laws, name)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cylcontact import CylinderPair, InputError, Material, limits
+from cylcontact import CylinderPair, Material, limits
 from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.laws.conformal import series as glauert
 from tests.support.ring_elements import RingOfElements
@@ -127,22 +127,3 @@ def test_a_pin_that_leaves_its_eye_before_anything_yields_has_no_load():
     first = limits.first_yield(pair, yield_stress=5e3, housing=Housing(13.0, Sector(300, "far")))
     assert np.isnan(first.load)
     assert "no load at which the pin touches its housing along one arc" in str(first)
-
-
-@pytest.mark.parametrize(
-    ("housing", "message"),
-    [
-        (
-            Housing.from_compliances([-0.1, 0.4, -0.05, -0.001, 0.0]),
-            "compliances, which have no stresses",
-        ),
-        (
-            Housing(20.0, layers=[(Material("lug", 70e3, 0.33), 12.0)]),
-            "not known for all materials",
-        ),
-    ],
-)
-def test_what_has_no_first_yield_is_refused_in_a_line(housing, message):
-    with pytest.raises(InputError, match=message) as error:
-        limits.first_yield(CylinderPair.internal(10.0, 9.9, STEEL), housing=housing)
-    assert "\n" not in str(error.value)

@@ -1,7 +1,5 @@
 """A law's formula: its stiffness, functions of one's own, and a cylinder on a plane."""
 
-# ruff: noqa: ARG001
-
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +7,7 @@ import pytest
 from mpmath import mp, mpf
 from scipy.integrate import quad
 
-from cylcontact import CylinderPair, InputError, Material, laws
-from cylcontact.laws import lambert
-from cylcontact.laws.formula import Formula
+from cylcontact import CylinderPair, Material, laws
 from cylcontact.laws.user import user_law
 from tests.support.strategies import ROUNDING
 
@@ -54,12 +50,6 @@ def test_a_load_by_hand_in_arrays_is_that_of_the_formula(end):
     np.testing.assert_allclose(formula.in_arrays(depth, *numbers), expected, rtol=40 * ROUNDING)
 
 
-def test_the_branch_distance_of_a_number_is_that_of_arrays():
-    p = np.concatenate([10.0 ** -np.linspace(0, 300, 301), [0.0, 1.0, 1.1, np.nan]])
-    of_numbers = [float(lambert.branch_distance_of_number(x)) for x in p]
-    np.testing.assert_allclose(of_numbers, lambert.branch_distance(p), rtol=8 * ROUNDING)
-
-
 # --- functions of one's own ----------------------------------------------------------------------
 
 
@@ -72,38 +62,6 @@ def test_a_function_of_ones_own_is_a_law():
         slope = exact.stiffness(delta, pair)
         np.testing.assert_allclose(law.stiffness(delta, pair), slope, rtol=1e-9)
     assert (law.needs, law.max_penetration(many).shape) == ((), (2, 1))
-
-
-def of_a_pair(penetration, pair, K=1.0):
-    return K * penetration
-
-
-def with_a_default(penetration, E_star, alpha=1.0):
-    return E_star * penetration
-
-
-def with_a_text(penetration, E_star, K="1"):
-    return E_star * penetration
-
-
-def of_anything(penetration, *constants):
-    return penetration
-
-
-REFUSED = {
-    of_a_pair: "takes a pair, .* write it as def load\\(penetration, E_star, dR, K=1.0",
-    with_a_default: "has a default for alpha, which comes from the pair",
-    with_a_text: "has a default for K that is not a number",
-    of_anything: "must take a penetration and named numbers",
-    min: "has no signature to read",
-}
-
-
-@pytest.mark.parametrize("function", REFUSED, ids=lambda function: function.__name__)
-def test_a_function_of_another_form_is_told_the_form(function):
-    with pytest.raises(InputError, match=REFUSED[function]) as caught:
-        _ = Formula(function).asked
-    assert "\n" not in str(caught.value)
 
 
 # --- a cylinder on a plane -----------------------------------------------------------------------
@@ -139,24 +97,3 @@ def test_the_half_plane_is_flamants_integral_over_hertzs_pressure(depth):
     actual = laws.Johnson(datum=depth).penetration(100.0, ON_PLANE)
     assert actual == pytest.approx(expected, rel=1e-4)
     assert laws.Johnson(datum=depth).load(actual, ON_PLANE) == pytest.approx(100.0, rel=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("law", "pair", "words"),
-    [
-        (laws.Johnson(), ON_PLANE, "datum.*is missing: the pair is a cylinder on a plane"),
-        (laws.Johnson(datum=5.0), ROLLERS, "datum = 5.0: is for a cylinder on a plane"),
-        (laws.Explicit(), ON_PLANE, "is a plane"),
-        (laws.Enhanced(), ON_PLANE, "is a plane"),
-    ],
-)
-def test_a_plane_needs_a_datum_and_a_law_that_takes_one(law, pair, words):
-    for ask in (law.load, law.penetration, law.stiffness):
-        with pytest.raises(InputError, match=words):
-            ask(1e-3, pair)
-
-
-@pytest.mark.parametrize("datum", [0.0, -1.0, np.inf, "deep"])
-def test_a_datum_is_a_length(datum):
-    with pytest.raises(InputError, match="must be positive and finite"):
-        laws.Johnson(datum=datum)

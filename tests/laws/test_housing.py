@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.calculix import run_case
-from cylcontact import CylinderPair, InputError, Material
+from cylcontact import CylinderPair, Material
 from cylcontact.bodies.material import material_in_MPa
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.datasets.finite_element.solver import clamped_nodes
@@ -246,36 +246,3 @@ def test_contact_by_calculix_is_the_same(rho, clamp):
         away.append(100 * (penetration / float(law.penetration(f[0], pair)) - 1))
     assert abs(2 * away[1] - away[0]) < 0.15  # its contact of nodes with faces is of first order
     assert abs(away[1]) < 0.5
-
-
-# --- bad input ----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("ask", "message"),
-    [
-        (lambda: Housing("20"), "Housing: R_o = '20': must be a number"),
-        (lambda: Housing(20.0, "half"), "Housing: clamp = 'half': must be 'rim' or a Sector"),
-        (lambda: Housing(20.0, layers=[(STEEL, 30.0)]), "Housing: layers"),
-        (lambda: Housing(20.0, layers=[15.0]), "Housing: layers"),
-        (lambda: Sector(351), "Sector: angle = 351: must be from 10 to 350 degrees"),
-        (lambda: Sector(60, "left"), "Sector: side = 'left': must be 'near' or 'far'"),
-        (lambda: load_in(Housing(10.0)), "R_o = 10.0: must be larger than"),
-        (lambda: load_in(Housing(10.2)), "makes a ring thinner than 5 %"),
-        (lambda: load_in(Housing(11.0, Sector(300, "far"))), "does not touch it along one arc"),
-        (lambda: Housing.from_compliances(np.ones((3, 4))), "Housing: g: has the shape (3, 4)"),
-        (lambda: Housing.from_compliances([0.1, np.nan, 0]), "Housing: g: must be finite"),
-        (lambda: Housing.from_compliances(np.triu(np.ones((3, 3)))), "g: must be symmetric"),
-        (lambda: Housing.from_compliances([-0.1, 0.3, -0.2, -0.05]), "has fewer harmonics than"),
-        (lambda: Housing.from_compliances("no/such/file"), "no/such/file: g: cannot be read"),
-    ],
-)
-def test_bad_input_is_one_line(ask, message):
-    with pytest.raises(InputError) as error:
-        ask()
-    assert message in str(error.value)
-    assert "\n" not in str(error.value)
-
-
-def load_in(housing):
-    return Conformal(housing).load(1e-3, pair_of())

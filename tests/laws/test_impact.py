@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.integrate import solve_ivp
 
-from cylcontact import CylinderPair, InputError, Material
+from cylcontact import CylinderPair, Material
 from cylcontact.impact import (
     FACTORS,
     achieved_restitution,
@@ -54,22 +54,15 @@ def simulated_restitution(law, pair, chi, speed, mass=1e-4):
 
     separation.terminal, separation.direction = True, -1
     flight = solve_ivp(
-        rates,
-        (0.0, 1.0),
-        (0.0, speed),
-        "DOP853",
-        events=separation,
-        rtol=1e-11,
-        atol=(1e-16, 1e-11 * speed),
-    )
+        rates, (0.0, 1.0), (0.0, speed), "DOP853",
+        events=separation, rtol=1e-11, atol=(1e-16, 1e-11 * speed),
+    )  # fmt: skip
     assert flight.status == 1, "the bodies did not part"
     return -flight.y_events[0][0, 1] / speed
 
 
-# χ, speed in mm/s and mass in tonnes, of which only χ matters.
-@pytest.mark.parametrize(
-    ("chi", "speed", "mass"), [(0.1425, 10.0, 1e-4), (1.5, 5000.0, 1e-4), (9.0, 500.0, 1e-6)]
-)
+# Speed in mm/s and mass in tonnes do not matter.
+@pytest.mark.parametrize(("chi", "speed", "mass"), [(0.1425, 10.0, 1e-4), (9.0, 500.0, 1e-6)])
 @pytest.mark.parametrize("impact", IMPACTS)
 def test_a_simulated_impact_achieves_what_the_closed_form_says(impact, chi, speed, mass):
     achieved = simulated_restitution(*IMPACTS[impact], chi, speed, mass)
@@ -102,23 +95,12 @@ def exact_chi(restitution):
         return chi(mp.findroot(residual, ends, solver="ridder"))
 
 
-@pytest.mark.parametrize("chi", [*np.geomspace(1e-12, 1e3, 61), *np.linspace(1.0, 6.0, 41)])
-def test_the_achieved_restitution_is_exact_to_a_few_roundings(chi):
-    error = abs(float(achieved_restitution(chi) / exact_restitution(chi) - 1))
-    assert error < 8 * ROUNDING
-
-
-@pytest.mark.parametrize(
-    "wanted",
-    [
-        *np.linspace(0.01, 0.99, 50),
-        *(1 - np.geomspace(1e-15, 0.1, 31)),
-        *np.geomspace(3e-4, 0.9, 20),
-    ],
-)
-def test_the_exact_factor_is_exact_to_a_few_roundings(wanted):
-    error = abs(float(exact_factor(wanted) / exact_chi(wanted) - 1))
-    assert error < 8 * ROUNDING
+def test_restitution_and_factor_are_exact_to_a_few_roundings():
+    for chi in [*np.geomspace(1e-12, 1e3, 61), *np.linspace(1.0, 6.0, 41)]:
+        assert abs(achieved_restitution(chi) / exact_restitution(chi) - 1) < 8 * ROUNDING, chi
+    near = 1 - np.geomspace(1e-15, 0.1, 31)
+    for e in [*np.linspace(0.01, 0.99, 50), *near, *np.geomspace(3e-4, 0.9, 20)]:
+        assert abs(exact_factor(e) / exact_chi(e) - 1) < 8 * ROUNDING, e
 
 
 # --- the published factors --------------------------------------------------------------------
@@ -194,28 +176,3 @@ def test_the_friction_is_eq_14():
     assert not np.signbit(load[3:5]).any()  # no negative zero
     assert np.isnan(friction_load([-1.0, -1e-300, -np.inf, np.nan], 20.0, 0.1, V0, V1)).all()
     assert np.isnan(friction_load(50.0, np.nan, 0.1, V0, V1))
-
-
-# --- bad input --------------------------------------------------------------------------------
-
-REFUSED = [
-    *((factor, "restitution", [0.0, 1.0000001, np.nan]) for factor in FACTORS.values()),
-    (achieved_restitution, "chi", [-1e-9, np.nan, np.inf, [0.5, -0.5]]),
-    (lambda chi: dissipative_load(1.0, 1.0, 1.0, chi), "chi", [-1.0, np.nan]),
-    (lambda v: dissipative_load(1.0, 1.0, 1.0, 0.5, floor=v), "floor", [0.0, np.nan, np.inf]),
-    (hysteresis_factor, "name", ["anagnostopoulos"]),
-    (
-        lambda v: friction_load(1.0, 1.0, 0.1, *v),
-        "v0, v1",
-        [(-1.0, 5.0), (5.0, 5.0)],
-    ),
-    (lambda c: friction_load(1.0, 1.0, c, V0, V1), "coefficient", [-0.1, np.inf, [0.1, -0.1]]),
-]
-
-
-@pytest.mark.parametrize(("act", "key", "values"), REFUSED)
-def test_what_is_out_of_its_range_is_refused(act, key, values):
-    for value in values:
-        with pytest.raises(InputError) as caught:
-            act(value)
-        assert (caught.value.key, str(caught.value.value)) == (key, str(value))

@@ -1,4 +1,4 @@
-"""The other logarithmic laws, against their formulas as printed, and Liu's law."""
+"""The other logarithmic laws, against their formulas as printed."""
 
 import numpy as np
 import pytest
@@ -53,10 +53,3 @@ def test_a_fitted_law_has_its_own_kappa_c_and_factor_of_lambda():
     E_star = PAIR.E_star
     expected = 120.0 / (np.pi * E_star) * (np.log(2 * np.pi * PAIR.R * E_star / 100.0) + 0.4)
     assert law.penetration(100.0, PAIR) == pytest.approx(expected, rel=1e-13)
-
-
-def test_liu_is_the_printed_formula():
-    delta = np.geomspace(1e-9, 10, 40)
-    E_star, dR = PAIR.E_star, PAIR.dR
-    printed = np.pi / 2 * E_star * delta * np.sqrt(delta / (2 * (dR + delta)))
-    assert laws.Liu().load(delta, PAIR) == pytest.approx(printed, rel=1e-14)

@@ -32,7 +32,7 @@ MODULES = {
     "class load: pass": "must take a penetration and named numbers",
     "def load(penetration, pair, K): return K": "takes a pair, and has to take what it needs",
 }
-GIVEN = "--E 207GPa --nu 0.3 --Ri 10 --bound K=1:10 --runs 2 -j 1"
+GIVEN = "--E 207GPa --nu 0.3 --Ri 10 --bound K=1:10 --runs 1 -j 1"
 # Names that are not of a module and a function beside the table.
 NAMES = ("..mine:load", "/etc/mine:load", "mine:", ":load", "mine:a.b")
 

@@ -56,8 +56,7 @@ rmpath('{folder}');
 def run_c(case, folder):
     (folder / "law.c").write_text(case.source("c"), encoding="ascii")
     (folder / "law.h").write_text(case.header(), encoding="ascii")
-    for file in ("law.c", "law.h"):
-        compile_with("g++", *CPP_FLAGS, "-c", folder / file, "-o", folder / "cpp.o")
+    compile_with("g++", *CPP_FLAGS, "-fsyntax-only", folder / "law.c", folder / "law.h")
     return _compiled("gcc", C_FLAGS, "run.c", C_WRAPPER, case, folder)
 
 
@@ -87,7 +86,6 @@ def _compiled(compiler, flags, file, wrapper, case, folder):
 
 def run_octave(cases, folder, more=""):
     """Run the MATLAB exports of all cases, and `more`, in one Octave."""
-    require_program("octave-cli")
     script = []
     for name, case in cases.items():
         place = folder / name
@@ -96,9 +94,15 @@ def run_octave(cases, folder, more=""):
         np.column_stack(list(case.arguments.values())).T.tofile(place / "in")
         shape = {"rows": case.rows, "columns": len(case.arguments)}
         script.append(OCTAVE_CASE.format(folder=place, name=case.name, **shape))
-    (folder / "all.m").write_text("1;\n" + "".join(script) + more, encoding="ascii")
-    run_program("octave-cli", "--no-gui", "--norc", "--quiet", folder / "all.m")
+    run_octave_script("1;\n" + "".join(script) + more, folder)
     return {name: np.fromfile(folder / name / "out").reshape(2, -1) for name in cases}
+
+
+def run_octave_script(text, folder):
+    """Run a script; return what it printed."""
+    require_program("octave-cli")
+    (folder / "script.m").write_text(text, encoding="ascii")
+    return run_program("octave-cli", "--no-gui", "--norc", "--quiet", folder / "script.m")
 
 
 def compile_with(compiler, *arguments):

@@ -225,9 +225,9 @@ def export_joint(
     from cylcontact.export.joint import Element
 
     if target == "fmu":
-        from cylcontact.export.fmu import joint_fmu
+        from cylcontact.export.fmu import JointFmu
 
-        return joint_fmu(Element(joint), stem)
+        return JointFmu(Element(joint)).files(stem)
     return Element(joint).source(target, stem)
 
 

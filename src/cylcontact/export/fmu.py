@@ -373,11 +373,6 @@ def _unit_of(key: str, u: str) -> str:
     return unit.replace("u", u) if unit != "" else ""
 
 
-def joint_fmu(element: Element, stem: str = "") -> dict[str, bytes]:
-    """Return the FMU of a joint by its file name."""
-    return JointFmu(element).files(stem)
-
-
 def _library(sources: Mapping[str, str], file: str) -> bytes:
     """Return the compiled sources."""
     compiler = next(filter(None, map(shutil.which, _COMPILERS)), None)

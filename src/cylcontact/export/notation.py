@@ -65,6 +65,8 @@ class C:
     ) -> None:
         """Take names of public functions and records; `scratch` is a local of public functions."""
         self.program, self.public, self.scratch = program, public or {}, scratch
+        # The variables that are declared at a statement; other languages declare them at the top.
+        self.starts: dict[int, list[str]] = {}
 
     # --- a file ---
 
@@ -116,9 +118,6 @@ class C:
         """Return a value of a type."""
         if isinstance(kind, Vector):
             return f"{{{', '.join(map(self.number, value))}}}"
-        if fields := fields_of(kind):
-            parts = (self.value(k, getattr(value, name)) for name, k in fields.items())
-            return f"{{{', '.join(parts)}}}"
         return str(int(value)) if kind is int else self.number(value)
 
     def number_of(self, name: str, value: Any) -> str:
@@ -159,7 +158,7 @@ class C:
         name = self.public.get(f.name)
         yield self.head(f)
         yield "{"
-        self.starts: dict[int, list[str]] = {}
+        self.starts = {}
         loops: list[Node] = [n for n in _walk(f.body) if isinstance(n, ast.For)]
         turns = {loop.target.id for loop in loops}
         self._place(f.body, [name for name in f.locals if name not in {*f.arguments, *turns}])
@@ -237,7 +236,7 @@ class C:
                 yield self.end_loop
 
     def _declarations(self, node: Node) -> Iterator[str]:
-        names = self.starts.get(id(node), ())
+        names = self._starts(node)
         yield from _merged([f"{self.declared(n, self.f.locals[n])};" for n in names])
 
     def _assigned(self, node: Node, target: Node, value: Node) -> Iterator[str]:
@@ -245,12 +244,7 @@ class C:
         if text in self.starts.get(id(node), ()):
             is_once = _stores(self.f.body, text) == 1
             text = ("const " if is_once else "") + self.declared(text, self.f.locals[text])
-            given = self.text(value)
-            if given.startswith(f"({self.type_name(self.program.type_of(value, self.local))}){{"):
-                given = given.partition(")")[2]
-            yield f"{text} = {given}{self.end}"
-        else:
-            yield f"{text} = {self.text(value)}{self.end}"
+        yield f"{text} = {self.text(value)}{self.end}"
 
     def _added(self, target: Node, op: Node, value: Node) -> str:
         return f"{self.text(target)} {self.symbols[type(op)]}= {self.text(value)}{self.end}"
@@ -369,11 +363,7 @@ class C:
         if called and not isinstance(called, Function):
             return self._made(called, [self.text(each) for each in node.args])
         name = node.func.id if called else self.names.get(node.func.id, node.func.id)
-        if (
-            called is None
-            and name == "fabs"
-            and self.program.type_of(node.args[0], self.local) is int
-        ):
+        if name == "fabs" and self.program.type_of(node, self.local) is int:
             name = "abs"
         return f"{name}({', '.join(self._given(node))})"
 
@@ -485,9 +475,7 @@ end function log1p""".lstrip()
     def value(self, kind: Any, value: Any) -> str:
         """Return a value of a type."""
         text = super().value(kind, value)
-        if isinstance(kind, Vector):
-            return f"[{text[1:-1]}]"
-        return f"{self.type_name(kind)}({text[1:-1]})" if fields_of(kind) else text
+        return f"[{text[1:-1]}]" if isinstance(kind, Vector) else text
 
     def number_of(self, name: str, value: Any) -> str:
         """Return a parameter."""
@@ -534,12 +522,6 @@ end function log1p""".lstrip()
         self.last = f.body[-1]
         yield from (self.wrapped(f"    {line}") if line else "" for line in self.lines(f.body))
         yield f"end {what} {name}"
-
-    def _declarations(self, node: Node) -> Iterator[str]:
-        yield from ()
-
-    def _starts(self, node: Node) -> Sequence[str]:
-        return ()
 
     def _assigned(self, node: Node, target: Node, value: Node) -> Iterator[str]:
         if isinstance(value, ast.IfExp) and not self.has_choice:
@@ -626,12 +608,6 @@ end""".lstrip(),
         """Return assignments to the fields of a constant."""
         lines = [f"{of}.{name} = {self.value(c.kind, c.value)};" for name, c in fields.items()]
         return "\n".join(self._remarked(lines, fields.values()))
-
-    def value(self, kind: Any, value: Any) -> str:
-        """Return a value of a type."""
-        if fields := fields_of(kind):
-            return self._made(kind, [self.value(k, getattr(value, n)) for n, k in fields.items()])
-        return super().value(kind, value)
 
     def parts_of_zero(self, kind: Any) -> str:
         """Return a record of zeros."""

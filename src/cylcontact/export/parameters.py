@@ -10,9 +10,8 @@ Units are m, N, s and kg, but for the parameters of Adams, which are in mm.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,13 +27,8 @@ from cylcontact.support.choices import CODES, listed
 
 # The forces of a fit.
 _FORCES = 200
-
-
-class _Impact(NamedTuple):
-    """An impact: effective mass in kg, and speed in m/s."""
-
-    mass: float
-    speed: float
+# Parameters of a contact by the code's own names.
+Values = dict[str, Any]
 
 
 class _Curve(NamedTuple):
@@ -57,15 +51,13 @@ class _Curve(NamedTuple):
 
 # --- the codes ---
 
-# Parameters of a contact by the code's own names.
-Values = dict[str, Any]
-
 
 class _Code(NamedTuple):
     """The contact of a code.
 
-    `elastic` gives the parameters closest to a law, with the one named `damping` at none. `force`
-    takes x ≥ 0 in m, v in m/s, an impact and the parameters.
+    `elastic` gives the parameters closest to a law without damping; `damped` is the one that the
+    damping sets, and its value for a damping. `force` takes x ≥ 0, v, the mass and the speed of the
+    impact, and the parameters.
     """
 
     title: str
@@ -73,21 +65,18 @@ class _Code(NamedTuple):
     note: str
     address: str
     units: Mapping[str, str]  # of the parameters
-    damping: str
     elastic: Callable[[_Curve], Values]
     force: Callable[..., Any]
+    damped: tuple[str, Callable[[Values, float], Any]]
 
-    def damped(self, values: Values, by: float) -> Values:
-        """Return parameters with a damping; that of Exudyn is a hysteresis factor."""
-        damping: Any = by
-        if self.damping == "solref":
-            damping = (values["solref"][0], 0.0 - by)
-        elif self.damping == "restitutionCoefficient":
-            damping = 1.0
-            if by != 0:
-                miss = partial(_miss_exudyn, by)
-                damping = float(brentq(miss, 1e-12, 1.0, xtol=1e-14))
-        return {**values, self.damping: damping}
+    def with_damping(self, values: Values, damping: float) -> Values:
+        """Return parameters with a damping."""
+        name, value = self.damped
+        return {**values, name: value(values, damping)}
+
+
+def _plain(_: Values, damping: float) -> float:
+    return damping
 
 
 def _step(share: FloatArray) -> FloatArray:
@@ -101,20 +90,19 @@ def _fit_adams(curve: _Curve) -> Values:
     return {"K": k * 1e-3**e, "e": e, "c_max": 0.0, "d_max": 1e3 * float(curve.x[0])}
 
 
-def _adams(x: Any, v: Any, _: _Impact, K: float, e: float, c_max: float, d_max: float) -> Any:
-    depth, rate = 1e3 * x, 1e3 * v
-    return np.maximum(K * depth**e + c_max * _step(depth / d_max) * rate, 0.0)
-
-
-def _mujoco(
-    x: Any, v: Any, impact: _Impact, solref: Sequence[float], solimp: Sequence[float]
+def _adams(
+    x: Any, v: Any, _mass: float, _speed: float, K: Any, e: Any, c_max: Any, d_max: Any
 ) -> Any:
+    return np.maximum(K * (1e3 * x) ** e + c_max * _step(1e3 * x / d_max) * 1e3 * v, 0.0)
+
+
+def _mujoco(x: Any, v: Any, mass: float, _speed: float, solref: Any, solimp: Any) -> Any:
     k, b, (d_0, d_width, width, midpoint, power) = -solref[0], -solref[1], solimp
     s = np.clip(x / width, 0.0, 1.0)
     below = s**power / midpoint ** (power - 1)
     above = 1 - (1 - s) ** power / (1 - midpoint) ** (power - 1)
     part = (d_0 + (d_width - d_0) * np.where(s <= midpoint, below, above)) / d_width
-    return np.maximum(impact.mass * (k * x * part**2 + b * v * part), 0.0)
+    return np.maximum(mass * (k * x * part**2 + b * v * part), 0.0)
 
 
 def _fit_mujoco(curve: _Curve) -> Values:
@@ -122,16 +110,15 @@ def _fit_mujoco(curve: _Curve) -> Values:
 
     At the smallest midpoint the impedance rises most at first touch, as the stiffness does.
     """
-    d_width, still, mass = 1e-3, np.zeros_like(curve.x), _Impact(curve.mass, 0.0)
+    d_width = 1e-3
 
     def solimp(p: FloatArray) -> tuple[float, ...]:
         part, ln_width, power = map(float, p)
         return part * d_width, d_width, float(np.exp(ln_width)), 1e-4, power
 
     def ratio(p: FloatArray) -> FloatArray:
-        return as_floats(
-            np.log(curve.force / _mujoco(curve.x, still, mass, (-1.0, 0.0), solimp(p)))
-        )
+        force = _mujoco(curve.x, 0.0, curve.mass, 0.0, (-1.0, 0.0), solimp(p))
+        return as_floats(np.log(curve.force / force))
 
     def misses(p: FloatArray) -> FloatArray:
         return as_floats(ratio(p) - ratio(p).mean())
@@ -143,29 +130,29 @@ def _fit_mujoco(curve: _Curve) -> Values:
 
 
 def _fit_exudyn(curve: _Curve) -> Values:
-    stiffness, exponent = curve.power()
+    k, n = curve.power()
     return {
-        "contactStiffness": stiffness, "contactStiffnessExponent": exponent,
-        "restitutionCoefficient": 1.0, "minimumImpactVelocity": 1e-3 * IMPACT_RATE_FLOOR,
-        "impactModel": 2,
+        "contactStiffness": k, "contactStiffnessExponent": n, "restitutionCoefficient": 1.0,
+        "minimumImpactVelocity": 1e-3 * IMPACT_RATE_FLOOR, "impactModel": 2,
     }  # fmt: skip
 
 
-def _miss_exudyn(factor: float, e: float) -> float:
-    return _exudyn_factor(e) - factor
-
-
-def _exudyn_factor(e: float) -> float:
-    return 1.5 * (1 - e) * (11 - e) / (1 + 9 * e) if e > 1 / 3 else (1 - e) * (1 + e) / e
-
-
 def _exudyn(
-    x: Any, v: Any, impact: _Impact, contactStiffness: float, contactStiffnessExponent: float,
-    restitutionCoefficient: float, minimumImpactVelocity: float, **_others: int,
+    x: Any, v: Any, _mass: float, speed: float, contactStiffness: float,
+    contactStiffnessExponent: float, restitutionCoefficient: float, minimumImpactVelocity: float,
+    impactModel: int,  # noqa: ARG001
 ) -> Any:  # fmt: skip
-    onset = max(impact.speed, minimumImpactVelocity)
-    factor = _exudyn_factor(restitutionCoefficient)
+    e, onset = restitutionCoefficient, max(speed, minimumImpactVelocity)
+    factor = 1.5 * (1 - e) * (11 - e) / (1 + 9 * e) if e > 1 / 3 else (1 - e) * (1 + e) / e
     return contactStiffness * x**contactStiffnessExponent * (1 + factor * v / onset)
+
+
+def _exudyn_restitution(_: Values, factor: float) -> float:
+    """Return the restitution of a hysteresis factor, by the formula of the code."""
+    if factor < 8 / 3:
+        half = 9 + 4.5 * factor
+        return float((half - np.sqrt(half**2 - 1.5 * (16.5 - factor))) / 1.5)
+    return float((np.sqrt(factor**2 + 4) - factor) / 2)
 
 
 _CODES: Mapping[str, _Code] = {
@@ -175,7 +162,7 @@ _CODES: Mapping[str, _Code] = {
         "In mm, N, s; full damping from the penetration of the smallest force on.",
         "https://adams.thisaray.com/adams_solver/state_contact.html",
         {"K": "N/mm^e", "e": "", "c_max": "N s/mm", "d_max": "mm"},
-        "c_max", _fit_adams, _adams,
+        _fit_adams, _adams, ("c_max", _plain),
     ),
     "chrono": _Code(
         "Chrono SMC, Hooke",
@@ -183,8 +170,9 @@ _CODES: Mapping[str, _Code] = {
         "SetContactForceModel(Hooke), UseMaterialProperties(false), both materials alike.",
         "https://api.projectchrono.org/classchrono_1_1_ch_system_s_m_c.html",
         {"kn": "N/m", "gn": "1/s"},
-        "gn", lambda curve: {"kn": curve.linear(), "gn": 0.0},
-        lambda x, v, impact, kn, gn: np.maximum(kn * x + impact.mass * gn * v, 0.0),
+        lambda curve: {"kn": curve.linear(), "gn": 0.0},
+        lambda x, v, mass, _, kn, gn: np.maximum(kn * x + mass * gn * v, 0.0),
+        ("gn", _plain),
     ),
     "drake": _Code(
         "Drake, compliant point contact",
@@ -192,13 +180,13 @@ _CODES: Mapping[str, _Code] = {
         "Give both geometries these; the approximation kSap has no such dissipation.",
         "https://drake.mit.edu/doxygen_cxx/group__compliant__contact.html",
         {"point_contact_stiffness": "N/m", "hunt_crossley_dissipation": "s/m"},
-        "hunt_crossley_dissipation",
         lambda curve: {
             "point_contact_stiffness": 2 * curve.linear(), "hunt_crossley_dissipation": 0.0,
         },
-        lambda x, v, _, point_contact_stiffness, hunt_crossley_dissipation: (
+        lambda x, v, _mass, _speed, point_contact_stiffness, hunt_crossley_dissipation: (
             point_contact_stiffness / 2 * x * np.maximum(1 + hunt_crossley_dissipation * v, 0.0)
         ),
+        ("hunt_crossley_dissipation", _plain),
     ),
     "mujoco": _Code(
         "MuJoCo, solref in its direct form",
@@ -206,7 +194,7 @@ _CODES: Mapping[str, _Code] = {
         "solref holds for this effective mass m; d_width of other forces is added to F.",
         "https://mujoco.readthedocs.io/en/stable/modeling.html#solver-parameters",
         {"solref": "(1/s^2, 1/s)", "solimp": "(-, -, m, -, -)"},
-        "solref", _fit_mujoco, _mujoco,
+        _fit_mujoco, _mujoco, ("solref", lambda values, b: (values["solref"][0], 0.0 - b)),
     ),
     "exudyn": _Code(
         "Exudyn, ObjectContactSphereSphere",
@@ -218,7 +206,7 @@ _CODES: Mapping[str, _Code] = {
             "contactStiffness": "N/m^n", "contactStiffnessExponent": "",
             "restitutionCoefficient": "", "minimumImpactVelocity": "m/s", "impactModel": "",
         },
-        "restitutionCoefficient", _fit_exudyn, _exudyn,
+        _fit_exudyn, _exudyn, ("restitutionCoefficient", _exudyn_restitution),
     ),
     "simscape": _Code(
         "Simscape Multibody, Spatial Contact Force",
@@ -226,14 +214,14 @@ _CODES: Mapping[str, _Code] = {
         "w ends where the range begins; the page leaves s open, taken as a cubic here.",
         "https://www.mathworks.com/help/sm/ref/spatialcontactforce.html",
         {"stiffness": "N/m", "damping": "N s/m", "transition_region_width": "m"},
-        "damping",
         lambda curve: {
             "stiffness": curve.linear(), "damping": 0.0,
             "transition_region_width": float(curve.x[0]),
         },
-        lambda x, v, _, stiffness, damping, transition_region_width: np.maximum(
+        lambda x, v, _mass, _speed, stiffness, damping, transition_region_width: np.maximum(
             _step(x / transition_region_width) * (stiffness * x + damping * v), 0.0
         ),
+        ("damping", _plain),
     ),
 }  # fmt: skip
 
@@ -270,30 +258,18 @@ class ContactParameters:
     _contact: _Code
 
     def force(self, penetration: ArrayLike, rate: ArrayLike = 0.0) -> FloatArray:
-        """Return the code's own normal force in N, for the mass and in an impact of the speed.
-
-        Parameters
-        ----------
-        penetration : array_like
-            In m; 0 or less is no contact.
-        rate : array_like, optional
-            Its rate in m/s.
-
-        Returns
-        -------
-        array of float
-        """
-        x, impact = as_floats(penetration), _Impact(self.mass, self.speed)
-        force = self._contact.force(np.maximum(x, 0.0), as_floats(rate), impact, **self.values)
+        """Return the code's normal force in N at a penetration in m and a rate in m/s."""
+        x, v = as_floats(penetration), as_floats(rate)
+        force = self._contact.force(np.maximum(x, 0.0), v, self.mass, self.speed, **self.values)
         return as_floats(np.where(x > 0, force, 0.0))
 
     def __str__(self) -> str:
         """Return a line for each parameter, then the errors and the restitution."""
-        lines = []
-        for name, value in self.values.items():
-            numbers = value if isinstance(value, tuple) else (value,)
-            text = " ".join(f"{number:.6g}" for number in numbers)
-            lines.append(f"{name} = {text} {self._contact.units[name]}".rstrip())
+        numbers = {name: np.ravel(value).tolist() for name, value in self.values.items()}
+        lines = [
+            f"{name} = {' '.join(f'{x:.6g}' for x in of)} {self._contact.units[name]}".rstrip()
+            for name, of in numbers.items()
+        ]
         force, stiffness = (
             f"within {100 * largest:.2g} % (root mean square {100 * rms:.2g} %)"
             for largest, rms in (self.force_error, self.stiffness_error)
@@ -340,12 +316,6 @@ def contact_parameters(
     -------
     ContactParameters
 
-    Raises
-    ------
-    InputError
-        If the code is unknown, the range is none or exceeds the law, or mass or speed are not
-        positive.
-
     Notes
     -----
     The joint's restitution is the one that its hysteresis factor achieves, at every speed.
@@ -360,22 +330,18 @@ def contact_parameters(
     require(code in CODES, "export", "--to", code, "is not known", f"choose {listed(CODES)}")
     for key, number in (("--mass", mass), ("--speed", 1.0 if speed is None else speed)):
         require(0 < number < np.inf, "export", key, number, "must be positive", "give kg and m/s")
-    curve = _curve(joint, low, high, mass)
+    curve, own = _curve(joint, low, high, mass), _CODES[code]
     if speed is None:
-        length = joint.pair.contact_length("the export")
-        deepest = float(joint.law.penetration(np.sqrt(low * high) / length, joint.pair))
-        block, parameters = joint.record("stop"), joint.kernel.parameters
-        energy = stored_energy(1e-3 * deepest, block, parameters)
+        load = np.sqrt(low * high) / joint.pair.contact_length("the export")
+        deepest = float(joint.law.penetration(load, joint.pair))
+        energy = stored_energy(1e-3 * deepest, joint.record("stop"), joint.kernel.parameters)
         speed = float(f"{np.sqrt(2 * energy / mass):.3g}")
-    impact, own = _Impact(mass, speed), _CODES[code]
-    values = _damped(own, own.elastic(curve), joint.chi, curve, impact)
+    values = _matched(own, own.elastic(curve), joint.chi, curve, speed)
     force, above, below = (
-        own.force(x, np.zeros_like(x), impact, **values)
+        own.force(x, 0.0, mass, speed, **values)
         for x in (curve.x, curve.x * (1 + 1e-5), curve.x * (1 - 1e-5))
     )
-    restitution = (
-        _restitution(own, values, curve, _Impact(mass, factor * speed)) for factor in (1, 0.5, 2)
-    )
+    restitution = (_restitution(own, values, curve, by * speed) for by in (1, 0.5, 2))
     return ContactParameters(
         values, low, high, mass, speed, tuple(restitution), _error(force / curve.force),
         _error((above - below) / (2e-5 * curve.x) / curve.stiffness), own,
@@ -401,38 +367,42 @@ def _curve(joint: ClearanceJoint, low: float, high: float, mass: float) -> _Curv
     return _Curve(1e-3 * x, force, 1e3 * length * joint.law.stiffness(x, pair), mass)
 
 
-def _damped(code: _Code, values: Values, chi: float, curve: _Curve, impact: _Impact) -> Values:
+def _matched(code: _Code, values: Values, chi: float, curve: _Curve, speed: float) -> Values:
     """Return parameters with the damping that gives the restitution of a hysteresis factor."""
-    if chi == 0 or code.damping == "restitutionCoefficient":
-        return code.damped(values, chi)
+    if chi == 0 or code.damped[1] is _exudyn_restitution:
+        return code.with_damping(values, chi)
     wanted = float(achieved_restitution(chi))
 
     def excess(damping: float) -> float:
-        return _restitution(code, code.damped(values, damping), curve, impact) - wanted
+        return _restitution(code, code.with_damping(values, damping), curve, speed) - wanted
 
     # First the damping that doubles the force in the middle of the range.
-    x, v = np.sqrt(curve.x[0] * curve.x[-1]), as_floats(impact.speed)
-    elastic, more = (float(code.force(x, v, impact, **code.damped(values, c))) for c in (0.0, 1.0))
+    x = np.sqrt(curve.x[0] * curve.x[-1])
+    elastic, more = (
+        float(code.force(x, speed, curve.mass, speed, **code.with_damping(values, c)))
+        for c in (0.0, 1.0)
+    )
     most = elastic / (more - elastic)
     while excess(most) > 0:
         most *= 2
-    return code.damped(values, float(brentq(excess, 0.0, most, xtol=1e-9 * most)))
+    return code.with_damping(values, float(brentq(excess, 0.0, most, xtol=1e-9 * most)))
 
 
-def _restitution(code: _Code, values: Values, curve: _Curve, impact: _Impact) -> float:
-    """Return the coefficient of restitution of an impact."""
-    mass, speed = impact
+def _restitution(code: _Code, values: Values, curve: _Curve, speed: float) -> float:
+    """Return the coefficient of restitution of an impact at a speed."""
 
     def motion(_time: float, state: FloatArray) -> tuple[float, float]:
         x, v = state
-        return v, -float(code.force(np.maximum(x, 0.0), v, impact, **values)) / mass
+        return v, -float(
+            code.force(np.maximum(x, 0.0), v, curve.mass, speed, **values)
+        ) / curve.mass
 
     def apart(_time: float, state: FloatArray) -> float:
         return float(state[0])
 
     apart.terminal, apart.direction = True, -1.0  # type: ignore[attr-defined]
     # That of a mass on a spring; no step may pass over the end of the force, or over a transition.
-    time = float(np.sqrt(mass / curve.linear()))
+    time = float(np.sqrt(curve.mass / curve.linear()))
     run = solve_ivp(
         motion, (0.0, 1e9 * time), (0.0, speed), method="LSODA", events=apart,
         rtol=1e-10, atol=1e-12 * speed * np.array([time, 1.0]), max_step=0.005 * time,

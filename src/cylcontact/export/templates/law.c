@@ -3,6 +3,7 @@ $about
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdlib.h>
 
 #ifdef __cplusplus
 extern "C" {
