@@ -333,6 +333,14 @@ def test_a_function_of_ones_own_is_drawn_in_memory_and_has_no_law_of_the_package
         result.to_law()
 
 
+def test_readings_and_law_are_drawn_in_micrometres(plain):
+    frame, result = plain
+    law, measured = result.plot().lines
+    assert measured.get_ydata() == pytest.approx(frame["penetration_um"].to_numpy(), rel=1e-12)
+    predicted = result.predict(law.get_xdata())["penetration_mm"]
+    assert law.get_ydata() == pytest.approx(1e3 * predicted.to_numpy(), rel=1e-12)
+
+
 # --- levels and JSON --------------------------------------------------------------------------
 
 
