@@ -2,11 +2,14 @@
 
 import subprocess
 import zipfile
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from cylcontact.files.spec import read_toml
+from cylcontact.laws import Liu
+from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.mechanism import joint_from, read_joint
 from tests.support.fmu_masters import Fmu, export_fmu
 from tests.support.mechanism_cases import ROOT
@@ -144,6 +147,15 @@ def test_outputs_are_those_of_the_library_also_with_other_parameters(tmp_path, l
     joint = joint_from(changed(data, {**other, "pin.R": DROP}))
     element.fmu.setReal(element.parameters, [0.08 / joint.in_mm, 0.2, 0.8123])
     assert_same(element, joint, state, motions(joint, 200, 2e-4, seed=8), 2e-8)
+
+
+def test_a_law_without_a_formula_has_its_table_and_no_clearance_to_tune(joint, tmp_path):
+    require_program("gcc")
+    require_package("fmpy")
+    joint = replace(joint, law=ScaledLaw(Liu(), 0.7, 1.5))
+    element = Fmu(export_fmu(joint, tmp_path), tmp_path / "unpacked", inputs=np.zeros(12))
+    assert len(element.parameters) == 2
+    assert_same(element, joint, joint.start(), motions(joint, 100, 2e-4), 1e-12)
 
 
 def test_a_state_is_kept_restored_and_sent_elsewhere(load):

@@ -316,6 +316,12 @@ def contact_parameters(
     -------
     ContactParameters
 
+    Raises
+    ------
+    InputError
+        If the code is unknown, the range is none or exceeds the law, or mass or speed are not
+        positive.
+
     Notes
     -----
     The joint's restitution is the one that its hysteresis factor achieves, at every speed.
