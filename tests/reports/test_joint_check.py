@@ -1,7 +1,5 @@
 """A joint under a load: each number by another way, and the band of a fit by brute force."""
 
-import re
-
 import numpy as np
 import pytest
 
@@ -75,11 +73,6 @@ def test_the_law_to_use_and_its_error():
     exact, explicit = (law.penetration(500.0, one) for law in (laws.Persson(), laws.Explicit()))
     assert check.error_percent == pytest.approx(100 * float(explicit / exact - 1), abs=1e-9)
     assert check_joint(PAIR, 500.0).law == "conformal"
-
-
-def test_the_nominal_pressure_is_the_load_over_the_diameter_of_the_pin():
-    (nominal,) = re.findall(r"nominal pressure +([\d.]+) MPa", str(check_joint(PAIR, 1000.0)))
-    assert float(nominal) == pytest.approx(1000 / 19.9, rel=1e-3)
 
 
 def test_print_html_and_plot():
