@@ -58,7 +58,7 @@ def test_a_worker_ended_by_the_system_is_told_in_one_line():
 
     with pytest.raises(InputError) as caught:
         list(run_calls(calls(end, 1, 2), 2))
-    assert_told(caught, "workers", "jobs", 2, "probably because memory ran out", "has --resume")
+    assert_told(caught, "workers", "jobs", 2, "probably because memory ran out", "--resume")
     assert list(run_calls(calls(abs, -1, -2), 2)) == [1, 2]
 
 
