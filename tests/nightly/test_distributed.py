@@ -20,7 +20,7 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes"),
 ]
-AGAIN = "start it again, with more memory if that ran out; a command that has --resume goes on"
+AGAIN = "start it again, with more memory if that ran out; a command with --resume continues"
 
 
 @pytest.fixture(scope="module")
