@@ -76,7 +76,7 @@ def test_a_fit_in_a_known_housing_finds_the_stiffness_of_the_materials(tmp_path)
 @pytest.mark.slow
 def test_choose_holds_the_compliance_of_the_law_in_the_housing(tmp_path):
     choice = choose(readings(tmp_path), PAIR, laws=["conformal", "johnson"], housing=EYE)
-    assert choice.table.iloc[0]["law"] == "conformal"
+    assert choice.table.index[0] == "conformal"
     names = {law.law: law.optimum.fit.model.names for law in choice.laws}
     assert "compliance" not in names["conformal"]
     assert "compliance" in names["johnson"]
