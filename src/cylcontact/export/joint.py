@@ -257,8 +257,10 @@ class Element:
             ("Hole", "Pin"), (pair.material_i, pair.material_j), radii, strict=True
         ):
             stress = "unknown" if body.yield_stress is None else f"{body.yield_stress!r} MPa"
+            # A body that is given by numbers has only the name of its part.
+            of = "" if body.name in ("bearing", "pin") else f"{comment(body.name)}, "
             texts.append(
-                f"{name}: R = {R!r} mm, {comment(body.name)}, E = {float(body.E)!r} MPa, "
+                f"{name}: R = {R!r} mm, {of}E = {float(body.E)!r} MPa, "
                 f"nu = {float(body.nu)!r}, yield stress {stress}."
             )
         texts += [
