@@ -58,11 +58,11 @@ def run(line: str, *more: str, **environment: str) -> None:
 
 def python(*arguments: str, **environment: str) -> None:
     # As after an install, where Python keeps what it has compiled.
-    kept = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    inherited = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     subprocess.run(
         [sys.executable, *arguments],
         cwd=BENCH,
         check=True,
         capture_output=True,
-        env=kept | environment,
+        env=inherited | environment,
     )

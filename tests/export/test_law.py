@@ -11,7 +11,7 @@ import pytest
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.bodies.material import material_in_MPa
-from cylcontact.export import EXPORTABLE, export, export_named, header
+from cylcontact.export import EXPORTABLE, export, export_named, source_and_header
 from cylcontact.export.conformal import table_of
 from cylcontact.export.law import exported, require_contact_law
 from cylcontact.fitting import FitResult
@@ -120,7 +120,7 @@ class Case:
         return export(self.law, self.contact, target)
 
     def header(self):
-        return header(self.law, self.contact)
+        return source_and_header(self.law, self.contact, "c")[1]
 
     def sweep(self, material, dR):
         """Penetrations over the whole domain of one pair."""
@@ -188,7 +188,7 @@ class TableCase:
         return export(self.law, None, target, pair=self.pair)
 
     def header(self):
-        return header(self.law, None, self.pair)
+        return source_and_header(self.law, None, "c", pair=self.pair)[1]
 
     def compare(self, load, stiffness):
         """Compare with the same nodes in Python."""

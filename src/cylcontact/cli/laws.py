@@ -273,8 +273,7 @@ def _refuse(given: Mapping[str, Any], rule: str, remedy: str) -> None:
 
 def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) -> None:
     """Write a law, conformal contact that of one pair, to a file or to standard output."""
-    from cylcontact.export import export as exported
-    from cylcontact.export import header, law_named
+    from cylcontact.export import law_named, source_and_header
     from cylcontact.export.notation import require_callable
     from cylcontact.laws.housing_spec import in_housing
 
@@ -291,13 +290,13 @@ def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) 
     else:
         others = {option_of(name): value for name, value in pair.items() if name != "contact"}
         _refuse(others, "is for conformal contact or a joint", "leave it out, or export conformal")
-    source = exported(law, contact, target, origin, of_pair)
+    source, header = source_and_header(law, contact, target, origin, of_pair)
     if out is None:
         typer.echo(source, nl=False)
         return
     texts = {out: source}
-    if target == "c":
-        texts[out.with_suffix(".h")] = header(law, contact, of_pair)
+    if header:
+        texts[out.with_suffix(".h")] = header
     _write(what, texts)
 
 

@@ -18,7 +18,6 @@ from cylcontact.support.errors import InputError
 
 if TYPE_CHECKING:
     from cylcontact.bodies.pair import CylinderPair
-    from cylcontact.export.law import ExportedLaw
     from cylcontact.export.parameters import contact_parameters
     from cylcontact.mechanism import ClearanceJoint, SpatialJoint
 
@@ -99,30 +98,26 @@ def export(
     >>> print(*[line.strip() for line in source.splitlines() if "double a =" in line][:1])
     const double a = 0.965;
     """
-    from cylcontact.export.law import source
+    return source_and_header(law, contact, target, origin, pair)[0]
+
+
+def source_and_header(
+    law: ContactLaw,
+    contact: str | None,
+    target: str,
+    origin: str = "",
+    pair: CylinderPair | None = None,
+) -> tuple[str, str]:
+    """Return `export`, and the header of C, which C++ takes too; empty for other languages."""
+    from cylcontact.export.law import exported, header, require_contact_law, source
 
     _require_target(target, TARGETS)
-    return source(_exported(law, contact, origin, pair), target)
-
-
-def header(law: ContactLaw, contact: str | None, pair: CylinderPair | None = None) -> str:
-    """Return the C header of a law, which C++ takes too."""
-    from cylcontact.export import law as of_law
-
-    return of_law.header(_exported(law, contact, "", pair))
-
-
-def _exported(
-    law: ContactLaw, contact: str | None, origin: str, pair: CylinderPair | None
-) -> ExportedLaw:
-    from cylcontact.export.law import exported, require_contact_law
-
     rule, remedy = "is not a contact", f"choose {listed(CONTACTS)}"
     require(contact in (*CONTACTS, None), "export", "--contact", contact, rule, remedy)
     chosen = exported(law, cast("Contact | None", contact), origin, pair)
     if pair is None:
         require_contact_law(law, chosen.contact)
-    return chosen
+    return source(chosen, target), header(chosen) if target == "c" else ""
 
 
 def law_named(what: str, contact: str | None) -> tuple[ContactLaw, str | None, str]:

@@ -123,12 +123,12 @@ class Element:
 
     @property
     def contacts(self) -> int:
-        """How many impact rates there are."""
+        """The number of impact rates in the state: one for each place of contact."""
         return int(np.prod(self.module.STATE["impact_rate"].shape, dtype=int))
 
     @property
     def size(self) -> int:
-        """How many numbers say where a body is and how it moves."""
+        """The number of coordinates and velocities of a body, as `MOTIONS` lists them."""
         return 6 if self.module is contact else 13
 
     @property

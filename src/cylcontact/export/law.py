@@ -255,11 +255,11 @@ def exported(
     if isinstance(base, Johnson) and base.datum is not None:
         rule, remedy = "is for a plane, which has no dR to give to a function", "leave it out"
         raise InputError("export", "datum", base.datum, rule, remedy)
-    own = getattr(getattr(base, "coefficients", None), "contact", None)
-    if own is not None:
-        rule = f"the coefficients are for {own} contact"
-        require(contact in (None, own), "export", "--contact", contact, rule, "leave it out")
-        contacts = (own,)
+    fitted_for = getattr(getattr(base, "coefficients", None), "contact", None)
+    if fitted_for is not None:
+        rule = f"the coefficients are for {fitted_for} contact"
+        require(contact in (None, fitted_for), "export", "--contact", contact, rule, "leave it out")
+        contacts = (fitted_for,)
     if len(contacts) == 1:
         contact = contacts[0]
     of_contact = [(base.formula_for(each), base.constants_for(each)) for each in contacts]
