@@ -24,11 +24,11 @@ FIGURES := $(foreach number,17 18 19 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all figures report docs explore notebooks test clean test-all lint format fits bench lock committed help FORCE
+.PHONY: all figures docs explore notebooks test clean extras test-all lint format fits bench lock committed help FORCE
 
 ##@ The main job
 
-all: build/comparison.txt build/report.html ## Set up, recover the coefficients, refit them, draw the figures (default)
+all: build/comparison.txt build/report.html ## Set up, fit the paper's law, draw its figures, write the report (default)
 	@cat build/comparison.txt
 	@echo "The figures are in build/figures, each with its numbers as CSV and its caption."
 	@echo "All of it on one page: build/report.html"
@@ -54,8 +54,6 @@ build/report.html: build/comparison.txt build/.figures
 	@$(CYLCONTACT) report --results build --figures build/figures -o $@
 
 figures: build/.figures ## Draw the figures from this machine's fits, in build/figures
-
-report: build/report.html ## Write one page with coefficients, figures and claims
 
 docs: $(VENV)/.docs ## Build the documentation, to read from build/docs/index.html
 	$(CYLCONTACT) figure -o docs/figures --format png
@@ -86,6 +84,8 @@ clean: ## Remove what the commands above made
 	find src tests reports -name __pycache__ -type d -prune -exec rm -rf {} +
 
 ##@ For developers
+
+extras: $(VENV)/.extras ## Add what all tests, notebooks, the documentation, a cluster and peers need
 
 test-all: $(VENV)/.extras ## Run what make test leaves out or has skipped; none may skip now
 	$(PYTEST) --rest -m "not long" --durations=40
