@@ -1,4 +1,4 @@
-"""griffe: a dataclass is shown with the signature that works, not with how its fields are written."""
+"""griffe: show the signature of a dataclass as Python sees it, not how its fields are written."""
 
 import inspect
 from importlib import import_module
@@ -26,7 +26,7 @@ def modules_in(package):
 
 
 def set_signature(documented):
-    """Replace the signature that griffe derives from the fields; `...` is a default without digits."""
+    """Replace the signature that griffe derives from the fields (`...`: a default without repr)."""
     if "__init__" in documented.members:
         return
     initialise = getattr(import_module(documented.module.path), documented.name).__init__
