@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import cylcontact.mechanism
 from cylcontact.mechanism import Case, Interrupted, cases, horizon, long_run, simulate, sweep
 from tests.support.mechanism_cases import CASES, ROOT, SPEC, slider_crank
 
@@ -198,12 +197,6 @@ def test_sweep_writes_a_table_and_says_what_stopped(run, tmp_path):
 
 
 # --- what is gone, and pictures -----------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["bifurcation", "tolerances", "isolated_impact", "Mechanism"])
-def test_a_name_that_is_gone_says_what_to_use_instead(name):
-    with pytest.raises(ImportError, match=f"cylcontact.mechanism.{name} is gone: .*use|integrate"):
-        getattr(cylcontact.mechanism, name)
 
 
 def test_the_pictures_show_the_run():
