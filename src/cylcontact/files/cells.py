@@ -38,7 +38,7 @@ class Line(NamedTuple):
     cells: list[Any]
 
 
-class Sheet(NamedTuple):
+class RawSheet(NamedTuple):
     """The lines of a sheet that are not empty, and the separator of the cells in a text."""
 
     title: str
@@ -73,7 +73,7 @@ def row_pattern(lines: Iterable[Line]) -> tuple[int, Pattern]:
 # --- text ---------------------------------------------------------------------------------------
 
 
-def sheet_of_text(source: str, content: bytes, notes: list[str]) -> Sheet:
+def sheet_of_text(source: str, content: bytes, notes: list[str]) -> RawSheet:
     """Return a text as a sheet; note its encoding and separator unless they are the usual ones."""
     try:
         raw = re.split(r"\r\n|\r|\n", _decoded(content, notes))
@@ -83,7 +83,7 @@ def sheet_of_text(source: str, content: bytes, notes: list[str]) -> Sheet:
         rule = f"is not a CSV table ({error})"
         raise InputError(source, "", None, rule, "save it as CSV in UTF-8") from error
     notes += [] if separator == "," else [f"cells separated by {SEPARATORS[separator]}"]
-    return Sheet("", lines, separator)
+    return RawSheet("", lines, separator)
 
 
 def _decoded(content: bytes, notes: list[str]) -> str:
@@ -161,7 +161,7 @@ def tidy(cells: Iterable[Any]) -> list[Any]:
 # --- workbooks, Parquet and frames --------------------------------------------------------------
 
 
-def sheets_of_workbook(source: str, content: bytes) -> list[Sheet]:
+def sheets_of_workbook(source: str, content: bytes) -> list[RawSheet]:
     """Return the sheets of a workbook that hold cells, without their empty columns."""
     import pandas as pd
 
@@ -176,7 +176,7 @@ def sheets_of_workbook(source: str, content: bytes) -> list[Sheet]:
         rule = f"is not an Excel workbook ({reason})"
         raise InputError(source, "", None, rule, "save it as .xlsx or .csv") from error
     filled = {str(title): frame.dropna(axis=1, how="all") for title, frame in frames.items()}
-    sheets = [Sheet(title, lines_of(frame)) for title, frame in filled.items()]
+    sheets = [RawSheet(title, lines_of(frame)) for title, frame in filled.items()]
     return [sheet for sheet in sheets if sheet.lines]
 
 
