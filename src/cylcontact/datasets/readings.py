@@ -16,7 +16,7 @@ from cylcontact.files.numbers import numbers, seconds, words
 from cylcontact.files.reading import plain_number
 from cylcontact.files.sheet import Sheet, counted, read_sheet
 from cylcontact.files.spec import Spec
-from cylcontact.files.units import LABELS, Column, symbol
+from cylcontact.files.units import LABELS, Column
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.choices import Branch, first_of
 from cylcontact.support.errors import InputError
@@ -80,7 +80,7 @@ class Readings:
         sheet, lines = self.sheet, [self.sheet.lines[row] for row in rows]
         read = []
         for column in sorted(self.columns.values(), key=lambda c: _rank(c.quantity)):
-            unit = f" in {symbol(column.unit)}" if column.unit else ""
+            unit = f" in {column.symbol}" if column.unit else ""
             by = ", divided by the length" if column.is_total else ""
             read.append(f"{column.quantity} from {column.name!r}{unit}{by}")
         left, unread = list(sheet.left_out), [repr(sheet.name(k)) for k in self.unread]
@@ -199,7 +199,7 @@ def _keep_loads(readings: Readings, text: str | None) -> None:
     """Leave out the rows with loads outside a range LOW:HIGH in the unit of the table."""
     sheet = readings.sheet
     k, column = next((k, c) for k, c in readings.columns.items() if c.quantity == "load")
-    values, unit = readings.numbers["load"] / column.factor, symbol(column.unit)
+    values, unit = readings.numbers["load"] / column.factor, column.symbol
     low, high = _ends(sheet, text or ":")
     keeps = (values >= low) & (values <= high)
     below = np.flatnonzero(keeps & (values < 0))

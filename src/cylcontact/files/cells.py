@@ -22,6 +22,13 @@ THOUSANDS = re.compile(r"[+\-−]?\d{1,3}(?:[\u00a0\u202f '’.,]\d{3})+(?:[.,]\
 _NUMBER = re.compile(
     r"[+\-−]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?|\d+:\d\d(?::\d\d)?(?:[.,]\d+)?"
 )
+# A number with a power of ten that the usual notation does not have; ×106 may have lost its ^.
+SCIENTIFIC = re.compile(
+    r"(?P<number>[+\-−]?(?:\d+[.,]?\d*|[.,]\d+))\s?(?:"
+    r"[×xX·*]\s?10\s?(?:(?:\^|\*\*)\s?(?P<power>[+\-−]?\d+)"
+    r"|(?P<raised>[+\-−]\d+|[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+))"
+    r"|(?:[eE]|[dD](?=[+-]))(?P<exponent>[+\-−]?\d+))"
+)
 # What machines and spreadsheets write for a number that is missing.
 _MISSING = {"nan", "na", "n/a", "#n/a", "inf", "-inf", "null", "#div/0!", "#value!"}
 # Digits and marks that are no number: a cell that a wrong separator leaves.
@@ -53,7 +60,7 @@ def is_number(cell: object) -> bool:
     """Return whether a cell is a number in any notation, a time, or stands for a number."""
     if isinstance(cell, str):
         is_any = _NUMBER.fullmatch(cell) or THOUSANDS.fullmatch(cell) or cell.lower() in _MISSING
-        return bool(is_any)
+        return bool(is_any or SCIENTIFIC.fullmatch(cell))
     return isinstance(cell, int | float | time | datetime)
 
 

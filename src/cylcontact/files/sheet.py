@@ -32,7 +32,11 @@ _OLD_EXCEL = b"\xd0\xcf\x11\xe0"
 
 @dataclass
 class Sheet:
-    """A table of N rows: names and units of columns, cells, and what was decided on them."""
+    """The cells of a file: N rows, names and units of columns, and what was decided on them.
+
+    `read_sheet` reads one, of measurements, materials or joints. `numbers.quantity` returns a
+    column by its name as numbers in the wanted unit, and `numbers.words` a column of text.
+    """
 
     source: str
     row_word: str
