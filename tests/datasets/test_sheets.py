@@ -47,7 +47,7 @@ def test_a_column_is_found_by_its_words_and_read_in_the_wanted_unit(tmp_path, te
     ],
 )
 def test_a_column_in_doubt_is_refused_by_its_name(names, said):
-    sheet = read_sheet(pd.DataFrame(dict.fromkeys(names, [1.0, 2.0])))
+    sheet = read_sheet(pd.DataFrame({name: [1.0, 2.0] for name in names}))
     if said is None:  # names of something else
         assert quantity(sheet, "pin_diameter", LENGTHS) is None
         return
