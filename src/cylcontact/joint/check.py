@@ -14,6 +14,7 @@ from cylcontact.bodies.pair import CylinderPair, unusual_lengths
 from cylcontact.joint.loaded import LoadedJoint, Temperatures, law_of, resolve
 from cylcontact.laws import Conformal, Explicit, Housing, Sector
 from cylcontact.limits import first_yield, hertz_half_width, hertz_stress
+from cylcontact.limits.rings import Rim
 from cylcontact.limits.sizing import half_width, peak_angle
 from cylcontact.support.arrays import as_floats
 from cylcontact.support.text_tables import Table
@@ -231,7 +232,7 @@ def check_joint(
     iso: IsoFit | str | None = None,
     depth: float | None = None,
     temperature: Temperatures | None = None,
-    rim: str | Material | None = None,
+    rim: Rim | None = None,
 ) -> JointCheck:
     """Check a joint under a load: penetration, stiffness, pressure, first yield.
 
@@ -385,7 +386,7 @@ def described(joint: LoadedJoint) -> list[str]:
         if joint.temperature is not None:
             gap = 1e3 * float(pair.dR)
             lines.append(f"{_warm(joint)}: {_text(gap)} µm radial, {_text(2 * gap)} µm on the "
-                         f"diameter{'; middle of the fit' if joint.iso else ''}")  # fmt: skip
+                         f"diameter{_which(joint)}")  # fmt: skip
         lines.append(f"in {in_words(joint)}" if joint.housing else "in an infinite plate")
     else:
         second = "plane" if np.isinf(R_j) else f"roller (R_j = {R_j:.6g} mm)"
@@ -413,6 +414,13 @@ def is_outside_study(joint: LoadedJoint) -> bool:
         return False
     ratio = housing.R_o / float(as_floats(joint.drawn.R_i))
     return bool(housing.layers) or not _STUDIED[0] <= ratio <= _STUDIED[1]
+
+
+def _which(joint: LoadedJoint) -> str:
+    """Return which pair of a fit stands for it."""
+    if joint.iso is None:
+        return ""
+    return f"; {'middle' if joint.pairs['middle'] else 'loosest'} of the fit"
 
 
 def _warm(joint: LoadedJoint) -> str:

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.bodies.iso286 import IsoFit
-from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import Conformal, ContactLaw, Housing, Johnson
 from cylcontact.limits import at_temperature, hertz_half_width
+from cylcontact.limits.rings import Rim
 from cylcontact.support.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.support.errors import InputError
 
@@ -68,7 +68,7 @@ class LoadedJoint:
     iso: IsoFit | None
     depth: float | None
     temperature: tuple[float, float] | None
-    rim: str | Material | None
+    rim: Rim | None
     cold: Mapping[str, CylinderPair]
     pairs: Mapping[str, CylinderPair | None]
     weights: Mapping[str, float]
@@ -114,7 +114,7 @@ def resolve(
     iso: IsoFit | str | None = None,
     depth: float | None = None,
     temperature: Temperatures | None = None,
-    rim: str | Material | None = None,
+    rim: Rim | None = None,
 ) -> LoadedJoint:
     """Return the joint that is asked about; the arguments are those of `check_joint`.
 
@@ -173,7 +173,7 @@ def _of_fit(
     housing: Housing | None,
     iso: IsoFit | str,
     temperature: tuple[float, float] | None,
-    rim: str | Material | None,
+    rim: Rim | None,
 ) -> LoadedJoint:
     """Return the joint whose clearance is that of a fit."""
     fit = IsoFit.read(iso, _SOURCE, "iso") if isinstance(iso, str) else iso

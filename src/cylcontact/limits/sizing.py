@@ -11,13 +11,13 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
-from cylcontact.bodies.material import Material, scaled
+from cylcontact.bodies.material import scaled
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import Conformal, ContactLaw, Housing, Johnson
 from cylcontact.laws.conformal.arcs import Bodies
 from cylcontact.laws.conformal.series import Housed
 from cylcontact.limits.loads import first_yield, hertz_stress
-from cylcontact.limits.temperature import at_temperature
+from cylcontact.limits.rings import Rim, at_temperature
 from cylcontact.support.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.support.errors import InputError
 
@@ -93,7 +93,7 @@ def find(
     factor: float | None = None,
     law: ContactLaw | None = None,
     temperature: tuple[float, float] | None = None,
-    rim: str | Material | None = None,
+    rim: Rim | None = None,
 ) -> float:
     """Return the clearance, modulus or length at which a contact meets a target.
 
@@ -176,7 +176,7 @@ class _Search:
     load: float
     law: ContactLaw
     temperature: tuple[float, float] | None
-    rim: str | Material | None
+    rim: Rim | None
 
     @cached_property
     def housing(self) -> Housing | None:
