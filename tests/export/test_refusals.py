@@ -21,7 +21,6 @@ RADII = ("--pin", "207 GPa, 0.3", "--hole", "70 GPa, 0.33", "--Ri", 10, "--Rj", 
 REFUSED = [
     (("hertz", "--to", "c"), "neither a law that can be exported nor a fit result"),
     (("johnson", "--to", "rust"), "'rust': is not a known target"),
-    (("johnson", "--to", "cpp"), "'cpp': is not a known target; choose c, fortran or matlab"),
     (("explicit", "--to", "c"), "--contact: is missing, and the explicit law has other coef"),
     ((INTERNAL, "--contact", "external", "--to", "c"), "contradicts --contact external"),
     (("liu", "--contact", "external", "--to", "c"), "the law 'liu' is for a pin in a hole"),
