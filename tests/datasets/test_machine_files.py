@@ -167,7 +167,7 @@ def test_a_sign_that_is_likely_is_named_and_an_option_turns_it():
 
 def test_neither_sign_is_turned_where_that_is_said():
     assert read(frame(LOAD, -DEPTH), sign="neither").penetration == pytest.approx(-DEPTH)
-    with pytest.raises(InputError, match=r"row 1: load_N = -64.0: must be positive.*--loads 0:"):
+    with pytest.raises(InputError, match=r"row 1: load_N = -64.0: must be positive.*--sign load"):
         read(frame(-LOAD, -DEPTH), sign="neither")
 
 
@@ -202,7 +202,7 @@ REFUSED = [
     ("F [N],w [mm]\n1,0.1\n2,0.2\nMean,0.3\n", {}, ", line 4: F [N] = 'Mean'", "finite"),
     ("F [N],w [mm]\n1,0.1\n2\n", {}, ", line 3: has 1 cell for 2 columns", "others with #"),
     ('A;"B\nF [N];w [mm];n\n1;0,1;a\n2;0,2;"b"\n', {}, ": is not a CSV table", "a quote is open"),
-    ("F [N],w [mm]\n1,0.1\nF [N],w [mm]\n2,0.2\n", {}, ", line 3: F [N] = 'F [N]'", "--header 3"),
+    ("F [N],w [mm]\n1,0.1\nF [N],s [mm]\n2,0.2\n", {}, ", line 3: F [N] = 'F [N]'", "--header 3"),
     ("F [N];w [mm]\n10;0,5\n1.000;0,00111\n", {"decimal": "."}, ", line 2: w [mm] = '0,5'",
      "does not have its decimals marked by '.'"),
     ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"loads": "5:"}, ": loads = '5:'", "its loads are 1 to 2"),

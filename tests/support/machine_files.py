@@ -136,7 +136,7 @@ def forms() -> list[Form]:
         Form("travel negative", "Load (N),Crosshead (mm)\n" + rows(F, -w),
              said="sign of the penetration turned, as it falls"),
         Form("baseline", "Load (N),Extension (mm)\n0.3,0\n-0.2,0.00001\n" + rows(F, w),
-             {"loads": "5:"}, "2 rows with loads outside 5: N (lines 2, 3)"),
+             {"loads": "5:"}, "2 rows with loads below 5 N (lines 2, 3)"),
         Form("break", "Force (N),Stroke (mm)\n" + rows(F, w)
              + "".join(f"{3000 - k},{0.05 + k / 1e4:.4f}\n" for k in range(2 * ROWS))
              + "-1.2,0.5\n0.4,0.6\n",
