@@ -131,7 +131,7 @@ BAD_FILES = [
     (
         "F [N];x\n1;2\n",
         None,
-        "lacks the penetration and the length|--columns penetration_UNIT=x --length 20|not read: 'x'",
+        "lacks the penetration and the length|--columns penetration_UNIT=x --length 20|not read",
     ),
     ("F [N];delta_um\n1;2\n", None, "lacks the length; add your own, e.g. --length 20"),
 ]

@@ -30,7 +30,13 @@ from cylcontact.bodies.material import (
 from cylcontact.bodies.pair import Contact, CylinderPair, roles, unusual_lengths
 from cylcontact.datasets.branches import equal_rows, kept_rows
 from cylcontact.datasets.columns import MEASURED, option_for
-from cylcontact.datasets.readings import Readings, TableSpec, read_readings
+from cylcontact.datasets.readings import (
+    Readings,
+    TableSpec,
+    keep_loads,
+    load_column,
+    read_readings,
+)
 from cylcontact.files.spec import Spec
 from cylcontact.files.units import LABELS, Column, column_named, spellings
 from cylcontact.laws import Housing
@@ -235,6 +241,13 @@ def read_measured(
     for name in set[str].intersection(*(readings.absent for readings in every)):
         rule, remedy = "is a column of none of the tables", "check its name"
         raise InputError(", ".join(names), "columns", name, rule, remedy)
+    units = {
+        name: c[1].symbol for name, x in zip(names, every, strict=True) if (c := load_column(x))
+    }
+    if spec.loads is not None and len({*units.values()}) > 1:
+        of_each = ", ".join(f"{name} in {unit}" for name, unit in units.items())
+        rule, remedy = f"has no one unit: loads of {of_each}", "leave it out, and --exclude rows"
+        raise InputError("--loads", "", spec.loads, rule, remedy)
     parts = [
         _measured_of(readings, contact, constants, materials, each)
         for readings, each in zip(every, specs, strict=True)
@@ -296,10 +309,6 @@ def _joined(parts: Mapping[str, MeasuredData], spec: TableSpec) -> MeasuredData:
             lacking, other = (names[0], name) if has else (name, names[0])
             remedy = "add it, or leave it out of the others with --ignore"
             raise InputError(lacking, quantity, None, f"is not given, and {other} has it", remedy)
-    if spec.loads is not None and len({part.units.get("load") for part in every}) > 1:
-        units = ", ".join(f"{name} in {part.units['load']}" for name, part in parts.items())
-        rule, remedy = f"has no one unit: loads of {units}", "leave it out, or --exclude rows"
-        raise InputError("loads", "", spec.loads, rule, remedy)
     if any("time" in part.numbers for part in every) and not all(
         "time" in part.numbers for part in every
     ):
@@ -357,6 +366,7 @@ def _measured_of(
     spec: TableSpec,
 ) -> MeasuredData:
     """Return the readings of one table with its constants, without the rows that are not kept."""
+    keep_loads(readings, spec.loads)
     sheet, source = readings.sheet, readings.sheet.source
     numbers, labels = readings.numbers, readings.labels
     columns = [*readings.columns.values()]

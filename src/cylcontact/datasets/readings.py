@@ -115,7 +115,7 @@ class Readings:
 def read_readings(
     data: Path | str | pd.DataFrame, spec: TableSpec, may_lack: bool = False
 ) -> Readings:
-    """Read the measurements of a table.
+    """Read the measurements of a table, of all loads; `keep_loads` takes those of a range.
 
     With `may_lack`, the table may be without columns that options name, as one of several is.
     """
@@ -157,7 +157,6 @@ def read_readings(
         columns.setdefault(group, Column(sheet.name(group), "group"))
     if {*MEASURED} <= {*readings.numbers}:
         _turn(readings, spec.sign)
-        _keep_loads(readings, spec.loads)
     return readings
 
 
@@ -247,10 +246,25 @@ def _correlation_up_to_peak(load: FloatArray, depth: FloatArray) -> float:
     return float(np.corrcoef(first, second)[0, 1])
 
 
-def _keep_loads(readings: Readings, text: str | None) -> None:
-    """Leave out the rows with loads outside a range LOW:HIGH in the unit of the table."""
-    sheet = readings.sheet
-    k, column = next((k, c) for k, c in readings.columns.items() if c.quantity == "load")
+def load_column(readings: Readings) -> tuple[int, Column] | None:
+    """Return the column of the loads and where it is, if both measured quantities are there."""
+    if not {*MEASURED} <= {*readings.numbers}:
+        return None
+    return next((k, column) for k, column in readings.columns.items() if column.quantity == "load")
+
+
+def keep_loads(readings: Readings, text: str | None) -> None:
+    """Leave out the rows with loads outside a range LOW:HIGH in the unit of the table.
+
+    Raises
+    ------
+    InputError
+        If a load that is kept is below zero, or none is.
+    """
+    sheet, found = readings.sheet, load_column(readings)
+    if found is None:
+        return
+    k, column = found
     values, unit = readings.numbers["load"] / column.factor, column.symbol
     low, high = _ends(sheet, text or ":")
     keeps = (values >= low) & (values <= high)

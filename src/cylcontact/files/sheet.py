@@ -368,11 +368,12 @@ def _require_rectangular(
         by = f", separated by {SEPARATORS[sheet.separator]}" if sheet.separator else ""
         by += " and points in numbers" if sheet.separator == "," else ""
         remedy = f"give every row a cell for each column{by}, begin others with #"
-        text = " ".join(str(cell) for cell in cells if cell is not None)
-        remedy += files.other_separator(text, sheet.separator)
         later = (line.number for line in rows if _may_be_names(line.cells, layout.pattern))
         if after := next((k for k in later if k > number), 0):
             remedy += f", or read the table below with --header {after}"
+        else:
+            text = " ".join(str(cell) for cell in cells if cell is not None)
+            remedy += files.other_separator(text, sheet.separator)
         raise InputError(f"{sheet.source}, {sheet.row_word} {number}", "", None, rule, remedy)
 
 

@@ -161,7 +161,7 @@ class Column:
     @property
     def symbol(self) -> str:
         """What a cell of 1 is, as in a sentence: N/mm, 1000 N."""
-        return f"{self.times:g} {symbol(self.unit)}" if self.times != 1 else symbol(self.unit)
+        return f"{self.times:.12g} {symbol(self.unit)}" if self.times != 1 else symbol(self.unit)
 
     @property
     def is_total(self) -> bool:
