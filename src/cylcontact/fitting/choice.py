@@ -31,13 +31,7 @@ import numpy as np
 
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants, Indices
-from cylcontact.fitting.checks import (
-    COMPLIANCE,
-    LEVEL,
-    data_warnings,
-    describes,
-    uncertainty_of,
-)
+from cylcontact.fitting.findings import COMPLIANCE, LEVEL, describes, estimates_of, warnings_of
 from cylcontact.fitting.law_models import RIG_NAMES, fittable_laws, is_user_law
 from cylcontact.fitting.noise import Covariance
 from cylcontact.fitting.readings import Optimum
@@ -344,9 +338,8 @@ def choose_law(
         errors = as_floats([squares[part].mean() for part in parts])
         ranked.append(RankedLaw(name, fitted[name], aicc[name], errors, sizes))
     with on_one_thread():
-        uncertainty = uncertainty_of(best, spec.level or LEVEL)
-    warnings = tuple(data_warnings(uncertainty))
-    return Choice(table, tuple(ranked), left_out, words, warnings, describes(uncertainty))
+        warnings = tuple(warnings_of(best, estimates_of(best, spec.level or LEVEL)[0]))
+    return Choice(table, tuple(ranked), left_out, words, warnings, describes(best))
 
 
 def _fit_or_reason(table: Table, name: str, is_named: bool) -> Optimum | str:

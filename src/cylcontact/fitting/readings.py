@@ -29,7 +29,6 @@ from numpy.typing import ArrayLike
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.fitting.noise import Covariance, Degrees, Likelihood, NoiseModel, Plain, estimate
-from cylcontact.fitting.records import Interval
 from cylcontact.fitting.search import EXACT, descend
 from cylcontact.fitting.space import Space, law_of
 from cylcontact.laws.law import Coefficients, ContactLaw
@@ -219,6 +218,16 @@ def singular(source: str) -> InputError:
 
 
 # --- the fit at its best ------------------------------------------------------------------------
+
+
+class Interval(NamedTuple):
+    """The ends of an interval, whether a bound cuts them off, and the lowest ratio on the way."""
+
+    low: float
+    high: float
+    low_is_bound: bool
+    high_is_bound: bool
+    lowest: float  # (S(θ) − S)/τ; below 0 there is a better optimum
 
 
 class Band(NamedTuple):
@@ -442,13 +451,7 @@ class Optimum:
         limit = float(np.sqrt(self.threshold(level, name)))
         low, low_is_bound, below = self._edge(name, parameter.low, limit)
         high, high_is_bound, above = self._edge(name, parameter.high, limit)
-        return Interval(
-            low=low,
-            high=high,
-            low_is_bound=low_is_bound,
-            high_is_bound=high_is_bound,
-            lowest=min(0.0, below, above),
-        )
+        return Interval(low, high, low_is_bound, high_is_bound, min(0.0, below, above))
 
     def _edge(self, name: str, bound: float, limit: float) -> tuple[float, bool, float]:
         """Return an interval's end, whether it is the bound, and the lowest ratio on the way."""
@@ -497,7 +500,7 @@ class Optimum:
         )
 
     def profile(
-        self, name: str, ends: Interval, level: float
+        self, name: str, low: float, high: float, level: float
     ) -> tuple[FloatArray, FloatArray, float]:
         """Return values of a parameter, √((S(θ) − S)/τ) there, and its value at the level's ends.
 
@@ -505,8 +508,8 @@ class Optimum:
         nearer the best.
         """
         best, parameter = self.best[name], self.fit.free[self.fit.names.index(name)]
-        low = max(parameter.low, best - _REACH * (best - ends.low))
-        high = min(parameter.high, best + _REACH * (ends.high - best))
+        low = max(parameter.low, best - _REACH * (best - low))
+        high = min(parameter.high, best + _REACH * (high - best))
         values = np.union1d(np.linspace(low, high, _POINTS), [best])
         rise, middle = np.empty(values.size), int(np.searchsorted(values, best))
         for order in (range(middle, values.size), range(middle - 1, -1, -1)):

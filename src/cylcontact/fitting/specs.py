@@ -182,7 +182,8 @@ def parameters_of(
 def _parameter(parameter: Parameter, spec: ParametersSpec) -> Parameter:
     name = parameter.name
     if name in spec.ties:
-        return Parameter(name, tie=spec.ties[name], shift=parameter.shift)
+        nothing = {"low": math.nan, "high": math.nan, "value": None}
+        return replace(parameter, **nothing, tie=spec.ties[name])
     if name in spec.fixed:
         return replace(parameter, low=math.nan, high=math.nan, value=spec.fixed[name])
     if name in spec.bounds:

@@ -33,7 +33,7 @@ from cylcontact.files.journal import Journal
 from cylcontact.files.reading import beside_or_above
 from cylcontact.files.spec import parse_spec, read_toml
 from cylcontact.fitting.campaign import Campaign, CampaignBase
-from cylcontact.fitting.checks import LEVEL, uncertainty_of
+from cylcontact.fitting import findings
 from cylcontact.fitting.law_models import (
     RIG_NAMES,
     for_measurements,
@@ -44,10 +44,10 @@ from cylcontact.fitting.law_models import (
     user_model,
     with_rig,
 )
-from cylcontact.fitting.noise import NoiseModel, Plain, noise_of
+from cylcontact.fitting.noise import ABSOLUTE, STANDARDISED, NoiseModel, Plain, noise_of
 from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.readings import Fit, Optimum, singular
-from cylcontact.fitting.records import MaxDifference, ObjectiveValue, SampleCounts
+from cylcontact.fitting.records import Estimate, MaxDifference, ObjectiveValue, SampleCounts
 from cylcontact.fitting.runs import best_of, descend_from, published_on, run_all
 from cylcontact.fitting.specs import MeasuredSpec, completed, parameters_of, with_parameters
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
@@ -453,9 +453,10 @@ def _fitted(
     checkpoint: Path | None,
     resume: bool,
 ) -> DataFit:
-    from cylcontact.fitting.data_fit import DataFit  # it imports this module
+    from cylcontact.fitting import results  # it imports this module, as data_fit does
+    from cylcontact.fitting.data_fit import DataFit
 
-    spec, data = campaign.spec, campaign.measurements
+    spec, data, model = campaign.spec, campaign.measurements, campaign.model
     if isinstance(jobs, int) and len(data) <= _FEW_ROWS:
         jobs = 1
     provenance = campaign.provenance  # of what is run, not of what is there when it ends
@@ -469,26 +470,59 @@ def _fitted(
     optimum = Optimum(fit.at_best(point), point)
     require_increasing(fit, point)
     progress("profiling", 0, 1)
-    uncertainty = uncertainty_of(optimum, spec.level or LEVEL, jobs)
+    level = spec.level or findings.LEVEL
+    searched, better = findings.estimates_of(optimum, level, jobs)
     progress("profiling", 1, 1)
-    of_published = campaign.model.build(published.coefficients) if published else None
+    estimates = {}
+    for p in campaign.parameters:
+        said = f"= {p.tie}" if p.tie else "fixed"
+        known = Estimate(value=best.coefficients[p.name], unit=p.unit, verdict=said)
+        estimates[p.name] = searched.get(p.name, known)
+    undetermined = findings.on_lack_of_determination(optimum, searched)
+    disagreement, on_runs = results.on_runs(records, DataFit.round_off, (), "--fix NAME=VALUE")
+    notes = [*findings.notes_of(optimum, level, undetermined), *better, *data.data.notes]
+    if published is not None:
+        notes.append(
+            f"on these data the law has an objective of {published.objective:.4g} with its "
+            f"published constants, and {best.objective:.4g} fitted"
+        )
+    of_published = model.build(published.coefficients) if published else None
+    worst = optimum.law, of_published
+    is_given, noise = fit.noise.is_given, optimum.covariance_of_readings
+    unit = {ABSOLUTE: "mm", STANDARDISED: "std. dev."}.get(campaign.objective, "")
     return DataFit(
         name=campaign.name,
-        law=campaign.model.law,
-        contact=campaign.model.contact,
+        law=model.law,
+        contact=model.contact,
         reference=campaign.reference,
-        coefficients=best.coefficients,
-        objective=ObjectiveValue(name=campaign.objective, value=best.objective),
+        estimates=estimates,
+        objective=ObjectiveValue(
+            name=campaign.objective, value=best.objective, unit="std. dev." if is_given else unit
+        ),
         published=published,
+        # Of readings about zero a relative difference says nothing.
         max_abs_diff_percent=MaxDifference(
-            fitted=_largest_percent(data, optimum.law),
-            published=_largest_percent(data, of_published) if of_published else None,
+            **{
+                key: _largest_percent(data, law) if law and data.penetration.min() > 0 else None
+                for key, law in zip(("fitted", "published"), worst, strict=True)
+            }
         ),
         runs=records,
         counts=SampleCounts(samples=len(data), masked=0),
+        warnings=[*findings.warnings_of(optimum, searched), *undetermined, *disagreement],
+        notes=[*notes, *on_runs],
         settings=campaign.settings,
         provenance=provenance,
-        uncertainty=uncertainty,
+        level=level,
+        sigma=optimum.sigma,
+        degrees_of_freedom=optimum.degrees,
+        chi_square_p=optimum.chi_square_p,
+        correlation=findings.correlation_of(optimum).tolist(),
+        outliers=[data.line(row) for row in findings.outliers(optimum)],
+        noise=None if noise is None else findings.deviations_of(optimum, noise),
+        log_likelihood=optimum.log_likelihood,
+        estimated=optimum.estimated,
+        r_squared=findings.r_squared(optimum),
     ).with_optimum(optimum)
 
 
@@ -511,7 +545,7 @@ def fit(
     fixed: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     ties: Mapping[str, str] | None = None,
-    level: float = LEVEL,
+    level: float = findings.LEVEL,
     jobs: Workers = 1,
     **settings: Any,
 ) -> DataFit:
