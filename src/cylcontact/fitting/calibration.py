@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.files.journal import Journal
 from cylcontact.fitting.campaign import Campaign
@@ -22,14 +23,15 @@ from cylcontact.fitting.records import (
     ObjectiveValue,
     Profile,
     Published,
-    RunRecord,
     SampleCounts,
-    verdict_of,
+    SearchRecord,
+    with_verdict,
 )
 from cylcontact.fitting.reference import OnMoments, OnSamples, Samples, max_abs_difference_percent
 from cylcontact.fitting.results import LawFit, on_runs
 from cylcontact.fitting.runs import best_of, published_on, run_all, searches
 from cylcontact.fitting.space import Space
+from cylcontact.fitting.specs import CampaignSpec
 from cylcontact.support.arrays import FloatArray, on_one_thread
 from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Workers, call, collect
@@ -88,23 +90,25 @@ def calibrate(
     >>> print({name: round(value, 6) for name, value in result.coefficients.items()})
     {'a': 0.39, 'b': 0.85, 'n': 1.094}
     """
-    spec = campaign.spec
+    grid, spec = _grid_in(campaign), campaign.spec
+    assert isinstance(spec, CampaignSpec)
     provenance = campaign.provenance  # of what is run, not of what is there when it ends
     space, counts = space_of(campaign, jobs, progress)
     journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
     calls = searches(space, spec.genetic, spec.seed, campaign.source)
-    records = run_all(calls, jobs, progress, journal, resume)
+    records = run_all(calls, SearchRecord, jobs, progress, journal, resume)
     best, published = best_of(records), published_on(space)
     compared = [best.coefficients] + ([published.coefficients] if published else [])
-    largest = max_abs_difference_percent(campaign.grid, campaign.model, compared, jobs, progress)
+    largest = max_abs_difference_percent(grid, campaign.model, compared, jobs, progress)
     curves = {} if spec.profiles is False else profiles_of(space, compared, jobs, progress)
-    estimates = _estimates(space, best.coefficients, published, curves)
+    estimates = _estimates(space, best.coefficients, curves)
     bound = space.bound if isinstance(space, OnMoments) else None
-    warnings, notes = _sentences(space, estimates, published, bound, records)
+    warnings, notes = sentences_on(space, estimates, published, bound, records)
     return LawFit(
         name=campaign.name,
         law=campaign.model.law,
         contact=campaign.model.contact,
+        formula=campaign.model.formula,
         reference=campaign.reference,
         estimates=estimates,
         objective=ObjectiveValue(name=campaign.objective, value=best.objective),
@@ -127,7 +131,7 @@ def space_of(
     campaign: Campaign, jobs: Workers = 1, progress: Progress = silent
 ) -> tuple[OnMoments | OnSamples, Counts]:
     """Return what a campaign minimises, and the number of its samples used and masked."""
-    grid, model, parameters = campaign.grid, campaign.model, campaign.parameters
+    grid, model, parameters = _grid_in(campaign), campaign.model, campaign.parameters
     space: OnMoments | OnSamples
     if model.power_form is not None and campaign.objective == "rms-log-penetration":
         moments, counts = reduce_grid(grid, jobs, progress)
@@ -138,6 +142,14 @@ def space_of(
         space = OnSamples(model, parameters, campaign.objective, samples)
     _require_defined_somewhere(space, campaign.source)
     return space, counts
+
+
+def _grid_in(campaign: Campaign) -> Grid:
+    """Return the grid that a campaign is on; refuse one on measurements."""
+    if not isinstance(campaign.data, Grid):
+        rule = "is a campaign on measurements, not on a grid"
+        raise InputError(campaign.source, "", None, rule, "fit it with fit_table")
+    return campaign.data
 
 
 def _require_defined_somewhere(space: OnMoments | OnSamples, source: str) -> None:
@@ -216,7 +228,6 @@ def _distance(optimum: float, objective: FloatArray) -> FloatArray:
 def _estimates(
     space: Space,
     best: Mapping[str, float],
-    published: Published | None,
     curves: Mapping[str, _Curve],
 ) -> dict[str, Estimate]:
     """Return all coefficients; those searched with the interval and the verdict of the profile."""
@@ -231,18 +242,17 @@ def _estimates(
             penalty = None if at_published is None else at_published / optimum - 1
             more = {"low": low, "high": high, "low_is_bound": cut[0], "high_is_bound": cut[1]}
             each = each.model_copy(update={**more, "penalty": penalty})
-            per_unit = 1 / abs(each.value) if each.value else np.inf
-            each = each.model_copy(update={"verdict": verdict_of(each, per_unit)})
+            each = with_verdict(each, 1 / abs(each.value) if each.value else np.inf)
         estimates[p.name] = each
     return estimates
 
 
-def _sentences(
+def sentences_on(
     space: Space,
     estimates: Mapping[str, Estimate],
     published: Published | None,
     bound: float | None,
-    runs: list[RunRecord],
+    runs: list[SearchRecord],
 ) -> tuple[list[str], list[str]]:
     """Return warnings and notes: on the published values, the bound, identification, and runs."""
     best, notes = min(run.objective for run in runs), []
@@ -267,15 +277,15 @@ def _sentences(
             f"the fit is {100 * (best / bound - 1):.1f} % above the lower bound {bound:.4g}, "
             "reached with K* and n fitted separately at each clearance"
         )
-    searched = {name: e for name, e in estimates.items() if e.low is not None}
-    poor = [name for name, e in searched.items() if e.verdict in ("poorly", "not")]
+    judged = {name: e.verdict for name, e in estimates.items() if e.low is not None}
+    poor = [name for name, verdict in judged.items() if verdict in ("poorly", "not")]
     if poor:
         notes.append(
             f"poorly identified: {', '.join(poor)} (the best objective rises by less than "
             f"{100 * TOLERANCE:g} % while the coefficient moves by more than {100 * FAIRLY:g} % of "
             f"its value, or to a bound; well identified is {100 * WELL:g} %)"
         )
-    elif searched:
+    elif judged:
         notes.append("every coefficient inside its bounds is at least fairly identified")
     for p in space.free:
         for side, end in (("lower", p.low), ("upper", p.high)):

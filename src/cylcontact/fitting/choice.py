@@ -31,19 +31,20 @@ import numpy as np
 
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants, Indices
+from cylcontact.fitting.campaign import Campaign, MeasuredTable, read_table
 from cylcontact.fitting.findings import COMPLIANCE, LEVEL, describes, estimates_of, warnings_of
 from cylcontact.fitting.law_models import RIG_NAMES, fittable_laws, is_user_law
+from cylcontact.fitting.measure import fit_table
 from cylcontact.fitting.noise import Covariance
-from cylcontact.fitting.readings import Optimum
+from cylcontact.fitting.readings import Optimum, fit_with_noise
 from cylcontact.fitting.search import descend, polish
-from cylcontact.fitting.tables import Table, TableCampaign, fit_table, read_table
 from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Workers, call, collect
 from cylcontact.support.plain_text import advice, brief, item
 from cylcontact.support.progress import Progress, silent
-from cylcontact.support.text_tables import Table as Cells
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -108,7 +109,7 @@ class Choice:
 
     Attributes
     ----------
-    data : Table
+    data : MeasuredTable
         The measurements.
     laws : tuple of RankedLaw
         In the order of AICc.
@@ -122,7 +123,7 @@ class Choice:
         Whether the best law describes the readings at all; if not, none does.
     """
 
-    data: Table
+    data: MeasuredTable
     laws: tuple[RankedLaw, ...]
     left_out: dict[str, str]
     parts: str
@@ -239,7 +240,7 @@ class Choice:
         count = len(self.data.measurements)
         title = f"{brief(self.data.name)}: {len(self.laws)} laws fitted to {count:,} measurements"
         read = (item(line, "", _WIDTH) for line in self.data.measurements.read)
-        return "\n".join([*read, title, "", str(Cells(head, rows)), *items])
+        return "\n".join([*read, title, "", str(TextTable(head, rows)), *items])
 
     def _conclusion(self) -> str:
         undecided = self.undecided
@@ -300,7 +301,7 @@ def laws_for(contact: Contact, pairs: int) -> list[str]:
 
 
 def choose_law(
-    table: Table, names: Iterable[str] = (), progress: Progress = silent, jobs: Workers = 1
+    table: MeasuredTable, names: Iterable[str] = (), progress: Progress = silent, jobs: Workers = 1
 ) -> Choice:
     """Fit all laws that apply to measurements, and rank them."""
     data, spec = table.measurements, table.spec
@@ -342,7 +343,7 @@ def choose_law(
     return Choice(table, tuple(ranked), left_out, words, warnings, describes(best))
 
 
-def _fit_or_reason(table: Table, name: str, is_named: bool) -> Optimum | str:
+def _fit_or_reason(table: MeasuredTable, name: str, is_named: bool) -> Optimum | str:
     """Return the fit of a law, or why it is left out."""
     try:
         with on_one_thread():
@@ -366,7 +367,7 @@ def _fit_or_reason(table: Table, name: str, is_named: bool) -> Optimum | str:
 
 
 def _require_some(
-    fitted: Mapping[str, object], left_out: dict[str, str], table: Table, remedy: str
+    fitted: Mapping[str, object], left_out: dict[str, str], table: MeasuredTable, remedy: str
 ) -> None:
     """Refuse measurements to which no law is left, with the reason of the first."""
     if not fitted:
@@ -375,7 +376,7 @@ def _require_some(
         raise InputError(table.source, "", None, rule, remedy)
 
 
-def _campaign(table: Table, law: str, starts: int | None = None) -> TableCampaign:
+def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Campaign:
     """Return the campaign of a law with offset and, in an unknown housing, compliance free.
 
     The housing is only for laws that know it, and a law of one's own has a stiffness like others.
@@ -403,8 +404,8 @@ def _parts(optimum: Optimum, seed: int) -> tuple[list[Indices], str]:
     return [np.sort(part) for part in np.array_split(order, number)], f"{number} parts of the rows"
 
 
-def _fitted(campaign: TableCampaign) -> Optimum:
-    fit = campaign.fit()
+def _fitted(campaign: Campaign) -> Optimum:
+    fit = fit_with_noise(campaign)
     starts = fit.starts(campaign.nominal, _STARTS, campaign.spec.seed)
     ends, values = descend(fit, starts)
     return Optimum(fit, fit.minimise(ends[values.argmin()])[0])

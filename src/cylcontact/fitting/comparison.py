@@ -7,14 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cylcontact.datasets.grid import Grid
 from cylcontact.fitting.calibration import calibrate, space_of
+from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.measure import fit_table
+from cylcontact.fitting.readings import fit_with_noise
 from cylcontact.fitting.results import FitResult, Rows, or_blank
 from cylcontact.fitting.space import Space
-from cylcontact.fitting.tables import TableCampaign, campaign_of, fit_table
+from cylcontact.fitting.stored import read_result
 from cylcontact.support.parallel import Workers
 from cylcontact.support.plain_text import brief, item
 from cylcontact.support.progress import Progress
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 # The axes of grids, with symbols and units.
 _AXES = {"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")}
@@ -65,22 +69,9 @@ def _side_by_side(results: list[FitResult]) -> str:
     for label, name in zip(_labels(first), first.estimates, strict=True):
         paper = f"{published.coefficients[name]:g}" if published else "-"
         rows.append((label, paper, *(_with_error(r, name) for r in results)))
-    units = (", ".join(filter(None, (r.objective.name, r.objective.unit))) for r in results)
-    numbers = [
-        ("objective", "", *units),
-        ("  fitted", "", *(f"{r.objective.value:.5g}" for r in results)),
-        ("  published", "", *(f"{r.published.objective:.5g}" if r.published else "" for r in results)),
-        ("  lower bound", "", *(or_blank(getattr(r, "bound", None)) for r in results)),
-        (
-            *("largest difference, %", ""),
-            *(or_blank(r.max_abs_diff_percent.fitted, ".4g") for r in results),
-        ),
-        ("  published", "", *(or_blank(r.max_abs_diff_percent.published) for r in results)),
-        ("samples", "", *(f"{r.counts.samples:,d}" for r in results)),
-        ("  masked", "", *(f"{r.counts.masked:,d}" for r in results)),
-    ]
+    rows += [(label, "", *cells) for label, cells in _numbers(results)]
+    rows = [(*row[:2], *(cell or "-" for cell in row[2:])) for row in rows]
     columns = [f"{first.law}, {first.contact}", "published", *(r.name for r in results)]
-    rows = [tuple(cell or "-" if k > 1 else cell for k, cell in enumerate(row)) for row in rows + numbers]
     if len(results) == 1 and published:
         columns.append("difference, %")
         values = zip(first.coefficients.values(), published.coefficients.values(), strict=True)
@@ -88,7 +79,22 @@ def _side_by_side(results: list[FitResult]) -> str:
         differences += ["", f"{100 * (first.objective.value / published.objective - 1):+.1f}"]
         differences += [""] * (len(rows) - len(differences))
         rows = [(*row, cell) for row, cell in zip(rows, differences, strict=True)]
-    return "\n".join([str(Table(columns, rows)), *map(_samples, results)])
+    return "\n".join([str(TextTable(columns, rows)), *map(_samples, results)])
+
+
+def _numbers(results: Sequence[FitResult]) -> Iterable[tuple[str, list[str]]]:
+    """Yield the label and the cells of each row beneath the coefficients."""
+    objectives = [result.objective for result in results]
+    published = [result.published for result in results]
+    largest = [result.max_abs_diff_percent for result in results]
+    yield "objective", [", ".join(filter(None, (o.name, o.unit))) for o in objectives]
+    yield "  fitted", [f"{o.value:.5g}" for o in objectives]
+    yield "  published", [or_blank(p.objective if p else None) for p in published]
+    yield "  lower bound", [or_blank(getattr(result, "bound", None)) for result in results]
+    yield "largest difference, %", [or_blank(each.fitted, ".4g") for each in largest]
+    yield "  published", [or_blank(each.published) for each in largest]
+    yield "samples", [f"{result.counts.samples:,d}" for result in results]
+    yield "  masked", [f"{result.counts.masked:,d}" for result in results]
 
 
 def _with_error(result: FitResult, name: str) -> str:
@@ -153,14 +159,14 @@ class Check:
 
 def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
     """Redo a fit with the settings in a result file and compare."""
-    committed = FitResult.read(path)
-    campaign = campaign_of(committed.name, committed.settings, str(path))
+    committed = read_result(path)
+    campaign = Campaign.of_settings(committed.name, committed.settings, str(path))
     fresh: FitResult
     space: Space
-    if isinstance(campaign, TableCampaign):
-        space, fresh = campaign.fit(), fit_table(campaign, jobs, progress)
-    else:
+    if isinstance(campaign.data, Grid):
         space, fresh = space_of(campaign, jobs)[0], calibrate(campaign, jobs, progress)
+    else:
+        space, fresh = fit_with_noise(campaign), fit_table(campaign, jobs, progress)
     of_coefficients = Check(
         "objective of the coefficients",
         committed.objective.value,

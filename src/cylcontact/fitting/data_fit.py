@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,18 +16,18 @@ from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.measurements import MeasuredData, Measurements, measurements_of
 from cylcontact.files.spec import parse_spec
 from cylcontact.files.units import column_named, load_in_N_per_mm
+from cylcontact.fitting.adapters import RigCompliance
+from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.law_models import user_model, with_rig
 from cylcontact.fitting.noise import NoiseModel
-from cylcontact.fitting.readings import Optimum
-from cylcontact.fitting.records import FittedDeviations
+from cylcontact.fitting.readings import Optimum, plain_fit
+from cylcontact.fitting.records import FittedDeviations, RunRecord
 from cylcontact.fitting.results import FitResult, basins
-from cylcontact.fitting.tables import TableCampaign
-from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import as_floats
 from cylcontact.support.errors import InputError
 from cylcontact.support.plain_text import brief
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,6 +49,8 @@ class DataFit(FitResult):
     `print(result)` gives the report, and a notebook shows it with its picture.
     """
 
+    kind: Literal["readings"] = "readings"
+    runs: list[RunRecord]
     level: float
     # Standard deviation of the residuals, in the unit of the objective; its degrees of freedom.
     sigma: float
@@ -110,11 +112,11 @@ class DataFit(FitResult):
 
     def _optimum(self, law: str | None) -> Optimum:
         source = f"fit result {self.name!r}"
-        campaign = TableCampaign.of_settings(self.name, self.settings, source)
+        campaign = Campaign.of_settings(self.name, self.settings, source)
         if law is not None:
             model = user_model(law, self.contact, source, Path.cwd())
             campaign = replace(campaign, model=with_rig(model, campaign.spec.named))
-        fit, noise = campaign.plain, self.noise
+        fit, noise = plain_fit(campaign), self.noise
         point = fit.point(self.coefficients)
         if isinstance(campaign.noise, NoiseModel) and noise and fit.law(point) is not None:
             fit = fit.with_noise(campaign.noise, point, noise.deviations)
@@ -403,7 +405,8 @@ class DataFit(FitResult):
 
     def _profile(self, name: str) -> tuple[Sequence[float], Sequence[float], float, str]:
         e = self.estimates[name]
-        assert e.low is not None and e.high is not None
+        assert e.low is not None
+        assert e.high is not None
         values, root, limit = self.optimum.profile(name, e.low, e.high, self.level)
         return values.tolist(), root.tolist(), limit, "rise of the objective (std. dev.)"
 
@@ -471,7 +474,7 @@ class DataFit(FitResult):
         for each in series:
             effects = (f"{_EFFECTS[name][1] * each.effects[name]:.3g}" for name in names)
             rows.append((each.name, str(each.rows), *effects))
-        table = Table(("series", "readings", *(_EFFECTS[name][0] for name in names)), rows)
+        table = TextTable(("series", "readings", *(_EFFECTS[name][0] for name in names)), rows)
         return f"{super().__str__()}\n\n{table}"
 
 

@@ -22,7 +22,7 @@ from cylcontact.fitting.records import (
     Estimate,
     FittedDeviations,
     SeriesEffect,
-    verdict_of,
+    with_verdict,
 )
 from cylcontact.support.arrays import FloatArray, as_floats
 from cylcontact.support.parallel import Workers, call, collect
@@ -59,9 +59,7 @@ COMPLIANCE = (
     "rig, housing); it may be negative"
 )
 _MEANINGS = {
-    "kappa": "kappa multiplies the penetration; it acts like a modulus of E*/kappa",
     "stiffness_factor": "stiffness_factor multiplies the load; it acts like a larger modulus",
-    "modulus_factor": "modulus_factor multiplies the modulus E*",
     "compliance": COMPLIANCE,
 }
 _DATUM = "the reference point, the housing or the rig (try --free compliance)"
@@ -218,8 +216,10 @@ def _on_chi_square(optimum: Optimum) -> str:
 
 def _on_deviations(noise: FittedDeviations, level: float) -> str:
     def amounts(*names: str) -> list[str]:
-        words = ((_AMOUNTS[name], noise.deviations[name]) for name in noise.deviations if name in names)
-        return [text.format(f"{factor * value:.3g}") for (text, factor), value in words]
+        sizes = (
+            (*_AMOUNTS[name], size) for name, size in noise.deviations.items() if name in names
+        )
+        return [text.format(f"{factor * size:.3g}") for text, factor, size in sizes]
 
     single, shared = amounts("constant", "proportional"), amounts("offset", "gain", "drift")
     parts, number = [], len(noise.series)
@@ -245,7 +245,7 @@ def _on_deviations(noise: FittedDeviations, level: float) -> str:
 
 def on_lack_of_determination(optimum: Optimum, estimates: Mapping[str, Estimate]) -> list[str]:
     """Return which parameters the readings do not determine, or poorly."""
-    together = optimum.blind
+    together = optimum.unidentifiable
     if together:
         which = "has no effect on the fit: fix it"
         if len(together) > 1:
@@ -302,8 +302,7 @@ def _estimate(optimum: Optimum, name: str, level: float, interval: Interval | No
         interval = Interval(value - reach, value + reach, False, False, 0.0)
     ends = {key: x for key, x in interval._asdict().items() if key != "lowest"}
     estimate = Estimate(value=value, unit=unit, standard_error=error, **ends)
-    verdict = verdict_of(estimate, float(optimum.per_unit[k]))
-    return estimate.model_copy(update={"verdict": verdict})
+    return with_verdict(estimate, float(optimum.per_unit[k]))
 
 
 def correlation_of(optimum: Optimum) -> FloatArray:

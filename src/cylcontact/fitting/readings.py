@@ -28,10 +28,14 @@ from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.measurements import Indices, Measurements
+from cylcontact.fitting.adapters import RigCompliance, ScaledLaw
+from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.noise import Covariance, Degrees, Likelihood, NoiseModel, Plain, estimate
 from cylcontact.fitting.search import EXACT, descend
 from cylcontact.fitting.space import Space, law_of
+from cylcontact.fitting.specs import MeasuredSpec
 from cylcontact.laws.law import Coefficients, ContactLaw
+from cylcontact.laws.user import UserLaw
 from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.support.errors import InputError
 
@@ -62,6 +66,10 @@ _REFIT = 1e-12
 _AT_BOUND = 1e-9
 # Half-widths of the interval on either side of the optimum in a profile, and the values there.
 _REACH, _POINTS = 1.6, 21
+# Points evaluated before data are refused as outside a law's domain.
+_TRIALS = 256
+# Penetrations at which a function of the user's own is evaluated.
+_LOOKS = 101
 # In place of a predicted reading of 0 mm, to which an error is relative.
 _NO_DEPTH = 1e-12
 
@@ -215,6 +223,94 @@ def singular(source: str) -> InputError:
     rule = "do not determine the law and the noise together: the information matrix is singular"
     remedy = "free fewer parameters, leave out --drift, --group or --load-error, or measure more"
     return InputError(source, "readings", None, rule, remedy)
+
+
+# --- the fit of a campaign ------------------------------------------------------------------------
+
+
+def plain_fit(campaign: Campaign) -> Fit:
+    """Return the fit of a campaign on measurements by plain least squares."""
+    data, noise = measurements_in(campaign), campaign.noise
+    if not isinstance(noise, Plain):
+        noise = Plain(is_log=False, given=data.columns.get("penetration_std"))
+    return Fit(campaign.model, campaign.parameters, data, noise)
+
+
+def fit_with_noise(campaign: Campaign) -> Fit:
+    """Return the fit of a campaign on measurements, with its noise estimated.
+
+    Raises
+    ------
+    InputError
+        If the law is undefined for some row at all coefficients tried.
+    """
+    plain, spec = plain_fit(campaign), campaign.spec
+    assert isinstance(spec, MeasuredSpec)
+    _require_defined(campaign, plain)
+    if not isinstance(campaign.noise, NoiseModel):
+        return plain
+    starts = plain.starts(campaign.nominal, spec.starts, spec.seed)
+    point, _ = min(map(plain.minimise, starts), key=lambda end: end[1])
+    return plain.estimating(campaign.noise, point)
+
+
+def measurements_in(campaign: Campaign) -> Measurements:
+    """Return the measurements that a campaign is on; refuse one on a grid."""
+    if not isinstance(campaign.data, Measurements):
+        rule = "is a campaign on a grid, not on measurements"
+        raise InputError(campaign.source, "", None, rule, "fit it with calibrate")
+    return campaign.data
+
+
+def _require_defined(campaign: Campaign, fit: Fit) -> None:
+    """Refuse data that no coefficients within the bounds can describe, and name the row."""
+    data = fit.data
+    points = fit.scatter(np.random.default_rng(0), _TRIALS)
+    if campaign.nominal is not None:
+        points = np.vstack([campaign.nominal, points])
+    defined = np.zeros(len(data), dtype=int)
+    for point in points:
+        inside = np.isfinite(fit.raw(point[None, :])[0])
+        if inside.all():
+            return
+        defined += inside
+    require_increasing(fit, points[0])  # says more of a law of one's own
+    row = int(np.argmin(defined))
+    tried = f"{len(points) - defined[row]} of {len(points)} sets of" if defined[row] else "all"
+    where = f"{campaign.source}, {data.data.row_word} {data.line(row)}"
+    names = ("load", "penetration", "dR")
+    values = [float(data.columns[name][row]) for name in names]
+    law = campaign.model.law
+    rule = f"lies outside the domain of {law} at {tried} coefficients tried within the bounds"
+    remedy = "move the bounds, remove the row, or choose a law that reaches that far"
+    raise InputError(where, ", ".join(names), values, rule, remedy)
+
+
+def require_increasing(fit: Fit, point: FloatArray) -> None:
+    """Refuse a function of the user's own that is no contact law at some free parameters."""
+    law, data = fit.model.build(fit.coefficients(point)), fit.data
+    if isinstance(law, RigCompliance):
+        law = law.base
+    function = law.base if isinstance(law, ScaledLaw) else law
+    if not isinstance(function, UserLaw):
+        return
+    at = ", ".join(f"{name} = {value:.6g}" for name, value in function.values.items())
+    with np.errstate(all="ignore"):
+        deepest = np.fmax(data.penetration, law.penetration(data.load, data.pair))
+    deepest = np.where(deepest > 0, deepest, np.abs(data.penetration).max())
+    before = np.full(len(data), -np.inf)
+    for share in np.linspace(0.0, 1.0, _LOOKS):
+        loads = function.load(share * deepest, data.pair)
+        wrong = np.flatnonzero((loads <= before) | ((loads < 0) & (share > 0)))
+        if wrong.size:
+            row = int(wrong[0])
+            what = "decreases with" if loads[row] < before[row] else "does not grow with"
+            if loads[row] < 0:
+                what = f"is negative, {loads[row]:.6g} N/mm, at"
+            rule = f"{what} the penetration at {share * deepest[row]:.6g} mm, with {at}"
+            remedy = "the load of a contact grows from 0; correct the function, or move the bounds"
+            raise InputError(function.name, "load", None, rule, remedy)
+        before = np.where(np.isfinite(loads), loads, before)
 
 
 # --- the fit at its best ------------------------------------------------------------------------
@@ -372,7 +468,7 @@ class Optimum:
         return as_floats(half @ half.T / np.outer(size, size)), []
 
     @property
-    def blind(self) -> list[str]:
+    def unidentifiable(self) -> list[str]:
         """The parameters of which only a combination is identifiable."""
         return [self.fit.names[k] for k in self._inverse[1]]
 
@@ -542,7 +638,7 @@ class Optimum:
         if self.covariance is None:
             rule = "are not identifiable one by one, so that there is no band"
             remedy = "fix one of them (--fix NAME=VALUE), and fit again"
-            blamed = self.blind or list(self.best)
+            blamed = self.unidentifiable or list(self.best)
             raise InputError("prediction", "parameters", blamed, rule, remedy)
         centre, slopes = self.slopes_of(evaluate)
         variance = ((slopes @ self.covariance) * slopes).sum(axis=1)

@@ -18,15 +18,16 @@ SAME_BASIN = 1e-3
 
 
 class Estimate(Spec):
-    """A coefficient, and how far it may move if it was searched.
+    """A coefficient, with its interval if it was searched.
 
     The interval is the profile's; a bound of the search may cut it off. There is none if the data
-    do not determine the coefficient.
+    do not determine the coefficient. The verdict is well, fairly, poorly, not, or at a bound; for
+    one that was not searched it is fixed, or the expression that sets it, such as "= a/10".
     """
 
     value: float
     unit: str = ""
-    verdict: str = "-"  # well, fairly, poorly, not, at a bound, fixed, or an expression
+    verdict: str = "-"
     low: float | None = None
     high: float | None = None
     low_is_bound: bool = False
@@ -37,18 +38,22 @@ class Estimate(Spec):
 
     @property
     def interval(self) -> str:
-        """The interval in words, and whether a bound cuts it off."""
+        """The interval as text, and whether a bound cuts it off; empty without one."""
         if self.low is None or self.high is None:
             return ""
         cut = ", bound" if self.low_is_bound or self.high_is_bound else ""
         return f"{self.low:.5g} … {self.high:.5g}{cut}"
 
 
-def verdict_of(estimate: Estimate, per_unit: float) -> str:
-    """Return how well an interval determines a value; `per_unit` makes widths relative."""
+def with_verdict(estimate: Estimate, per_unit: float) -> Estimate:
+    """Return an estimate with the verdict on its interval; `per_unit` makes widths relative."""
+    return estimate.model_copy(update={"verdict": _verdict(estimate, per_unit)})
+
+
+def _verdict(estimate: Estimate, per_unit: float) -> str:
     low, high = estimate.low, estimate.high
-    assert low is not None
-    assert high is not None
+    if low is None or high is None:
+        return "not"
     cut, margin = (estimate.low_is_bound, estimate.high_is_bound), _AT_BOUND * (high - low) / 2
     if (cut[0] and estimate.value - low <= margin) or (cut[1] and high - estimate.value <= margin):
         return "at a bound"
@@ -89,19 +94,23 @@ class SampleCounts(Spec):
 
 
 class RunRecord(Spec):
-    """A run: its search, and the polish after it; only the seconds differ between repeats."""
+    """A run, a descent from one start; only the seconds differ between repeats."""
 
     index: int
     seed: int
-    # The budget of a search; None for a descent.
-    population: int | None
-    crossover: str | None
-    objective_before_polish: float
-    coefficients_before_polish: dict[str, float] | None
     objective: float
     coefficients: dict[str, float]
-    evaluations: int | None
     seconds: float
+
+
+class SearchRecord(RunRecord):
+    """A genetic search with its budget and its best, and the descents after it."""
+
+    population: int
+    crossover: str
+    evaluations: int
+    objective_before_polish: float
+    coefficients_before_polish: dict[str, float]
 
 
 def same_basin(record: RunRecord, objective: float, exact: float = 1e-12) -> bool:

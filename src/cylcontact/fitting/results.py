@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from cylcontact.bodies.pair import Contact
 from cylcontact.files.reading import read_text
 from cylcontact.files.spec import Spec, parse_spec, require_other_kind
 from cylcontact.files.writing import replacing
-from cylcontact.fitting.campaign import CampaignBase
+from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.law_models import fitted_law
 from cylcontact.fitting.records import (
     TOLERANCE,
@@ -24,13 +24,13 @@ from cylcontact.fitting.records import (
     Published,
     RunRecord,
     SampleCounts,
+    SearchRecord,
     same_basin,
 )
-from cylcontact.fitting.tables import campaign_of
 from cylcontact.laws.law import ContactLaw
-from cylcontact.support.errors import InputError, short
+from cylcontact.support.errors import InputError
 from cylcontact.support.plain_text import WIDTH, advice, as_label, brief, item
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,6 +48,9 @@ _OBJECTIVE_WORDS = {
     "max-relative-force-percent": "largest difference of the load in percent",
 }
 
+# What a law was fitted to, by the kind of a result.
+_KINDS = {"law": "a law", "readings": "readings"}
+
 Rows = list[tuple[str, ...]]
 
 
@@ -62,15 +65,18 @@ class FitResult(Spec):
     `print(result)` gives the report, and a notebook shows it. `to_law` returns the fitted law.
     """
 
+    kind: str  # "law" or "readings": what the law was fitted to
     name: str
     law: str
     contact: Contact
+    # Which form of the law has these coefficients; empty for a law of one form.
+    formula: str
     reference: str  # a law, or "measurements"
     estimates: dict[str, Estimate]
     objective: ObjectiveValue
     published: Published | None
     max_abs_diff_percent: MaxDifference
-    runs: list[RunRecord]
+    runs: Sequence[RunRecord]
     counts: SampleCounts
     # What makes the result doubtful, with the remedy; then the rest, most important first.
     warnings: list[str]
@@ -86,36 +92,19 @@ class FitResult(Spec):
 
     @classmethod
     def read(cls, path: Path | str) -> Self:
-        """Read a result file.
+        """Read a result file of this kind; `read_result` reads either.
 
         Raises
         ------
         InputError
-            If the file cannot be read, is not a result, is of another format, or is inconsistent.
+            If the file cannot be read, is no such result, is of another format, or is inconsistent.
         """
-        source = str(path)
-        text = read_text(path, "name a result, a JSON file")
-        try:
-            data = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            require_other_kind(path, text, "a fit result")
-            rule = f"is not JSON ({error})"
-            raise InputError(source, "", None, rule, "name a result, or redo the fit") from error
-        if not isinstance(data, dict):
-            raise InputError(source, "", None, "is not a result", "name one that a fit has written")
-        version = data.pop("format", 1)
-        if version != _FORMAT:
-            rule, remedy = f"is not version {_FORMAT}, which this cylcontact reads", "redo the fit"
-            raise InputError(source, "format", version, rule, remedy)
-        from cylcontact.fitting.data_fit import DataFit  # it imports this module
-
-        settings = data.get("settings")
-        is_measured = isinstance(settings, dict) and "measurements" in settings
-        result = parse_spec(DataFit if is_measured else LawFit, data, source)
-        if not isinstance(result, cls):
-            what = "readings" if cls is DataFit else "a law"
-            rule, remedy = f"is not a fit to {what}", f"name a fit to {what}"
+        source, data = str(path), contents_of(path)
+        kind = cls.model_fields["kind"].default
+        if data.get("kind") != kind:
+            rule, remedy = f"is not a fit to {_KINDS[kind]}", f"name a fit to {_KINDS[kind]}"
             raise InputError(source, "", None, rule, remedy)
+        result = parse_spec(cls, data, source)
         result.require_consistent(source)
         return result
 
@@ -138,8 +127,12 @@ class FitResult(Spec):
             raise InputError(source, "", None, "is not text in UTF-8", "rename it") from error
 
     def require_consistent(self, source: str) -> None:
-        """Raise `InputError` unless the coefficients are those of the campaign."""
-        names = campaign_of(self.name, self.settings, source).model.names
+        """Raise `InputError` unless the coefficients are those of the campaign and its law."""
+        model = Campaign.of_settings(self.name, self.settings, source).model
+        names = model.names
+        if self.formula != model.formula:
+            rule = f"is not the form of the law in this version, {model.formula!r}"
+            raise InputError(source, "formula", self.formula, rule, "redo the fit")
         sets = {"estimates": {*self.estimates}}
         if self.published is not None:
             sets["published.coefficients"] = {*self.published.coefficients}
@@ -157,7 +150,7 @@ class FitResult(Spec):
 
     @property
     def free(self) -> dict[str, float]:
-        """The coefficients that were searched."""
+        """The values of the coefficients that were searched, by name."""
         campaign = self.settings["campaign"]
         others = {*campaign["fixed"], *campaign.get("ties", ())}
         return {name: value for name, value in self.coefficients.items() if name not in others}
@@ -209,28 +202,38 @@ class FitResult(Spec):
         return []
 
     @property
-    def table(self) -> Table:
+    def table(self) -> TextTable:
         """The coefficients, the objective and the largest difference."""
-        heads = ("", "fitted", "unit", "std. error", self._interval_heading)
-        heads += ("published", "penalty at published", "verdict")
+        interval, at_published = self._interval_heading, "penalty at published"
         paper = self.published.coefficients if self.published else {}
-        rows: Rows = [
-            (
-                *(name, f"{each.value:.5g}", each.unit, or_blank(each.standard_error, ".2g")),
-                *(each.interval, or_blank(paper.get(name)), or_blank(each.penalty, "+.1%")),
-                each.verdict,
-            )  # the searched ones first: the others are often the law's own constants
-            for name, each in sorted(self.estimates.items(), key=lambda x: x[0] not in self.free)
+        # The searched ones first: the others are often the law's own constants.
+        order = sorted(self.estimates.items(), key=lambda item: item[0] not in self.free)
+        rows = [
+            {
+                "": name,
+                "fitted": f"{estimate.value:.5g}",
+                "unit": estimate.unit,
+                "std. error": or_blank(estimate.standard_error, ".2g"),
+                interval: estimate.interval,
+                "published": or_blank(paper.get(name)),
+                at_published: or_blank(estimate.penalty, "+.1%"),
+                "verdict": estimate.verdict,
+            }
+            for name, estimate in order
         ]
-        words, published = _OBJECTIVE_WORDS[self.objective.name], self.published
-        value, worst = f"{self.objective.value:.5g}", self.max_abs_diff_percent
-        at = or_blank(published.objective if published else None)
-        rows.append((words, value, self.objective.unit, "", "", at, "", ""))
-        fitted = or_blank(worst.fitted, ".4g")
-        if fitted:
-            rows.append(("largest difference", fitted, "%", *"  ", or_blank(worst.published), *"  "))
-        used = [k for k in range(len(heads)) if any(row[k].strip() for row in rows)]
-        return Table(tuple(heads[k] for k in used), [tuple(row[k] for k in used) for row in rows])
+        heads, worst = [*rows[0]], self.max_abs_diff_percent
+        objective = {
+            "": _OBJECTIVE_WORDS[self.objective.name],
+            "fitted": f"{self.objective.value:.5g}",
+            "unit": self.objective.unit,
+            "published": or_blank(self.published.objective if self.published else None),
+        }
+        rows.append(objective)
+        if worst.fitted is not None:
+            largest = {"": "largest difference", "fitted": f"{worst.fitted:.4g}", "unit": "%"}
+            rows.append(largest | {"published": or_blank(worst.published)})
+        used = [head for head in heads if any(row.get(head) for row in rows)]
+        return TextTable(used, [[row.get(head, "") for head in used] for row in rows])
 
     def to_frame(self) -> pd.DataFrame:
         """Return the coefficients as a table.
@@ -278,6 +281,10 @@ class FitResult(Spec):
             axes.set(xlabel=as_label(name) + unit, ylabel=words)
         return axes
 
+    def summary(self) -> str:
+        """Return the report as text, as `print` shows it."""
+        return str(self)
+
     def _profile(self, name: str) -> tuple[Sequence[float], Sequence[float], float, str]:
         """Return values of a coefficient, the heights of its profile, the limit, and its label."""
         raise NotImplementedError
@@ -306,6 +313,8 @@ class FitResult(Spec):
 class LawFit(FitResult):
     """A law fitted to a law; `calibrate` has an example."""
 
+    kind: Literal["law"] = "law"
+    runs: list[SearchRecord]
     # The lower bound of the objective for power laws, with K* and n of each clearance.
     bound: float | None
     profiles: dict[str, Profile]
@@ -315,6 +324,29 @@ class LawFit(FitResult):
     def _profile(self, name: str) -> tuple[Sequence[float], Sequence[float], float, str]:
         profile, limit = self.profiles[name], (1 + TOLERANCE) * self.objective.value
         return profile.values, profile.objective, limit, f"best {as_label(self.objective.name)}"
+
+
+def contents_of(path: Path | str) -> dict[str, Any]:
+    """Return the contents of a result file but for its format, which has to be the present one."""
+    source = str(path)
+    text = read_text(path, "name a result, a JSON file")
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        require_other_kind(path, text, "a fit result")
+        rule = f"is not JSON ({error})"
+        raise InputError(source, "", None, rule, "name a result, or redo the fit") from error
+    if not isinstance(data, dict):
+        raise InputError(source, "", None, "is not a result", "name one that a fit has written")
+    version = data.pop("format", 1)
+    if version != _FORMAT:
+        rule = f"is not version {_FORMAT}, which this cylcontact reads"
+        remedy = "read it with the version that wrote it, or redo the fit"
+        raise InputError(source, "format", version, rule, remedy)
+    if data.get("kind") not in _KINDS:
+        rule, remedy = f"must be {' or '.join(_KINDS)}", "redo the fit"
+        raise InputError(source, "kind", data.get("kind"), rule, remedy)
+    return data
 
 
 # --- the runs -----------------------------------------------------------------------------------
@@ -348,36 +380,3 @@ def on_runs(
         f"{' or '.join(poor) or 'a coefficient'} at a value ({how})"
     )
     return [warning], notes
-
-
-# --- results in their place ---------------------------------------------------------------------
-
-
-def require_same_inputs(path: Path, campaign: CampaignBase) -> None:
-    """Refuse to replace a result of other inputs than those of a campaign."""
-    remedy = "write elsewhere with -o, or add --force to replace it"
-    if not path.exists():
-        return
-    try:
-        before = FitResult.read(path).settings
-    except InputError as error:
-        rule = "is in the place of the result and cannot be read as one"
-        raise InputError(str(path), "", None, rule, remedy) from error
-    now = json.loads(json.dumps(campaign.settings))
-    changed = _differences(before, now)
-    if changed:
-        more = f", and {len(changed) - 2} more" if len(changed) > 2 else ""
-        named = ", ".join(changed[:2]) + more
-        rule = f"holds a result that came from other inputs ({named})"
-        raise InputError(str(path), "", None, rule, remedy)
-
-
-def _differences(before: Any, now: Any, key: str = "") -> list[str]:
-    if before == now:
-        return []
-    if isinstance(before, dict) and isinstance(now, dict):
-        names = [*before, *(name for name in now if name not in before)]
-        pairs = ((f"{key}.{n}" if key else n, before.get(n), now.get(n)) for n in names)
-        return [text for name, old, new in pairs for text in _differences(old, new, name)]
-    old, new = (short(value, 40) or "nothing" for value in (before, now))
-    return [f"{key} differs" if old == new else f"{key}: {old} there, {new} now"]

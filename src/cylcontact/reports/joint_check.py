@@ -16,7 +16,7 @@ from cylcontact.limits import first_yield, hertz_half_width, hertz_stress
 from cylcontact.limits.sizing import half_width
 from cylcontact.support.arrays import FloatArray, as_floats, require_positive
 from cylcontact.support.errors import InputError
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,9 +94,9 @@ class JointCheck:
     def _repr_html_(self) -> str:
         first = _described(self)[0]
         if self.fit:
-            return Table(_columns(self), _cells(self), first)._repr_html_()
+            return TextTable(_columns(self), _cells(self), first)._repr_html_()
         cells = [[name, cell] for name, cell in _cells_of(self.numbers)]
-        return Table(["", ""], cells, first)._repr_html_()
+        return TextTable(["", ""], cells, first)._repr_html_()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers under plain names, for JSON; None where there is none."""
@@ -385,9 +385,9 @@ def _cells(check: JointCheck) -> list[list[str]]:
     return rows
 
 
-def _band_table(check: JointCheck) -> Table:
+def _band_table(check: JointCheck) -> TextTable:
     """Return the numbers over the band of a fit."""
-    return Table(_columns(check), _cells(check))
+    return TextTable(_columns(check), _cells(check))
 
 
 def _advice(check: JointCheck) -> list[str]:
