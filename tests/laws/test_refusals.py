@@ -79,7 +79,7 @@ def internal(*args, **kwargs):
 
 
 def at(one, *temperatures):
-    return lambda: one.at_temperature(*temperatures)
+    return lambda: limits.at_temperature(one, *temperatures)
 
 
 def clearance(**given):

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from cylcontact.bodies.fits import Fit
-from cylcontact.bodies.material import Material, material_in_MPa, require_known_at
+from cylcontact.bodies.material import Material, material_in_MPa
 from cylcontact.support import choices
 from cylcontact.support.arrays import (
     BoolArray,
@@ -354,68 +354,6 @@ class CylinderPair(OfArrays):
             return material_in_MPa(name, as_floats((1 - nu**2) / share), as_floats(nu))
 
         return cls("internal", 1.0, body("hole", (1 - a) / 2, -b), body("pin", (1 + a) / 2, b))
-
-    def at_temperature(
-        self, pin: float | None = None, hole: float | None = None, reference: float = 20.0
-    ) -> CylinderPair:
-        """Return pin and hole with the radii that they have at other temperatures.
-
-        Parameters
-        ----------
-        pin, hole : float, optional
-            Their temperatures in °C, each even and free to expand; the reference if left out.
-        reference : float
-            The temperature at which this pair has its radii.
-
-        Raises
-        ------
-        InputError
-            If an expansion coefficient or the radii are not known, or the pin seizes; the error
-            says at which temperature.
-
-        Notes
-        -----
-        A hole widens as a disk of its material would; in a housing see
-        `cylcontact.limits.at_temperature`. Young's moduli stay, and so does the length.
-
-        Examples
-        --------
-        >>> steel, bronze = (Material.named(name) for name in ("low-carbon steel", "bronze"))
-        >>> pair = CylinderPair.internal(10.0, 9.99, pin=bronze, hole=steel)
-        >>> print(f"{1e3 * pair.at_temperature(pin=80, hole=80).dR:.2f} µm")
-        6.41 µm
-        """
-        source = "CylinderPair.at_temperature"
-        rule, remedy = "has no pin and no hole", "this is for internal contact"
-        require(self.contact == "internal", source, "contact", self.contact, rule, remedy)
-        grown, rates = [], []
-        for R, body, T, role in zip(
-            self.radii("a temperature"),
-            (self.material_i, self.material_j),
-            (hole, pin),
-            ("the hole", "the pin"),
-            strict=True,
-        ):
-            warmer = 0.0 if T is None else T - reference
-            sound = np.isfinite(warmer) and (T is None or T > -273.15)
-            rule, remedy = "must be a temperature above -273.15 °C", "e.g. 80"
-            require(bool(sound), source, "temperature", T, rule, remedy)
-            key, rule = f"{body.name or role}.thermal_expansion", "is not known"
-            known = body.thermal_expansion is not None or warmer == 0
-            require(known, source, key, None, rule, "give the material one in 1/K")
-            require_known_at(body, warmer)
-            rates.append(R * (body.thermal_expansion or 0.0) * warmer)
-            grown.append(R + rates[-1])
-        dR = as_floats(self.dR) + rates[0] - rates[1]
-        if not np.all(dR > 0):
-            # Both warm up in step; the tightest pair seizes first.
-            closing = float(np.min(as_floats(self.dR) / np.maximum(rates[1] - rates[0], 1e-300)))
-            at = [reference + closing * ((T or reference) - reference) for T in (pin, hole)]
-            rule = f"seizes the pin: no clearance is left at {at[0]:.1f} °C"
-            rule += "" if at[0] == at[1] else f" of the pin and {at[1]:.1f} °C of the hole"
-            remedy = f"give more clearance, or keep the temperatures closer to {reference:g} °C"
-            raise InputError(source, "pin", pin, rule, remedy)
-        return replace(self, dR=dR, R_i=grown[0], R_j=grown[1])
 
     @property
     def moduli(self) -> tuple[FloatArray, FloatArray]:

@@ -40,7 +40,7 @@ from cylcontact.joint import (
 from cylcontact.joint.contact import DEEPEST_SHARE
 from cylcontact.laws import Conformal
 from cylcontact.laws.kernels import TABLE
-from cylcontact.laws.lambert import branch_distance, branch_distance_of_number
+from cylcontact.laws.lambert import OF_NUMBERS
 from cylcontact.laws.law import has_formula
 from cylcontact.laws.tabulated import load_of_table
 from cylcontact.support.arrays import require
@@ -169,7 +169,7 @@ class Element:
     def read(self, program: Program, *functions: str) -> None:
         """Read functions of the module into a program, after the law that they call."""
         text = _LOAD.format(call=self.law.call)
-        program.instead[branch_distance] = branch_distance_of_number
+        program.instead.update(OF_NUMBERS)
         program.instead[contact.load_at] = program.read_text(text, self.law.names)
         for name in functions:
             program.read(getattr(self.module, name))

@@ -294,10 +294,8 @@ class Housing:
         (_, w_j), (_, kappa_j) = pair.shares, pair.kolosov
         return as_floats(-w_j / (kappa_j + 1))
 
-    def kernels(self, pair: CylinderPair) -> tuple[IndexArray, list[Kernel]]:
-        """Return which of the kernels that follow each element of a pair has, and the kernels."""
-        if self.g is not None:
-            return np.array(0), [_own_kernel(self.g)]
+    def bore(self, pair: CylinderPair) -> FloatArray:
+        """Return R_i in mm of a hole that the rings of this housing can surround."""
         R_i, _ = pair.radii(f"the datum {self!r}")
         inner = min([*(radius for _, radius in self.layers), self.R_o])
         key, given = ("layers" if self.layers else "R_o"), float(inner)
@@ -306,6 +304,13 @@ class Housing:
         require(inner > R_i, "Housing", key, given, rule, remedy)
         rule = f"makes a ring thinner than {100 * (_LEAST_RATIO - 1):.0f} % of the hole's radius"
         require(inner >= _LEAST_RATIO * R_i, "Housing", key, given, rule, "give a thicker one")
+        return R_i
+
+    def kernels(self, pair: CylinderPair) -> tuple[IndexArray, list[Kernel]]:
+        """Return which of the kernels that follow each element of a pair has, and the kernels."""
+        if self.g is not None:
+            return np.array(0), [_own_kernel(self.g)]
+        R_i = self.bore(pair)
         around = [replace(pair, material_i=material) for material, _ in self.layers]
         numbers = [R_i, pair.shares[0]]
         for one in (pair, *around):
