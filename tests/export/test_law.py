@@ -68,8 +68,8 @@ TABLES = {
     "ring": (Conformal(Housing(20.0)), UNLIKE, 1e-6),
     "thick": (Conformal(Housing(50.0)), LIKE, 1e-6),
     "near": (Conformal(Housing(20.0, Sector(60))), LIKE, 1e-6),
-    "eye": (Conformal(Housing(20.0, Sector(60, "far"))), UNLIKE, 2e-5),
-    "thin-eye": (Conformal(Housing(13.0, Sector(300, "far"))), UNLIKE, 2e-5),
+    "eye": (Conformal(Housing(20.0, Sector(60, "pulled"))), UNLIKE, 2e-5),
+    "thin-eye": (Conformal(Housing(13.0, Sector(300, "pulled"))), UNLIKE, 2e-5),
     "lug": (Conformal(Housing(16.0, Sector.lug(1.0), layers=[(ALUMINIUM, 12.0)])), LIKE, 2e-5),
 }
 
@@ -263,7 +263,7 @@ JOINT = ("--pin", "207 GPa, 0.3", "--hole", "70 GPa, 0.33", "--Ri", 10, "--Rj", 
 
 def test_the_command_writes_a_law_in_a_housing_with_its_header(run, tmp_path):
     out = tmp_path / "law.c"
-    options = (*JOINT, "--R-o", 20, "--clamp", "far:60", "--to", "c", "-o", out)
+    options = (*JOINT, "--R-o", 20, "--clamp", "pulled:60", "--to", "c", "-o", out)
     code, said, errors = run("export", "conformal", *options)
     assert (code, errors) == (0, ""), errors
     assert "law.c" in said

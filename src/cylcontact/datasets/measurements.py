@@ -310,7 +310,9 @@ def _require_all(readings: Readings, contact: Contact) -> None:
     others = f", or {named} with {' and '.join(options)}" if options else ""
     if len(lacks) > 1:
         rule = f"lacks {', '.join(lacks)}"
-        remedy = f"add columns, e.g. {', '.join(needs)}, or options, e.g. --dR{others}"
+        remedy = (
+            f"add columns, e.g. {', '.join(needs)}, or options, e.g. --radial-clearance{others}"
+        )
         raise InputError(sheet.source, "columns", None, rule, remedy)
     remedy = f"add {spellings(missing[0])}{others}"
     raise InputError(sheet.source, missing[0], None, "is required", remedy)

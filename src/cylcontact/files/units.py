@@ -432,13 +432,23 @@ def _brackets(plain: str) -> tuple[str, list[str]]:
 # --- numbers with a unit, as options give them --------------------------------------------------
 
 
+def _number_and_unit(text: str) -> tuple[str, str]:
+    """Return a number and what stands behind it, with or without a blank between.
+
+    >>> _number_and_unit("5kN"), _number_and_unit("1e3 N/mm"), _number_and_unit("many")
+    (('5', 'kN'), ('1e3', 'N/mm'), ('many', ''))
+    """
+    match = re.fullmatch(r"\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(.*?)\s*", text)
+    return (match[1], match[2]) if match else (text.strip(), "")
+
+
 def length_in_mm(text: str) -> float:
     """Return a length in mm; without a unit it is in mm.
 
     >>> length_in_mm("0.04"), length_in_mm("40 µm")
     (0.04, 0.04)
     """
-    number, _, unit = text.strip().partition(" ")
+    number, unit = _number_and_unit(text)
     factor = LENGTHS.get(unit_of(unit or "mm"))
     if factor is None:
         raise ValueError(f"{text!r} is not a length")
@@ -447,7 +457,7 @@ def length_in_mm(text: str) -> float:
 
 def load_in_N_per_mm(text: str, length: float | None) -> float:
     """Return a load with a unit, such as 4500 N or 225 N/mm, per unit of length in N/mm."""
-    number, _, written = text.strip().partition(" ")
+    number, written = _number_and_unit(text)
     unit = unit_of(written)
     try:
         value = plain_number(number) * QUANTITIES["load"][unit]
