@@ -205,7 +205,7 @@ def source(law: ExportedLaw, target: str) -> str:
         "heads": _heads(law), "arguments": ", ".join(law.arguments),
         "total": " + ".join(law.arguments),
         "rows": "\n".join(f"{n} = reshape({n} + zero, 1, []);" for n in law.arguments),
-        "hidden": "\n".join(f"{n}(outside) = NaN;" for n in law.arguments),
+        "hidden": "\n".join(f"{n}(outside) = 1;" for n in law.arguments),
     }  # fmt: skip
     if target == "matlab":
         numbers = (language.number_of(*each) for each in program.numbers.items())
