@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from cylcontact import InputError
 from cylcontact.datasets.measurements import read_measured
-from cylcontact.datasets.readings import TableSpec
+from cylcontact.datasets.reading import TableSpec
 from cylcontact.files.units import unit_of
 from cylcontact.support.arrays import FloatArray
 from tests.support.machine_files import FORCE_UNITS, LENGTH, LENGTH_UNITS

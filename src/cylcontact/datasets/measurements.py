@@ -30,7 +30,7 @@ from cylcontact.bodies.material import (
 from cylcontact.bodies.pair import Contact, CylinderPair, roles, unusual_lengths
 from cylcontact.datasets.branches import equal_rows, kept_rows
 from cylcontact.datasets.columns import MEASURED, option_for
-from cylcontact.datasets.readings import (
+from cylcontact.datasets.reading import (
     Readings,
     TableSpec,
     keep_loads,
@@ -281,7 +281,7 @@ def file_names(tables: Sequence[Source]) -> list[str]:
 def _specs(spec: TableSpec, names: Sequence[str]) -> list[TableSpec]:
     """Return what is to be read of each of several tables: rows are excluded of one of them."""
     excluded: dict[str, list[str]] = {name: [] for name in names}
-    for text in spec.exclude:
+    for text in spec.exclude or ():
         file, _, line = text.rpartition(":")
         if file not in names:
             rule = f"is not a row of {' or of '.join(names)}"

@@ -58,8 +58,8 @@ class TableSpec(Spec):
     )
     encoding: str | None = Field(None, description='the encoding of a text, e.g. "cp1251"')
     decimal: Literal[".", ","] | None = Field(None, description='"." or ","')
-    exclude: tuple[str, ...] = Field(
-        (), strict=False, description='a list of rows to leave out, e.g. "38" or "b.csv:12"'
+    exclude: tuple[str, ...] | None = Field(
+        None, strict=False, description='a list of rows to leave out, e.g. "38" or "b.csv:12"'
     )
     loads: str | None = Field(
         None, description='a range of loads in the unit of the table, e.g. "5:400" or "5:"'
@@ -122,7 +122,7 @@ def read_readings(
     given = spec.columns or {}
     wanted = {*given.values()} | ({spec.group} if spec.group is not None else set())
     sheet = read_sheet(data, wanted, spec.sheet, spec.header, spec.separator, spec.encoding)
-    _exclude(sheet, spec.exclude)
+    _exclude(sheet, spec.exclude or ())
     absent = set()
     if may_lack:
         named = {*given.values(), *spec.ignore}
