@@ -225,6 +225,7 @@ def first_yields(
     >>> rest = limits.at_rest([bronze, steel], [10.0, 12.0, 20.0], interference=0.012)
     >>> bush, lug, _ = first_yields(pair, eye, rest)
     >>> print(f"bush {bush.load:.0f} N/mm, eye {lug.load:.0f} N/mm, {lug.angle:.0f}° from the load")
+    bush 3672 N/mm, eye 895 N/mm, 92° from the load
     """
     known = [body.yield_stress for body in _materials(pair, housing)]
     stresses = [np.inf if stress is None else stress for stress in known]
