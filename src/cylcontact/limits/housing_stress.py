@@ -52,7 +52,7 @@ _END, _CENTRE = np.pi - 1e-6, 0.02
 # The arcs of the search, 1 − e^−t times the largest, and the accuracy of t.
 _FIRST, _LAST, _EXACT = 1e-6, 23.0, 1e-6
 # With stress at rest: where the scan of the arcs begins, and their number; points along a seat.
-_SCAN_FROM, _SCANNED, _ALONG_SEAT = 0.02, 25, 361
+_SCAN_FROM, _SCANNED, _ALONG_SEAT = 0.02, 20, 361
 # Terms of the pressure are left out from where all are below this part of the largest.
 _LEAST = 1e-7
 
@@ -174,7 +174,7 @@ def first_yield_in(
 
     It is NaN where the pin leaves a thin eye within the arc before anything yields.
     """
-    return _searched(housing, pair, stresses, criterion, at_rest, lambda search: [search.any()])[0]
+    return _searched(housing, pair, stresses, criterion, at_rest, lambda s, _: [s.any()])[0]
 
 
 def first_yields_in(
@@ -188,7 +188,7 @@ def first_yields_in(
 
     A body whose yield stress is inf has NaN.
     """
-    return _searched(housing, pair, stresses, criterion, at_rest, _Search.each)
+    return _searched(housing, pair, stresses, criterion, at_rest, lambda s, _: s.each())
 
 
 def seat_opens_in(housing: Housing, pair: CylinderPair, at_rest: AtRest) -> FloatArray:
@@ -197,8 +197,23 @@ def seat_opens_in(housing: Housing, pair: CylinderPair, at_rest: AtRest) -> Floa
     It is inf where no load opens a seat, and no seat counts that is loose at rest.
     """
     stresses = [np.inf] * (len(at_rest.materials) + 1)
-    found = _searched(housing, pair, stresses, "von Mises", at_rest, lambda s: [s.opens()])[0]
+    found = _searched(housing, pair, stresses, "von Mises", at_rest, lambda s, _: [s.opens()])[0]
     return as_floats(np.where(np.isnan(found.load), np.inf, found.load))
+
+
+def largest_hoop_in(
+    housing: Housing, pair: CylinderPair, load: float, at_rest: AtRest | None = None
+) -> FloatArray:
+    """Return the largest σ_θθ in MPa around the hole's own ring under a load in N/mm.
+
+    It is NaN where the pin leaves the housing at a smaller load.
+    """
+    stresses = [np.inf] * (len(housing.layers) + 2)
+
+    def ask(search: _Search, unit: float) -> list[_Found]:
+        return [_Found(search.hoop(load / unit) / unit, 0, 1.0, 0.0)]
+
+    return _searched(housing, pair, stresses, "von Mises", at_rest, ask)[0].load
 
 
 def _searched(
@@ -207,9 +222,9 @@ def _searched(
     stresses: Sequence[float],
     criterion: Criterion,
     at_rest: AtRest | None,
-    ask: Callable[[_Search], list[_Found]],
+    ask: Callable[[_Search, float], list[_Found]],
 ) -> list[FirstYield]:
-    """Return what is asked of each element of a pair."""
+    """Return what is asked of each element of a pair, with E*·ΔR in N/mm."""
     require_hole("the yield load in a housing", pair)
     require(
         housing.g is None, "yield limit", "housing", housing,
@@ -247,7 +262,7 @@ def _searched(
         nus, (bore, *constants) = others[: len(layers) + 2], others[len(layers) + 2 :] or [0.0]
         before = _Before(bore, as_floats(np.reshape(constants, (-1, 4)))) if rest else None
         search = _Search(bodies, unit / R, nus, list(stresses), criterion, before)
-        rows.append([(f * unit, k, abs(r - 1) * R, theta) for f, k, r, theta in ask(search)])
+        rows.append([(f * unit, k, abs(r - 1) * R, theta) for f, k, r, theta in ask(search, unit)])
     names = np.array(["hole", *(f"layer {k + 1}" for k in range(len(layers))), "pin"])
     answers = []
     for one in zip(*rows, strict=True):
@@ -351,26 +366,25 @@ class _Search:
 
     def each(self) -> list[_Found]:
         """Return the first yield of each body, with φ = 0 where it yields at rest."""
-        count = len(self.strengths)
         if self.before is None:
             return [
-                self._bracketed(partial(self._one, body), _FIRST, self.end) for body in range(count)
+                self._bracketed(partial(self._one, body), _FIRST, self.end)
+                for body in range(len(self.strengths))
             ]
-        scanned = {_FIRST: self.shares(_FIRST)}
-        scanned |= {
-            t: self.shares(t) for t in np.geomspace(_SCAN_FROM, self.end, _SCANNED).tolist()
-        }
-        answers = []
-        for body in range(count):
-            at_rest = self._at_rest(body)
-            over = {
-                t: s for t, found in scanned.items() for s, where in found if where.body == body
-            }
-            high = next((t for t, share in over.items() if share >= 1), self.end)
-            low = max((t for t in over if t < high), default=_FIRST)
-            first = partial(self._one, body)
-            answers.append(at_rest or self._bracketed(first, low, high))
-        return answers
+        brackets: dict[int, tuple[float, float]] = {}
+        low, count = _FIRST, sum(map(np.isfinite, self.strengths))
+        for t in np.geomspace(_SCAN_FROM, self.end, _SCANNED).tolist():
+            for share, where in self.shares(t):
+                if share >= 1:
+                    brackets.setdefault(where.body, (low, t))
+            if len(brackets) == count:
+                break
+            low = t
+        return [
+            self._at_rest(body)
+            or self._bracketed(partial(self._one, body), *brackets.get(body, (_FIRST, self.end)))
+            for body in range(len(self.strengths))
+        ]
 
     def _one(self, body: int, t: float) -> tuple[float, _Found]:
         """Return the largest stress over strength of one body."""
@@ -415,6 +429,27 @@ class _Search:
                 return self._bracketed(pull, low, t)
             low = t
         return _Found(np.nan, 0, np.nan, np.nan)
+
+    def hoop(self, phi: float) -> float:
+        """Return the largest σ_θθ in MPa beyond the hole's own ring under φ, with that at rest."""
+        end, _ = self.pair.end
+        if phi > end:
+            return np.nan
+        angle = float(self.pair.arc_of_load(as_floats(phi)).angle)
+        _, stress = self.stress_at(-float(np.log1p(-angle / float(self.pair.last.angle))))
+        largest = -np.inf
+        for k, (field, radii) in enumerate(stress.bodies()):
+
+            def along(
+                r: FloatArray, theta: FloatArray, k: int = k, field: Field = field
+            ) -> FloatArray:
+                total, difference = field(r, theta)
+                rest = 0.0 if self.before is None else self.before.stress(k, r[:, None])[1]
+                return as_floats(phi * self.unit * (total + difference.real) / 2 + rest)
+
+            if 0 < k < len(self.strengths) - 1:
+                largest = max(largest, stress.largest(along, radii)[0])
+        return largest
 
     def _bracketed(
         self, of: Callable[[float], tuple[float, _Found]], low: float, high: float
