@@ -112,7 +112,7 @@ def housing():
     lug.patches[0].remove()
     lug.add_patch(Rectangle((-1.9, -2.8), 3.8, 2.8, facecolor=HOLE, zorder=0, **EDGE))
     label(lug, "lug: the shank is\nas wide as the eye", (0, -3.35))
-    titles = ("--clamp rim", "--clamp near:60", "--clamp far:60", "--clamp lug")
+    titles = ("--clamp rim", "--clamp pushed:60", "--clamp pulled:60", "--clamp lug")
     words = ("a ring in a frame", "an eye, pushed", "an eye, pulled", "a lug, pulled")
     for panel, title, text in zip(axes, titles, words, strict=True):
         panel.set_title(f"{text}\n{title}", fontsize=10)
@@ -138,7 +138,7 @@ def datum():
     sketch.set_title("penetration: how far these two move\napart, less the clearance", fontsize=10)
     steel, bronze = cc.Material.named("high-strength steel"), cc.Material.named("bronze")
     joint = cc.CylinderPair.internal(R_i=10.0, R_j=9.95, pin=steel, hole=bronze)
-    pulled = cc.laws.Sector(60, "far")
+    pulled = cc.laws.Sector(60, "pulled")
     datums = {
         "rim of an eye, R_o = 20 mm, pulled": cc.laws.Housing(20.0, pulled),
         "rim of a plate, R_o = 100 mm": cc.laws.Housing(100.0),

@@ -169,7 +169,6 @@ BAD_INPUT = [
     (("fit", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a campaign; name a"),
     (("fit", "good.json", "--runs", "2"), "good.json: is a fit result; print it with: cylcontact"),
     (("verify", "table.csv"), "table.csv: is a table, not a fit result; name a fit result"),
-    (("claims", "--results", "no"), "claims: --results: is gone; the claims read the folder"),
     # what is written
     (
         (*FIT, "--resume", "-o", "foreign.json"),

@@ -48,7 +48,7 @@ fit campaign.toml --seed 1 -j 1 -o out.json
 fit table.csv --bound n=1:1.5 --noise proportional {FIT}
 fit table.csv --fixed n=1.1 --columns load=load_N_per_mm {FIT}
 compare good.json
-laws --E 207GPa --nu 0.3 --dR 0.05 --load 100
+check --material 207GPa,0.3 --Ri 10 --radial-clearance 0.05 --load 100
 export johnson --to c --contact internal -o out.c
 export good.json --to matlab -o out.m
 export --joint joint.toml --to c -o out.c

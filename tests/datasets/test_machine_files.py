@@ -338,5 +338,5 @@ def test_a_hundred_thousand_rows_are_read_in_a_moment(tmp_path):
     text = rows(np.arange(count) / 100, load, load * 1e-6, separator=";", mark=",")
     (tmp_path / "t.csv").write_text(f"Zeit;Kraft;Weg\ns;N;mm\n{text}", encoding="utf-8")
     started = time.process_time()
-    assert len(read_readings(tmp_path / "t.csv", TableSpec()).table.lines) == count
+    assert len(read_readings(tmp_path / "t.csv", TableSpec()).sheet.lines) == count
     assert time.process_time() - started < 1.5

@@ -150,7 +150,7 @@ def test_one_number_shows_what_a_comma_marks(tmp_path):
 
 
 def test_too_many_rows_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("cylcontact.files.table.MAX_ROWS", 3)
+    monkeypatch.setattr("cylcontact.files.sheet.MAX_ROWS", 3)
     told(written(tmp_path / "t.csv", "load_N\n" + "1\n" * 4), "at most 3")
 
 

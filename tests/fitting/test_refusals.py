@@ -40,8 +40,6 @@ ON_GRID = [
     (FREE, "parameters", None, "are all fixed or tied", "free at least one"),
     ({"bounds.m": [1, 2]}, "bounds.m", None, AS_GRID, "K_star, n"),
     ({"fixed.m": 1}, "fixed.m", None, AS_GRID, "K_star, n"),
-    ({"parameters.n": {"low": 1}}, "parameters", None, "is gone", "write [bounds]"),
-    ({"optimizer": "cma"}, "optimizer", None, "is gone", "leave it out"),
     *(({"dataset": d}, "dataset", d, DATASET, "e.g.") for d in ("datasets/none", "datasets", "\0")),
 ]
 ON_TABLE = [
@@ -52,8 +50,6 @@ ON_TABLE = [
         ({"law": law, "contact": "external"}, "law", law, "is for internal contact only", "another")
         for law in ("conformal", "liu")
     ),
-    ({"loss": "huber"}, "loss", None, "is gone", ""),
-    ({"loss_scale": 1.0}, "loss_scale", None, "is gone", ""),
     ({"objective": "rms-luck"}, "objective", "rms-luck", "is not an objective for", "choose rms"),
     ({"materials": "absent.csv"}, "materials", "absent.csv", "no such file", ""),
     ({"bounds": {"K": [0.0, 1.0]}}, "bounds.K", None, "is not a parameter of", "kappa"),
@@ -184,7 +180,6 @@ COMMANDS = [
         ("--law", "johnson", "--contact", "external", *PEEK),
         "--contact = 'external': has no pin and no hole; leave out --pin; rollers have",
     ),
-    ((*INSIDE, "--loss", "huber"), "--loss: is gone; leave it out"),
 ]
 
 

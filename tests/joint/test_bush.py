@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, limits
-from cylcontact.bodies.fits import diameters
+from cylcontact.bodies.iso286 import diameters
 from cylcontact.joint.bush import Bush, check_bush, fitted
 from cylcontact.laws import Conformal, Housing, Sector
 
@@ -60,7 +60,7 @@ def test_a_wrapped_bush_has_the_clearance_of_the_catalogue(hole, wall, pin, bore
 def test_a_solid_bush_closes_in_by_the_rings_around_it(hole, R_o, factor, known):
     """ISO 4379's rule that E6 becomes H8, 0 to 33 µm, does not hold at the limits."""
     close_in, band = fitted(S6, "20f7", hole, Housing(R_o, Sector.lug()))
-    assert close_in == pytest.approx(factor, abs=1.5e-3)
+    assert close_in == pytest.approx(factor, abs=6e-3)
     bores = [2e3 * (band[name].bore - 10) for name in ("least", "middle", "most")]
     assert bores == pytest.approx(known, abs=0.75)
     assert bores[2] > 33
@@ -111,10 +111,10 @@ def test_the_seat_is_that_of_the_rings_at_rest(warm):
     for name, i in (("least", 24.0), ("middle", 15.5), ("most", 7.0)):
         numbers = warm.band[name]
         assert numbers.interference_um == pytest.approx(i)
-        radii = [10.0, 13.0, 26.0]
+        radii = [numbers.bore_mm / 2, 13.00525, 26.0]
         for key, T in (("seat_pressure_MPa", 0.0), ("warm_seat_pressure_MPa", 60.0)):
             pressure = limits.at_rest([BRONZE, STEEL], radii, 1e-3 * i, T).pressures[0]
-            assert getattr(numbers, key) == pytest.approx(pressure, rel=0.01)
+            assert getattr(numbers, key) == pytest.approx(pressure, rel=1e-9)
     assert warm.loose_at == pytest.approx(20 - 0.007 / (13.0053 * 6e-6), abs=0.1)
     assert f"the seat is loose     below {warm.loose_at:.0f} °C" in str(warm)
 
@@ -124,7 +124,7 @@ def test_each_yield_is_the_lower_of_a_seat_that_slides_and_one_that_sticks(warm)
     R_j = sum(diameters("20f7")) / 4
     cold = CylinderPair.internal(numbers.bore_mm / 2, R_j, pin=HARD, hole=BRONZE, plane="stress")
     seat = sum(S6.sizes.hole) / 4
-    radii = [sum(S6.sizes.bore) / 4, seat, 26.0]
+    radii = [numbers.bore_mm / 2, seat, 26.0]
     rest = limits.at_rest([BRONZE, STEEL], radii, 0.0155, 60.0)
     eyes = {s: Housing(26.0, LUG.clamp, [(STEEL, seat)], seat=s) for s in ("sliding", "bonded")}
     pair = limits.at_temperature(
@@ -146,10 +146,11 @@ def test_each_yield_is_the_lower_of_a_seat_that_slides_and_one_that_sticks(warm)
 
 
 def test_the_hoop_stress_of_a_small_load_is_that_at_rest(warm):
-    state = limits.at_rest([BRONZE, STEEL], [10.02325, 13.00525, 26.0], 0.0155)
     answer = check(load=1e-3)
+    bore = answer.band["middle"].bore_mm / 2
+    state = limits.at_rest([BRONZE, STEEL], [bore, 13.00525, 26.0], 0.0155)
     assert answer.band["middle"].hoop_MPa == pytest.approx(
-        float(state.stress(1, 13.00525)[1]), rel=2e-3
+        float(state.stress(1, 13.00525)[1]), rel=1e-4
     )
     assert warm.band["middle"].hoop_MPa > answer.band["middle"].hoop_MPa
 
@@ -198,7 +199,8 @@ def test_a_wrapped_bush_presses_its_hole_with_no_more_than_its_plastic_pressure(
     solid, wrapped = (
         check(Bush(weak, seat=(26.0, 26.06), bore=20.0, wrapped=w), 19.9) for w in (False, True)
     )
-    most = 2 / np.sqrt(3) * 50 * np.log(13 / 10)
+    bore = wrapped.band["joint"].bore_mm / 2
+    most = 2 / np.sqrt(3) * 50 * np.log(13 / bore)
     assert wrapped.band["joint"].seat_pressure_MPa == pytest.approx(most)
     assert solid.band["joint"].seat_pressure_MPa > 3 * most
     assert "bush" not in wrapped.yields["joint"]

@@ -13,10 +13,10 @@ BRONZE = Material("bronze", 110e3, 0.34, 220.0, 18e-6)
 STEEL = Material("steel", 200e3, 0.3, 250.0, 12e-6)
 PEEK = Material("PEEK", 3.3e3, 0.38, 70.0, 50e-6)
 RADII = [10.0, 12.0, 20.0]
-FAR = Sector(60, "far")
+PULLED = Sector(60, "pulled")
 
 
-def eye(seat, clamp=FAR, lug=STEEL):
+def eye(seat, clamp=PULLED, lug=STEEL):
     return Housing(20.0, clamp, [(lug, 12.0)], seat=seat)
 
 
@@ -86,7 +86,7 @@ def largest_by_elements(pair, housing, rest, load, cells):
         mises = np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2)
         if k == len(materials) - 1 and housing.clamp != "rim":  # the ends of the clamp are singular
             half, wall = np.radians(housing.clamp.angle / 2), radii[-1] - radii[-2]
-            end = half if housing.clamp.side in ("near", "pushed") else np.pi - half
+            end = half if housing.clamp.side == "pushed" else np.pi - half
             out = (r > radii[-1] - wall / 2) & (radii[-1] * np.abs(theta - end) < wall)
             mises = np.where(out, 0, mises)
         found.append((mises.max(), np.degrees(theta.flat[mises.argmax()])))
@@ -98,7 +98,7 @@ CASES = {
     "the same, warm": (pair_of(), eye("sliding"), BRONZE, 0.012, 60.0),
     "plane strain, a whole rim": (pair_of("strain"), eye("sliding", "rim"), BRONZE, 0.012, 0.0),
     "PEEK in a pushed eye, plane strain": (
-        pair_of("strain", PEEK, 0.05), eye("sliding", Sector(60, "near")), PEEK, 0.02, 30.0,
+        pair_of("strain", PEEK, 0.05), eye("sliding", Sector(60, "pushed")), PEEK, 0.02, 30.0,
     ),
 }  # fmt: skip
 
@@ -125,7 +125,7 @@ def test_at_first_yield_elements_with_a_sliding_seat_reach_the_yield_stress(name
 
 def test_a_seat_that_slides_in_one_material_is_softer_than_one_that_is_bonded():
     one = CylinderPair.from_dR("internal", 0.02, STEEL, R_i=10.0, material_j=PIN)
-    whole = Conformal(Housing(20.0, FAR)).penetration(1000.0, one)
+    whole = Conformal(Housing(20.0, PULLED)).penetration(1000.0, one)
     bonded, sliding = (
         Conformal(eye(seat)).penetration(1000.0, one) for seat in ("bonded", "sliding")
     )

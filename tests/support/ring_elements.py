@@ -24,7 +24,7 @@ def grid(radii, clamp, cells, arc):
     end = np.pi
     if clamp != "rim":
         half = np.radians(clamp.angle) / 2
-        end = half if clamp.side == "near" else np.pi - half
+        end = half if clamp.side == "pushed" else np.pi - half
     first = 0.03 if clamp == "rim" else 3e-4 if arc is None else 3e-3
     most = np.pi / (3 * cells)
     theta = end - graded(end, first, most)[::-1]
@@ -69,7 +69,7 @@ class RingOfElements:
         x, y = self.basis.doflocs
         angle, radius = np.arctan2(y, x), np.hypot(x, y)
         rim = (radius > radii[-1] * (1 - 1e-9)) & (
-            (angle <= end + 1e-9) if clamp == "rim" or clamp.side == "near" else
+            (angle <= end + 1e-9) if clamp == "rim" or clamp.side == "pushed" else
             (angle >= end - 1e-9)
         )  # fmt: skip
         upright = np.isin(np.arange(x.size), self.basis.split_indices()[1])
@@ -159,7 +159,7 @@ class SlidingRings:
                 if abs(y[i]) < 1e-9:
                     fixed.append(tangential)
                 on_rim = k == len(bases) - 1 and radius[i] > radii[-1] * (1 - 1e-9)
-                near = clamp == "rim" or clamp.side in ("near", "pushed")
+                near = clamp == "rim" or clamp.side == "pushed"
                 clamped = angle[i] <= end + 1e-9 if near else angle[i] >= end - 1e-9
                 if on_rim and clamped:
                     fixed += [radial, tangential]

@@ -156,7 +156,7 @@ def fit(
 ) -> None:
     """Calibrate a law to another law over a grid, or to a table of measurements.
 
-    For what a table does not say of its pair, use the options of cylcontact laws, such as --pin.
+    For what a table does not say of its pair, use the options of cylcontact check, such as --pin.
     """
     from cylcontact.fitting import Campaign, DataFit, calibrate, fit_table, read_campaign
     from cylcontact.fitting.results import require_same_inputs
@@ -233,7 +233,7 @@ def choose(
 ) -> None:
     """Fit all laws to a table, rank them, and say whether the data can decide.
 
-    The table takes the options of cylcontact fit, the pair those of laws.
+    The table takes the options of cylcontact fit, the pair those of check.
     """
     from cylcontact.fitting.choice import choose_law
     from cylcontact.reports.fit_folder import write_choice
@@ -263,7 +263,7 @@ def design(
     add: int = count(1, "Readings to add.", default=5),
     parameter: str | None = option("The parameter to narrow; all by default.", metavar="NAME"),
     clearances: list[float] | None = several(
-        "Clearances that can be taken, in mm.", "--dR-choices", metavar="DR"
+        "Clearances that can be taken, in mm.", "--radial-clearances", metavar="DR"
     ),
     out: Path | None = output("A folder for the picture and its table."),
     settings: dict[str, Any],
@@ -272,7 +272,7 @@ def design(
 ) -> None:
     """Say which further readings of a table would narrow its intervals most.
 
-    The table takes the options of cylcontact fit, the pair those of laws.
+    The table takes the options of cylcontact fit, the pair those of check.
     """
     import numpy as np
 

@@ -3,8 +3,6 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from cylcontact.support.errors import refuse_gone_name
-
 if TYPE_CHECKING:
     from cylcontact.fitting.calibration import calibrate
     from cylcontact.fitting.campaign import Campaign
@@ -46,18 +44,12 @@ _NAMES = {
     "results": ("FitResult", "LawFit"),
     "tables": ("TableCampaign", "campaign_of_table", "fit", "fit_table", "read_campaign"),
 }
-# Names of 1.0.0rc1 that are gone, with what to use instead. Kept for one release.
-_GONE = dict.fromkeys(
-    ("PowerFit", "fit_power", "fit_power_to_law"),
-    "use numpy.polyfit(numpy.log(penetration), numpy.log(load), 1)",
-)
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 
 def __getattr__(name: str) -> object:
     if name in _MODULES:
         return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
-    refuse_gone_name(__name__, name, _GONE)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -1,6 +1,6 @@
 """The models by which laws are fitted: those of the package, and what a test rig adds.
 
-`cylcontact laws --list` has the parameters of each law with their bounds. A campaign may add three
+`cylcontact laws` has the parameters of each law with their bounds. A campaign may add three
 to any law: `offset`, the reading at first touch in mm; `compliance`, the extra displacement per
 unit load in mm per N/mm (`laws.adapters.RigCompliance`); and `stiffness_factor`, which multiplies
 the load.
@@ -20,7 +20,7 @@ from typing import Any
 
 from cylcontact.bodies.pair import Contact
 from cylcontact.fitting.parameters import LawModel, Parameter, package_models
-from cylcontact.laws import LAWS, ContactLaw, contacts_of, refuse_gone
+from cylcontact.laws import LAWS, ContactLaw, contacts_of
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.conformal.housings import Housing
 from cylcontact.laws.housing_spec import HousingSpec, in_housing
@@ -80,7 +80,6 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
     """Return the model of a law of the package."""
     if (law, contact) in MODELS:
         return MODELS[law, contact]
-    refuse_gone(law, source, "law")
     plain = {name: contacts_of(name) for name in LAWS}
     if contact in plain.get(law, ()):
         return _without_constants(law, contact, LAWS[law]())
@@ -105,6 +104,19 @@ def fittable_laws(contact: Contact) -> list[str]:
     return [*dict.fromkeys([*plain, *(name for name, place in MODELS if place == contact)])]
 
 
+def listing(contact: Contact) -> str:
+    """Return what a fit searches of each law, in a line for each parameter."""
+    lines = ["parameters that a fit searches, and its bounds unless a campaign gives others:"]
+    for model in MODELS.values():
+        if model.contact == contact and model.parameters:
+            lines.append(f"  {model.law}")
+            for each in model.parameters:
+                bounds = f"{each.low:g} to {each.high:g}"
+                bounds = bounds if each.value is None else f"fixed at {each.value:g}"
+                lines.append(f"    {each.name:<18} {bounds:<16} {each.unit:<11} {each.meaning}")
+    return "\n".join(lines)
+
+
 def units_of(law: str, contact: Contact) -> dict[str, str]:
     """Return the units of the parameters of a law and of the rig, by name."""
     model = MODELS.get((law, contact))
@@ -114,7 +126,6 @@ def units_of(law: str, contact: Contact) -> dict[str, str]:
 
 def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
     """Return the model of a law that can be fitted on a grid."""
-    refuse_gone(law, source, "law")
     model = MODELS.get((law, contact))
     if model is None or not model.on_grid:
         known = " or ".join(sorted({model.law for model in MODELS.values() if model.on_grid}))

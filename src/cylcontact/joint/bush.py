@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from cylcontact.bodies.fits import diameters
+from cylcontact.bodies.iso286 import diameters
 from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import CylinderPair, Plane
 from cylcontact.laws import Conformal, Housing, Sector
@@ -568,15 +568,15 @@ class _Joint:
             return 1.0
         return float(-at_rest(self.materials, self.radii, _UNIT, 0.0, self.rim).bore) / _UNIT
 
-    def at_rest(self, interference: float, warmer: float) -> AtRest:
+    def at_rest(self, drawn: Fitted, warmer: float) -> AtRest:
         """Return the state of a seat; that of a wrapped bush has no more than plastic pressure."""
-        yields = self.bush.material.yield_stress
+        yields, radii = self.bush.material.yield_stress, [drawn.bore, *self.radii[1:]]
+        interference = max(drawn.interference, 0.0)
         if self.bush.wrapped and yields is not None and interference > 0:
-            inner, seat, _ = self.radii
-            plastic = 2 / np.sqrt(3) * yields * np.log(seat / inner)
-            cold = at_rest(self.materials, self.radii, interference, 0.0, self.rim)
+            plastic = 2 / np.sqrt(3) * yields * np.log(radii[1] / radii[0])
+            cold = at_rest(self.materials, radii, interference, 0.0, self.rim)
             interference *= min(1.0, plastic / float(cold.pressures[0]))
-        return at_rest(self.materials, self.radii, max(interference, 0.0), warmer, self.rim)
+        return at_rest(self.materials, radii, interference, warmer, self.rim)
 
 
 @dataclass(frozen=True, eq=False)
@@ -596,11 +596,11 @@ class _Load:
         """Return the numbers of a joint, and the first yields if it is to be answered."""
         joint = self.joint
         warmer = self.temperature[1] - 20.0
-        state = joint.at_rest(drawn.interference, warmer)
+        state = joint.at_rest(drawn, warmer)
         numbers = BushNumbers(
             bore_mm=2 * drawn.bore,
             interference_um=1e3 * drawn.interference,
-            seat_pressure_MPa=float(joint.at_rest(drawn.interference, 0.0).pressures[0]),
+            seat_pressure_MPa=float(joint.at_rest(drawn, 0.0).pressures[0]),
             warm_seat_pressure_MPa=float(state.pressures[0]) if warmer else np.nan,
         )
         pair = self._pair(drawn)

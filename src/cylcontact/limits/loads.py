@@ -179,7 +179,7 @@ def first_yield(
 
     >>> from cylcontact.laws import Housing, Sector
     >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=steel)
-    >>> print(first_yield(pair, housing=Housing(20.0, Sector(60, side="far"))))
+    >>> print(first_yield(pair, housing=Housing(20.0, Sector(60, side="pulled"))))
     1,428 N/mm (von Mises, in the hole, at its surface, 93° from the load)
     """
     rule = "must be 'von Mises', 'Tresca' or, for the load alone, 'Hertz'"
@@ -221,7 +221,7 @@ def first_yields(
     >>> bronze = Material("bronze", 110e3, 0.34, yield_stress=220.0)
     >>> steel = Material("steel", 200e3, 0.3, yield_stress=250.0)
     >>> pair = CylinderPair.from_dR("internal", 0.02, pin=steel, hole=bronze, R_i=10.0)
-    >>> eye = laws.Housing(20.0, laws.Sector(60, "far"), [(steel, 12.0)], seat="sliding")
+    >>> eye = laws.Housing(20.0, laws.Sector(60, "pulled"), [(steel, 12.0)], seat="sliding")
     >>> rest = limits.at_rest([bronze, steel], [10.0, 12.0, 20.0], interference=0.012)
     >>> bush, lug, _ = first_yields(pair, eye, rest)
     >>> print(f"bush {bush.load:.0f} N/mm, eye {lug.load:.0f} N/mm, {lug.angle:.0f}° from the load")
