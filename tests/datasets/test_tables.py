@@ -11,7 +11,7 @@ from cylcontact import InputError
 from cylcontact.datasets.branches import is_unloading
 from cylcontact.datasets.measurements import measurements_of
 from cylcontact.datasets.measurements import read_measured as read_with
-from cylcontact.datasets.readings import TableSpec
+from cylcontact.datasets.reading import TableSpec
 from cylcontact.files.units import column_named
 from tests.support.programs import require_package
 

@@ -30,7 +30,7 @@ from cylcontact.bodies.material import (
 from cylcontact.bodies.pair import Contact, CylinderPair, roles, unusual_lengths
 from cylcontact.datasets.branches import equal_rows, kept_rows
 from cylcontact.datasets.columns import MEASURED, option_for
-from cylcontact.datasets.readings import Readings, TableSpec, read_readings
+from cylcontact.datasets.reading import Readings, TableSpec, read_readings
 from cylcontact.files.spec import Spec
 from cylcontact.files.units import LABELS, Column, column_named, spellings
 from cylcontact.laws import Housing
