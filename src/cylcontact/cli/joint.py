@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cylcontact.cli.bush import EXAMPLE, bush_check, diameter, read_bush
 from cylcontact.cli.options import (
     Options,
     argument,
@@ -13,7 +17,14 @@ from cylcontact.cli.options import (
     reader,
     takes,
 )
-from cylcontact.cli.pair import JOINT, blaming_options, material_of, pair_of, read_housing
+from cylcontact.cli.pair import (
+    JOINT,
+    blaming_options,
+    material_of,
+    option_of,
+    pair_of,
+    read_housing,
+)
 from cylcontact.cli.terminal import say
 from cylcontact.files.reading import plain_number
 from cylcontact.support.choices import listed
@@ -21,6 +32,8 @@ from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
     from cylcontact.bodies.iso286 import IsoFit
+    from cylcontact.joint.bush import BushCheck
+    from cylcontact.joint.check import JointCheck
     from cylcontact.joint.loaded import LoadedJoint
 
 WHAT = ("clearance", "modulus", "length")
@@ -54,6 +67,21 @@ TARGETS: Options = {
     "peak": (float | None, number("Largest pressure, MPa.", **_TO)),
     "factor": (float | None, number("First yield over the load.", **_TO)),
 }
+_BUSH = option(
+    "A pressed bush: MATERIAL, BORE before pressing, HOLE/BUSH; --hole is around it.",
+    metavar="TEXT",
+    parser=reader(read_bush, f"is no bush; {EXAMPLE}"),
+    rich_help_panel="The housing of the hole",
+)
+# With a bush the pin may have a class of ISO 286.
+_CHECKED: Options = dict(JOINT) | {
+    "pin_diameter": (
+        str | None,
+        option("Diameter of the pin; with --bush also a class, 20f7.", "--pin-diameter",
+               metavar="MM", parser=reader(diameter, "is no diameter; give mm, or 20f7"),
+               rich_help_panel="The pair of cylinders"),
+    ),
+}  # fmt: skip
 # Where errors of the joint come from.
 _OPTIONS = {
     **{key: f"--{key}" for key in ("load", "iso", "depth", "temperature", "rim", "factor")},
@@ -67,7 +95,6 @@ def joint_of(
     pair: dict[str, Any], around: dict[str, Any], source: str, sought: str = ""
 ) -> LoadedJoint:
     """Return the joint that the options of a command give; `sought` is what it is to find."""
-    from cylcontact.files.units import load_in_N_per_mm
     from cylcontact.joint.loaded import resolve
 
     code, rim = around.get("iso"), around.get("rim")
@@ -79,21 +106,30 @@ def joint_of(
     if sought == "length":
         rule, remedy = "is what is sought (size length)", "leave it out"
         require(cylinders.length is None, source, "--length", cylinders.length, rule, remedy)
-    text = around.get("load", "100")
-    unit = "" if text.strip()[-1:].isalpha() or "/" in text else " N/mm"
-    try:
-        load = load_in_N_per_mm(f"{text}{unit}", length)
-    except InputError as error:
-        remedy = error.remedy.replace("the length", "--length")
-        raise InputError(source, "--load", text, error.rule, remedy) from None
-    state: Any = rim
-    if rim not in (None, "free", "held"):
-        state = material_of(str(rim), pair, source, "--rim")
+    load, state = load_of(around, length, source), rim_of(rim, pair, source)
     with blaming_options(_OPTIONS, source):
         return resolve(
             cylinders, load, housing=housing, iso=iso, depth=around.get("depth"),
             temperature=around.get("temperature"), rim=state,
         )  # fmt: skip
+
+
+def load_of(around: Mapping[str, Any], length: float | None, source: str) -> float:
+    """Return the load of the options in N/mm."""
+    from cylcontact.files.units import load_in_N_per_mm
+
+    text = around.get("load", "100")
+    unit = "" if text.strip()[-1:].isalpha() or "/" in text else " N/mm"
+    try:
+        return load_in_N_per_mm(f"{text}{unit}", length)
+    except InputError as error:
+        remedy = error.remedy.replace("the length", "--length")
+        raise InputError(source, "--load", text, error.rule, remedy) from None
+
+
+def rim_of(rim: str | None, pair: Mapping[str, Any], source: str) -> Any:
+    """Return the state of a rim: free, held, or the material of the frame."""
+    return rim if rim in (None, "free", "held") else material_of(str(rim), pair, source, "--rim")
 
 
 def _read_iso(code: str, source: str, sought: str) -> IsoFit:
@@ -104,10 +140,14 @@ def _read_iso(code: str, source: str, sought: str) -> IsoFit:
     return IsoFit.read(code, source, "--iso")
 
 
-@takes("pair", JOINT)
+@takes("pair", _CHECKED)
 @takes("around", AROUND)
 def check(
+    file: Path | None = argument(
+        "The file of a joint with a bush, datasets/bush.toml.", metavar="[FILE]", default=None
+    ),
     *,
+    bush: Any = _BUSH,
     as_json: bool = JSON,
     pair: dict[str, Any],
     around: dict[str, Any],
@@ -116,14 +156,36 @@ def check(
 
     The joint is a pin in a hole, two rollers, or a roller on a plane.
     """
-    from cylcontact.joint.check import checked
-
-    joint = joint_of(pair, around, "check")
-    with blaming_options(_OPTIONS, "check"):
-        answer = checked(joint)
+    answer = _checked(file, bush, pair, around)
     say(answer.to_json() if as_json else str(answer))
     for warning in answer.warnings:
         say(f"warning: {warning}", err=True)
+
+
+def _checked(
+    file: Path | None, bush: Any, pair: dict[str, Any], around: dict[str, Any]
+) -> JointCheck | BushCheck:
+    """Return the answer for the joint of a file or of the options."""
+    if file is not None:
+        from cylcontact.joint.specs import check_file
+
+        materials = pair.pop("materials", None)
+        options = [*map(option_of, (*pair, *around)), *["--bush"] * (bush is not None)]
+        rule = f"is in the file already: {file}"
+        for name in options:
+            raise InputError("check", name, None, rule, "leave one of them out")
+        return check_file(file, materials)
+    if bush is not None:
+        rim = rim_of(around.get("rim"), pair, "check")
+        return bush_check(bush, pair, around, partial(load_of, around, source="check"), rim)
+    from cylcontact.joint.check import checked
+
+    size = pair.get("pin_diameter")
+    rule, remedy = "is a class, which is for a joint with --bush", "give --iso 20H7/f7, or mm"
+    require(not isinstance(size, str), "check", "--pin-diameter", size, rule, remedy)
+    joint = joint_of(pair, around, "check")
+    with blaming_options(_OPTIONS, "check"):
+        return checked(joint)
 
 
 @takes("pair", JOINT)

@@ -42,10 +42,10 @@ def _modulus(text: str) -> float:
     return float(modulus_in_MPa(text, "", ""))
 
 
-def _material(text: str) -> str | tuple[float, ...]:
+def material_in_words(text: str) -> str | tuple[float, ...]:
     """Return the name of a material, or its E in MPa, ν and perhaps yield stress and expansion.
 
-    >>> _material("bronze"), _material("207 GPa, 0.3, 350 MPa, 12e-6/K")
+    >>> material_in_words("bronze"), material_in_words("207 GPa, 0.3, 350 MPa, 12e-6/K")
     ('bronze', (207000.0, 0.3, 350.0, 1.2e-05))
     """
     modulus, *rest = (part.strip() for part in text.split(","))
@@ -86,7 +86,7 @@ def _layer(text: str) -> dict[str, Any]:
     ({'material': 'bronze', 'R_i': 12.0}, {'E': '110000.0 MPa', 'nu': 0.3, 'R_i': 15.0})
     """
     name, _, radius = text.rpartition(":")
-    material = _material(name.strip())
+    material = material_in_words(name.strip())
     keys: dict[str, Any] = {"material": material}
     if isinstance(material, tuple):
         names = ("E", "nu", "yield_stress", "thermal_expansion")
@@ -96,7 +96,7 @@ def _layer(text: str) -> dict[str, Any]:
 
 
 _NAMED = reader(
-    _material,
+    material_in_words,
     "is no material; write its name, or E, ν, yield stress, expansion: "
     "'207 GPa, 0.3, 350 MPa, 12e-6/K'",
 )
@@ -306,6 +306,17 @@ def pair_of(
         if R_i is None and R_j is not None:
             R_i = dR + R_j if contact == "internal" else dR - R_j
         return CylinderPair.from_dR(contact, dR, bodies[0], length, R_i, bodies[1], plane=plane)
+
+
+def bodies_of(given: Mapping[str, Any], source: str) -> tuple[Material, Material]:
+    """Return the materials of the hole and of the pin that options give."""
+    given = _with_bodies(given, source, "internal")
+    constants, options = constants_of(given, source, "internal")
+    hole, pin = (
+        _body(given, constants, options, source, of, role)
+        for of, role in (("_i", "hole"), ("_j", "pin"))
+    )
+    return hole, pin
 
 
 def _with_bodies(given: Mapping[str, Any], source: str, contact: str) -> dict[str, Any]:

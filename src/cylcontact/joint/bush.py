@@ -27,7 +27,7 @@ from cylcontact.limits.rings import Rim
 from cylcontact.limits.yield_search import FirstYield
 from cylcontact.support.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.support.errors import InputError
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -216,6 +216,10 @@ def fitted(
     rule, remedy = "has layers, and the bush is one", "give the part around the bush alone"
     alone = not housing.layers and housing.g is None
     require(alone, _SOURCE, "housing", str(housing), rule, remedy)
+    outer = bush.sizes.hole[1] / 2
+    rule = f"must have its rim outside the seat, whose radius is {outer:g} mm"
+    remedy = "give R_o, the outer radius of the part around the bush"
+    require(housing.R_o > 1.02 * outer, _SOURCE, "housing", housing.R_o, rule, remedy)
     joint = _Joint(bush, hole, housing, _rim_of(housing, rim))
     columns = _columns(bush.sizes, limits_of(pin_diameter, "pin"), joint.close_in)
     widest = max(each.clearance for each in columns.values())
@@ -368,10 +372,10 @@ class BushCheck:
         return pd.DataFrame({name: asdict(numbers) for name, numbers in self.band.items()})
 
     def __str__(self) -> str:
-        return "\n".join([*_described(self), "", str(Table(*_cells(self))), *_summary(self)])
+        return "\n".join([*_described(self), "", str(TextTable(*_cells(self))), *_summary(self)])
 
     def _repr_html_(self) -> str:
-        return Table(*_cells(self), _described(self)[0])._repr_html_()
+        return TextTable(*_cells(self), _described(self)[0])._repr_html_()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the joint and its numbers under plain names, for JSON; None for the unknown."""
