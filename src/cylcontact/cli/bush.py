@@ -65,7 +65,7 @@ def read_bush(text: str) -> dict[str, Any]:
         raise ValueError
     *name, inner, seat = parts
     hole, _, outer = seat.partition("/")
-    is_fit = _CLASS.fullmatch(hole.strip()) is not None
+    is_fit = re.fullmatch(r"[a-z]{1,2}[0-9]{1,2}", outer.strip()) is not None
     is_wall = inner.startswith("wall ")
     size = _size(inner.removeprefix("wall "))
     return {
