@@ -189,7 +189,7 @@ def legend_below(axes: Axes, ncols: int = 3, **more: Any) -> None:
     """Name what is drawn in a panel below its figure, where it hides nothing."""
     handles, labels = axes.get_legend_handles_labels()
     if handles:
-        width = axes.figure.canvas.figure.get_figwidth() * MM_PER_INCH
+        width = axes.figure.bbox.width / axes.figure.dpi * MM_PER_INCH
         entry = _SAMPLE + _LETTER * max(map(len, labels))
         ncols = max(1, min(ncols, int(width // entry)))
         axes.figure.legend(handles, labels, loc="outside lower center", ncols=ncols, **more)
