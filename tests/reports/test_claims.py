@@ -181,6 +181,6 @@ def test_agreement_by_construction_is_no_evidence(ledger):
     (elements,) = (each for each in ledger if "Finite elements differ" in each.statement)
     by_study = {how: holds for how, _, holds in elements.interpretations}
     assert [how for how, holds in by_study.items() if holds is None] == [
-        "johnson, plane strain, 20 to 100 N/mm, by construction"
+        "Johnson's law, plane strain, 20 to 100 N/mm, by construction"
     ]
     assert elements.verdict == "does not hold"

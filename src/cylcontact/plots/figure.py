@@ -44,6 +44,8 @@ _UNDATED: dict[Format, dict[str, None]] = {
 }
 # Widths in mm of a legend's sample and of a letter of its text.
 _SAMPLE, _LETTER = 13.0, 1.25
+# In mm, with room for a caption below it on a journal's page.
+_TALLEST = 205.0
 # More labels than this crowd a logarithmic axis.
 MOST_TICKS = 9
 
@@ -137,7 +139,8 @@ def panels(
     heights : sequence of float
         The parts of a panel, one below the other with one horizontal axis, in relative heights.
     least_mm : float
-        The least width of a panel: in a narrow figure the panels stand in several rows.
+        The least width of a panel: in a narrow figure the panels stand in several rows, each as
+        much lower as a journal's page asks for.
     below_mm : float
         Height of a legend below all panels.
     **shared
@@ -157,7 +160,7 @@ def panels(
     """
     in_a_row = min(count, max(1, int(width_mm("page") // least_mm)))
     rows, parts = -(-count // in_a_row), len(heights)
-    figure = new_figure("page", rows * height_mm + below_mm)
+    figure = new_figure("page", min(rows * height_mm + below_mm, _TALLEST))
     ratios = list(heights) * rows
     grid = figure.subplots(len(ratios), in_a_row, squeeze=False, height_ratios=ratios, **shared)
     by_panel = grid.reshape(rows, parts, in_a_row).swapaxes(1, 2).reshape(-1, parts).tolist()

@@ -8,7 +8,9 @@ from html import escape
 from pathlib import Path
 
 from cylcontact.files.writing import replacing
+from cylcontact.fitting.calibration import space_of
 from cylcontact.fitting.results import LawFit
+from cylcontact.fitting.tables import campaign_of
 from cylcontact.reports.claims import Claim, claims_of
 from cylcontact.support.errors import InputError
 
@@ -75,7 +77,8 @@ def write_page(
         "<h1>An enhanced cylindrical contact force model, computed again</h1>"
         "<p>Coefficients of the law f = (a·ΔR + b)·E*/ΔR·δⁿ: as published, recovered by the same "
         "kind of search with some coefficients fixed or tied, and fitted with all of them free. "
-        "The error is the root mean square of ln(δ/δ_Johnson) over the samples of the last fit.</p>"
+        "The error is the root mean square of ln(δ/δ_Johnson) of every column over the same samples, "
+        "those of the last column.</p>"
     )
     with replacing(path) as temporary:
         temporary.write_text("\n".join([head, *parts, "</html>"]), encoding="utf-8")
@@ -95,10 +98,10 @@ def _fits(results: Path, names: Sequence[str], missing: list[str]) -> str:
         return "<p>No fit yet.</p>"
     last = list(fits.values())[-1]
     columns = {heading: fit.coefficients for heading, fit in fits.items()}
-    errors = {heading: fit.objective.value for heading, fit in fits.items()}
     if last.published is not None:
         columns = {"published": last.published.coefficients, **columns}
-        errors = {"published": last.published.objective, **errors}
+    space, *_ = space_of(campaign_of(last.name, last.settings, last.name))
+    errors = {heading: space.value_of(values) for heading, values in columns.items()}
     rows = ["<tr><th>coefficient</th>" + "".join(f"<th>{each}</th>" for each in columns) + "</tr>"]
     for name in last.coefficients:
         cells = "".join(f"<td>{values[name]:.5g}</td>" for values in columns.values())
