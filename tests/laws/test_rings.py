@@ -240,7 +240,7 @@ REFUSED = {
     "rim = 'free': is for a housing": {"rim": "free"},
     "interference = 0.01: is for a housing": {"interference": 0.01},
     "is for a rim clamped all round": {
-        "housing": laws.Housing(20.0, laws.Sector(60, "far")), "rim": "held",
+        "housing": laws.Housing(20.0, laws.Sector(60, "pulled")), "rim": "held",
     },
     "must be larger than the hole": {"housing": laws.Housing(9.0), "rim": "held"},
     "interference = 0.01: has 1 values for 0 edges": {

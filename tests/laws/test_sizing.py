@@ -27,9 +27,11 @@ def test_clearance_modulus_and_length_come_back(law, dR):
     pair = CylinderPair.from_dR("internal", dR, pin=STEEL, hole=BRONZE, R_i=10.0, length=10.0)
     depth = law.penetration(50.0, pair)
     slope = law.stiffness(depth, pair)
-    assert find("dR", pair, 50.0, penetration=depth, law=law) == pytest.approx(dR, rel=1e-10)
-    assert find("dR", pair, 50.0, stiffness=slope, law=law) == pytest.approx(dR, rel=1e-10)
-    assert find("E", pair, 50.0, penetration=depth, law=law) == pytest.approx(207e3, rel=1e-10)
+    assert find("clearance", pair, 50.0, penetration=depth, law=law) == pytest.approx(dR, rel=1e-10)
+    assert find("clearance", pair, 50.0, stiffness=slope, law=law) == pytest.approx(dR, rel=1e-10)
+    assert find("modulus", pair, 50.0, penetration=depth, law=law) == pytest.approx(
+        207e3, rel=1e-10
+    )
     length = find("length", pair, 500.0, stiffness=10 * slope, law=law)
     assert length == pytest.approx(10.0, rel=1e-9)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -89,7 +89,7 @@ class Material(OfArrays):
     E: Number
     nu: Number
     yield_stress: float | None = None
-    thermal_expansion: float | None = field(default=None, repr=False)
+    thermal_expansion: float | None = None
 
     if TYPE_CHECKING:
 
@@ -175,6 +175,14 @@ def material_in_MPa(
     material.__dict__.update(name=name, E=E, nu=nu, yield_stress=yield_stress)
     material._check()
     return material
+
+
+def scaled(material: Material, factor: float) -> Material:
+    """Return a material whose modulus is that of another times a factor."""
+    copy = object.__new__(Material)
+    copy.__dict__.update(material.__dict__ | {"E": material.E * factor})
+    copy._check()
+    return copy
 
 
 def modulus_in_MPa(E: Number | str, source: str, key: str = "E") -> Number:

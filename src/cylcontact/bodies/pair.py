@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from cylcontact.bodies.fits import Fit
+from cylcontact.bodies.iso286 import IsoFit
 from cylcontact.bodies.material import Material, material_in_MPa
 from cylcontact.support import choices
 from cylcontact.support.arrays import (
@@ -274,7 +274,7 @@ class CylinderPair(OfArrays):
         return cls(contact, dR, *bodies, R_i, R_j, length, plane)
 
     @classmethod
-    def of_fit(
+    def from_iso(
         cls,
         code: str,
         material: Material | None = None,
@@ -290,7 +290,7 @@ class CylinderPair(OfArrays):
         Parameters
         ----------
         code : str
-            The fit, as "20H7/g6"; `cylcontact.bodies.fits.Fit` says what is known.
+            The fit, as "20H7/g6"; `cylcontact.bodies.iso286.IsoFit` says what is known.
         share : float or array_like
             Which pairs of the band: 0 is the tightest, 1 the loosest. Where hole and pin may be of
             one size (H/h), the tightest has ΔR = 1 nm, as laws have a limit there and no value.
@@ -305,12 +305,12 @@ class CylinderPair(OfArrays):
         Examples
         --------
         >>> bronze, steel = Material("bronze", 110e3, 0.34), Material("steel", 207e3, 0.3)
-        >>> pair = CylinderPair.of_fit("20H7/g6", pin=steel, hole=bronze, length=15.0)
+        >>> pair = CylinderPair.from_iso("20H7/g6", pin=steel, hole=bronze, length=15.0)
         >>> pair.dR.round(5)
         array([0.0035, 0.012 , 0.0205])
         """
-        source = "CylinderPair.of_fit"
-        fit = Fit.read(code, source, "code")
+        source = "CylinderPair.from_iso"
+        fit = IsoFit.read(code, source, "code")
         fit.require_clearance(source, "code")
         R_i, R_j = fit.radii(as_floats(share))
         bodies = _bodies(source, material, None, pin, hole)
