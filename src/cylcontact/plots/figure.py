@@ -42,6 +42,8 @@ _UNDATED: dict[Format, dict[str, None]] = {
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
     "svg": {"Date": None, "Creator": None},
 }
+# Where a format says what a picture is from.
+_ORIGIN: dict[Format, str] = {"png": "Comment", "pdf": "Subject", "svg": "Source"}
 # How the numbers of a figure are written as CSV. Seven significant digits are more than a figure
 # can show, and fewer than round-off affects.
 NUMBERS: Any = {"index": False, "float_format": "%.7g", "lineterminator": "\n"}
@@ -176,13 +178,14 @@ def panels(
     return figure, by_panel[:count]
 
 
-def save(figure: Figure, path: Path, form: Format) -> None:
-    """Write a figure at the resolution of print, with neither date nor version in the file.
+def save(figure: Figure, path: Path, form: Format, origin: str = "") -> None:
+    """Write a figure at the resolution of print, undated, with what it is from in its metadata.
 
     It is drawn in memory first: on a full disk matplotlib's PDF fails with an error of its own.
     """
     stream = io.BytesIO()
-    figure.savefig(stream, format=form, dpi=PRINT_DPI, metadata=_UNDATED[form])
+    metadata = {**_UNDATED[form], **({_ORIGIN[form]: origin} if origin else {})}
+    figure.savefig(stream, format=form, dpi=PRINT_DPI, metadata=metadata)
     path.write_bytes(stream.getvalue())
 
 
