@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.cli.options import (
@@ -10,7 +11,9 @@ from cylcontact.cli.options import (
     argument,
     number,
     option,
+    output,
     reader,
+    require_output,
     takes,
 )
 from cylcontact.cli.pair import JOINT, blaming_options, material_of, pair_of, read_housing
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
     from cylcontact.bodies.iso286 import IsoFit
     from cylcontact.joint.loaded import LoadedJoint
 
+PAGES = (".html", ".pdf", ".png")
 WHAT = ("clearance", "modulus", "length")
 
 
@@ -108,6 +112,7 @@ def _read_iso(code: str, source: str, sought: str) -> IsoFit:
 @takes("around", AROUND)
 def check(
     *,
+    out: Path | None = output("One page to file, .html, .pdf or .png."),
     as_json: bool = JSON,
     pair: dict[str, Any],
     around: dict[str, Any],
@@ -118,9 +123,12 @@ def check(
     """
     from cylcontact.joint.check import checked
 
+    require_output(out, *PAGES)
     joint = joint_of(pair, around, "check")
     with blaming_options(_OPTIONS, "check"):
         answer = checked(joint)
+    if out is not None:
+        answer.save(out)
     say(answer.to_json() if as_json else str(answer))
     for warning in answer.warnings:
         say(f"warning: {warning}", err=True)
