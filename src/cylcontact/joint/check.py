@@ -18,7 +18,7 @@ from cylcontact.limits import first_yield, hertz_half_width, hertz_stress
 from cylcontact.limits.rings import Rim
 from cylcontact.limits.sizing import half_width, peak_angle
 from cylcontact.support.arrays import as_floats
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -177,7 +177,7 @@ class JointCheck:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        return Table(*cells(self), described(self.joint)[0])._repr_html_()
+        return TextTable(*cells(self), described(self.joint)[0])._repr_html_()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the joint and its numbers under plain names, for JSON; None where there is none.
@@ -456,7 +456,7 @@ def answer_lines(check: JointCheck) -> list[str]:
     """Return the numbers: a line each for one pair, a table for a fit."""
     if check.iso is None:
         return _single(check)
-    return [str(Table(*cells(check))), *words(check)]
+    return [str(TextTable(*cells(check))), *words(check)]
 
 
 def words(check: JointCheck) -> list[str]:

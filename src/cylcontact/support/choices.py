@@ -35,10 +35,10 @@ def is_table(path: Path) -> bool:
     return path.suffix.lower() not in (".toml", ".json")
 
 
-def listed(names: Iterable[str]) -> str:
+def listed(names: Iterable[str], before_last: str = "or") -> str:
     """Return names as a sentence lists them."""
     *others, last = names
-    return f"{', '.join(others)} or {last}" if others else last
+    return f"{', '.join(others)} {before_last} {last}" if others else last
 
 
 def first_of(names: Iterable[str], most: int) -> str:
