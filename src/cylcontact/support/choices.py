@@ -24,7 +24,7 @@ CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
 FIT_FILES = ("result.json", "residuals.csv", "fit.png", "fit.pdf")
 # What `choose` adds to it.
 CHOICE_FILES = ("choice.csv", "choice.png", "choice.pdf")
-DESIGN_FILES = ("design.csv", "design.png", "design.pdf")
+PLAN_FILES = ("plan.csv", "plan.png", "plan.pdf")
 # Of tables that are read, those in text first, and of those that are written.
 TABLE_SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx", ".parquet")
 OUTPUT_SUFFIXES = (".csv", ".parquet")
