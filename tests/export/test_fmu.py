@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from cylcontact.files.spec import read_toml
+from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.laws import Liu
-from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.mechanism import joint_from, read_joint
 from tests.support.fmu_masters import Fmu, export_fmu
 from tests.support.mechanism_cases import ROOT

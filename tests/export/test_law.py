@@ -14,10 +14,10 @@ from cylcontact.bodies.material import material_in_MPa
 from cylcontact.export import EXPORTABLE, export, export_named, source_and_header
 from cylcontact.export.conformal import table_of
 from cylcontact.export.law import exported, require_contact_law
-from cylcontact.fitting import FitResult
+from cylcontact.fitting import read_result
+from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws import Conformal, Housing, Sector
-from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.lambert import branch_distance
 from cylcontact.laws.user import user_law
 from tests.support.export_runners import RUNNERS, run_octave
@@ -30,7 +30,7 @@ STEEL, ALUMINIUM = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.
 
 @cache
 def coefficients(path):
-    return FitResult.read(path).coefficients
+    return read_result(path).coefficients
 
 
 def pair_of(pin, hole):
@@ -293,7 +293,7 @@ def test_the_command_writes_a_law_in_a_housing_with_its_header(run, tmp_path):
 
 def test_the_command_writes_a_fit_with_its_origin(run):
     for path in sorted(RESULTS.glob("*.json")):
-        result = FitResult.read(path)
+        result = read_result(path)
         text = export_named(str(path), None, "c")
         assert f"double cylcontact_{result.law.replace('-', '_')}_{result.contact}_load(" in text
         assert f"fit result '{result.name}'" in " ".join(text.replace("//", "").split())

@@ -11,9 +11,9 @@ import pytest
 from cylcontact import CylinderPair, InputError, Material, dissipation, laws
 from cylcontact.export import JOINT_TARGETS, export_joint
 from cylcontact.files.spec import read_toml
+from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.joint import contact
 from cylcontact.joint.contact import BEYOND_LAW, LEFT_HOLE, NOT_A_NUMBER, YIELDS
-from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.mechanism import joint_from, read_joint, simulate
 from tests.support.export_runners import compile_with, run_program
 from tests.support.joint_runners import RUNNERS, run_c, run_library, write

@@ -16,8 +16,8 @@ from cylcontact.bodies.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.export.conformal import table_of
 from cylcontact.export.languages import WIDTH, C, Fortran, MatlabArrays, plain_ascii
 from cylcontact.export.plain import Function, Program, Vector, names_in
+from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.laws import LAWS, Conformal, Johnson
-from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import OF_PAIR, STEP, Formula
 from cylcontact.laws.lambert import OF_NUMBERS
 from cylcontact.laws.law import ContactLaw, has_formula

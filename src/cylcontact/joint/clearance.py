@@ -543,13 +543,13 @@ def named_law(what: str, source: str) -> tuple[ContactLaw, str]:
             source, "law", what, "is neither a law nor a fit result",
             f"choose {', '.join(LAWS)}, module:function of your own, or the path of a result",
         )  # fmt: skip
-    from cylcontact.fitting.results import FitResult
+    from cylcontact.fitting import read_result
 
     path = next((path for path in (Path(source).parent / what, Path(what)) if path.is_file()), None)
     if path is None:
         rule = "is neither beside this file nor in the working folder"
         raise InputError(source, "law", what, rule, "give the path of a fit's result")
-    result = FitResult.read(path)
+    result = read_result(path)
     rule, remedy = "is a fit to external contact", "name a fit for a pin in a hole"
     require(result.contact == "internal", source, "law", what, rule, remedy)
     return result.to_law(what), f"fit result '{result.name}', fitted to {result.reference}"
