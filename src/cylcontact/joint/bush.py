@@ -12,6 +12,7 @@ import itertools
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -154,17 +155,17 @@ class Bush:
         )
 
 
-def limits_of(size: Limits, key: str) -> tuple[float, float]:
+def limits_of(size: Limits, key: str, source: str = _SOURCE) -> tuple[float, float]:
     """Return the least and the largest size in mm of a number, a pair of limits, or a class."""
     if isinstance(size, str):
-        return diameters(size, _SOURCE, key)
+        return diameters(size, source, key)
     values = np.ravel(np.asarray(size, dtype=float))
     rule, remedy = (
         "must be a size, or a lower and an upper limit",
         "give it in mm, e.g. [26, 26.02]",
     )
     sound = values.size in (1, 2) and bool(np.all(np.isfinite(values) & (values > 0)))
-    require(sound and values[0] <= values[-1], _SOURCE, key, size, rule, remedy)
+    require(sound and values[0] <= values[-1], source, key, size, rule, remedy)
     return float(values[0]), float(values[-1])
 
 
@@ -405,6 +406,12 @@ class BushCheck:
     def to_json(self) -> str:
         """Return `to_dict` as JSON."""
         return json.dumps(self.to_dict(), ensure_ascii=False, indent=1)
+
+    def save(self, path: Path | str) -> Path:
+        """Write the answer on one page, .html, .pdf or .png."""
+        from cylcontact.joint.text_page import write_text_page
+
+        return write_text_page(self, "Check of a joint with a bush", path)
 
 
 def check_bush(
