@@ -171,7 +171,7 @@ def _refuse(given: Mapping[str, Any], rule: str, remedy: str) -> None:
 def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) -> None:
     """Write a law, conformal contact that of one pair, to a file or to standard output."""
     from cylcontact.export import law_named, source_and_header
-    from cylcontact.export.notation import require_callable
+    from cylcontact.export.languages import require_callable
     from cylcontact.laws.housing_spec import in_housing
 
     if out is not None:
