@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.patches import Arc, Circle, FancyArrowPatch, Polygon, Rectangle
 
 import cylcontact as cc
-from cylcontact.fitting import FitResult
+from cylcontact.fitting import read_result
 
 FOLDER = Path(__file__).parent / "pictures"
 HOLE, PIN, RED, EDGE = "0.86", "#cfe4f2", "#b3261e", {"edgecolor": "black", "linewidth": 0.8}
@@ -288,7 +288,7 @@ def what_limits():
     """Errors of the enhanced law, published and refitted, and the bound of its form."""
     names = "internal", "internal-E1000", "practical", "conformal", "external", "external-E1000"
     folder = Path(__file__).parents[1] / "fitting/results"
-    results = [FitResult.read(folder / f"{name}.json") for name in names]
+    results = [read_result(folder / f"{name}.json") for name in names]
     bars = {
         "published coefficients": [result.published.objective for result in results],
         "fitted": [result.objective.value for result in results],

@@ -17,7 +17,7 @@ from cylcontact import InputError
 from cylcontact.datasets import read_grid
 from cylcontact.datasets.finite_element.study import read_study
 from cylcontact.datasets.measurements import read_measured
-from cylcontact.fitting import read_campaign
+from cylcontact.fitting import Campaign
 from cylcontact.mechanism import SpatialJoint, read_joint, read_mechanism
 from tests.support.spec_files import CAMPAIGN, DROP, ELEMENTS, GRID, changed, toml, tree, write_toml
 
@@ -31,7 +31,7 @@ READERS = {
     "joint": read_joint,
     "spatial_joint": SpatialJoint.read,
     "small": read_grid,
-    "campaign": read_campaign,
+    "campaign": Campaign.read,
     "elements": read_study,
 }
 TABLE = """\

@@ -65,7 +65,7 @@ EYE = {"R_o": 20.0, "clamp": "sector", "angle": 60.0, "side": "pulled"}
 def test_a_fit_in_a_known_housing_finds_the_stiffness_of_the_materials(tmp_path):
     path = readings(tmp_path)
     result = fit(path, "conformal", PAIR, housing=EYE, fixed={"offset": 0.0})
-    estimate = result.uncertainty.estimates["stiffness_factor"]
+    estimate = result.estimates["stiffness_factor"]
     assert estimate.low < 1 < estimate.high
     assert estimate.high - estimate.low < 0.02
     # By Johnson's datum the same readings say that the materials are soft.

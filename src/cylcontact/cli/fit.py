@@ -1,4 +1,4 @@
-"""The commands `fit`, `choose`, `predict`, `design`, `compare` and `verify`."""
+"""The commands `fit`, `choose`, `predict`, `plan`, `compare` and `verify`."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ from cylcontact.files.writing import require_suffix, require_writable
 from cylcontact.support.choices import (
     BRANCHES,
     CHOICE_FILES,
-    DESIGN_FILES,
     FIT_FILES,
+    PLAN_FILES,
     is_table,
     listed,
 )
@@ -55,11 +55,11 @@ from cylcontact.support.errors import InputError, require
 from cylcontact.support.plain_text import item
 
 if TYPE_CHECKING:
-    from cylcontact.fitting import Campaign, FitResult, TableCampaign
-    from cylcontact.fitting.tables import Table
+    from cylcontact.fitting import DataFit, LawFit
+    from cylcontact.fitting.campaign import Campaign, MeasuredTable
 
-# Loads among which a design chooses.
-_DESIGN_LOADS = 41
+# Loads among which a plan chooses.
+_PLAN_LOADS = 41
 
 DATA = argument("A table, .csv, .txt, .xlsx or .parquet.", metavar="TABLE")
 RESULT = argument("A fit, e.g. results/NAME/result.json.", metavar="RESULT")
@@ -104,7 +104,6 @@ def _share(text: str) -> float:
 _COLUMN = _named(str, "load_N=Kraft")
 # By their names as settings of a fit.
 SETTINGS: Options = {
-    "objective": _text("rms-log-penetration or rms-penetration."),
     "ignore": (list[str] | None,
                option("Column left out; may be repeated.", metavar="COLUMN", **_PANEL)),
     "columns": (list[str] | None,
@@ -113,7 +112,11 @@ SETTINGS: Options = {
     "group": _text("Column of groups, e.g. specimens.", "COLUMN"),
     "sheet": _text("Sheet of a workbook."),
     "header": (int | None, option("Line of the column names, or 0.", metavar="LINE", **_PANEL)),
+    "separator": _text("Separator: comma, semicolon, tab, bar, space.", "NAME"),
+    "encoding": _text("Encoding of a text, e.g. cp1251.", "NAME"),
     "decimal": _text("Decimal mark, . or ,", "MARK"),
+    "exclude": (list[str] | None,
+                several("Rows to leave out, as 38 or b.csv:12.", of=str, metavar="LINE", **_PANEL)),
     "loads": _text("Only rows of these loads, in the table's unit, e.g. 5:", "LOW:HIGH"),
     "sign": _text("What is negative: load, penetration, both, neither.", "WHAT"),
     "branch": _text(f"Only rows of {listed(BRANCHES)}."),
@@ -158,14 +161,15 @@ def fit(
 
     For what a table does not say of its pair, use the options of cylcontact check, such as --pin.
     """
-    from cylcontact.fitting import Campaign, DataFit, calibrate, fit_table, read_campaign
-    from cylcontact.fitting.results import require_same_inputs
+    from cylcontact.datasets.grid import Grid
+    from cylcontact.fitting import Campaign, DataFit, calibrate, fit_table
+    from cylcontact.fitting.stored import require_same_inputs
 
     where, given = scheduler or jobs, pair | settings | ({} if law is None else {"law": law})
     if source.suffix.lower() == ".json":
         remedy = f"print it with: cylcontact compare {source}"
         raise InputError(str(source), "", None, "is a fit result", remedy)
-    planned: Campaign | TableCampaign
+    planned: Campaign
     if is_table(source):
         planned = _measured(source, given | parameters, seed, runs).campaign(given["law"])
         folder, target = _place(source, given["law"], out)
@@ -174,20 +178,20 @@ def fit(
             rule = "is an option for tables of measurements, and this is a campaign"
             remedy = "set it in the campaign file"
             raise InputError(str(source), option_of(name), None, rule, remedy)
-        planned = read_campaign(source, runs, seed, **_tables(str(source), parameters))
+        planned = Campaign.read(source, runs=runs, seed=seed, **_tables(str(source), parameters))
         folder, target = None, out or source.parent / "results" / f"{source.stem}.json"
     require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
     require_suffix(target, ".json")
     if out is None and not force:
         require_same_inputs(target, planned)
-    result: FitResult
+    result: LawFit | DataFit
     with resumable(target, "run", resume) as (journal, progress):
-        if isinstance(planned, Campaign):
+        if isinstance(planned.data, Grid):
             result = calibrate(planned, where, progress, journal, resume)
         else:
             result = fit_table(planned, where, progress, journal, resume)
         if folder is not None and isinstance(result, DataFit):
-            from cylcontact.reports.fit_folder import write_fit
+            from cylcontact.fitting.folder import write_fit
 
             write_fit(result, folder)
         else:
@@ -204,14 +208,14 @@ def _place(source: Path, law: str, out: Path | None) -> tuple[Path | None, Path]
 
     A second law has a folder of its own beside that of the first, with its name.
     """
-    from cylcontact.fitting import FitResult
+    from cylcontact.fitting import read_result
 
     if out is not None and out.suffix.lower() == ".json":
         return None, out
     folder = out or source.parent / "results" / source.stem
     if out is None:
         with suppress(InputError):  # there is no result yet
-            if FitResult.read(folder / FIT_FILES[0]).law != law:
+            if read_result(folder / FIT_FILES[0]).law != law:
                 folder = folder.with_name(f"{source.stem}-{law.replace(':', '-')}")
     return folder, folder / FIT_FILES[0]
 
@@ -236,7 +240,7 @@ def choose(
     The table takes the options of cylcontact fit, the pair those of check.
     """
     from cylcontact.fitting.choice import choose_law
-    from cylcontact.reports.fit_folder import write_choice
+    from cylcontact.fitting.folder import write_choice
 
     folder = out or data.parent / "results" / data.stem
     require_writable(*(folder / name for name in CHOICE_FILES))
@@ -255,7 +259,7 @@ def choose(
 @takes("settings", SETTINGS, listed=False)
 @takes("parameters", PARAMETERS, listed=False)
 @takes("pair", PAIR, listed=False)
-def design(
+def plan(
     data: Path = DATA,
     *,
     law: str = option("The law, e.g. johnson.", metavar="NAME", default=...),
@@ -277,19 +281,19 @@ def design(
     import numpy as np
 
     from cylcontact.fitting import fit_table
-    from cylcontact.reports.fit_folder import write_design
+    from cylcontact.fitting.folder import write_plan
 
     if out is not None:
-        require_writable(*(out / name for name in DESIGN_FILES))
+        require_writable(*(out / name for name in PLAN_FILES))
     measured = _measured(data, {**pair, **settings, **parameters, "law": law})
     with progress_bars() as progress:
         fitted = fit_table(measured.campaign(law), 1, progress)
-    taken = np.geomspace(candidates[0], candidates[1], _DESIGN_LOADS)
-    chosen = fitted.design(taken, add, dR=clearances or None, parameter=parameter)
+    taken = np.geomspace(candidates[0], candidates[1], _PLAN_LOADS)
+    chosen = fitted.plan(taken, add, dR=clearances or None, parameter=parameter)
     say(chosen)
     if out is not None:
-        write_design(chosen, out)
-        say(f"\nwritten to {out}: {', '.join(DESIGN_FILES)}")
+        write_plan(chosen, out)
+        say(f"\nwritten to {out}: {', '.join(PLAN_FILES)}")
 
 
 def predict(
@@ -354,7 +358,7 @@ def compare(
     """Compare fits with each other and with the published coefficients."""
     from cylcontact import fitting
 
-    read = [fitting.FitResult.read(path) for path in results]
+    read = [fitting.read_result(path) for path in results]
     often = Counter(result.name for result in read)
     named = [  # fits of one table have its name
         result.model_copy(update={"name": path.stem}) if often[result.name] > 1 else result
@@ -392,9 +396,9 @@ def _measured(
     given: dict[str, Any],
     seed: int | None = None,
     runs: int | None = None,
-) -> Table:
+) -> MeasuredTable:
     """Return a table with the options for it."""
-    from cylcontact.fitting.tables import read_table
+    from cylcontact.fitting.campaign import read_table
 
     source = str(path)
     require(is_table(path), source, "", None, "is not a table", "name a table of measurements")

@@ -74,7 +74,6 @@ def simulate(
     revolutions: int | None = REVOLUTIONS,
     first: int | None = FIRST,
     beyond: choices.Beyond = END,
-    allowed_penetration: float | None = number("Largest penetration at the start, µm."),
 ) -> None:
     """Simulate a slider-crank with a clearance joint and print its statistics."""
     from cylcontact.mechanism import read_mechanism
@@ -88,8 +87,7 @@ def simulate(
     first = first_of(total) if first is None else first
     rule = f"leaves none of {total} revolutions"
     require(first < total, "simulate", "--first", first, rule, "start earlier, or simulate more")
-    depth = None if allowed_penetration is None else allowed_penetration * 1e-6
-    settings: dict[str, Any] = {"beyond": beyond, "allowed_penetration": depth}
+    settings: dict[str, Any] = {"beyond": beyond}
     if text := estimate(mechanism, total):
         say(f"cylcontact: {text}", err=True)
     with progress_bars() as progress:

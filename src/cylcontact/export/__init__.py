@@ -220,9 +220,9 @@ def export_joint(
 
 def _of_result(path: str, contact: str | None) -> tuple[ContactLaw, Contact, str]:
     """Return the law of a fit result, its contact, and in words what it was fitted to."""
-    from cylcontact.fitting.results import FitResult
+    from cylcontact.fitting import read_result
 
-    result = FitResult.read(path)
+    result = read_result(path)
     require(
         contact in (None, result.contact), path, "contact", result.contact,
         f"contradicts --contact {contact}",

@@ -16,8 +16,8 @@ from cylcontact.bodies.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.export.conformal import table_of
 from cylcontact.export.notation import WIDTH, C, Fortran, MatlabArrays, filled_template, plain_ascii
 from cylcontact.export.plain import Function, Program, Vector
+from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.laws import LAWS, Conformal, Johnson
-from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import OF_PAIR, STEP, Formula
 from cylcontact.laws.lambert import OF_NUMBERS
 from cylcontact.laws.law import ContactLaw, has_formula
@@ -205,7 +205,7 @@ def source(law: ExportedLaw, target: str) -> str:
         "heads": _heads(law), "arguments": ", ".join(law.arguments),
         "total": " + ".join(law.arguments),
         "rows": "\n".join(f"{n} = reshape({n} + zero, 1, []);" for n in law.arguments),
-        "hidden": "\n".join(f"{n}(outside) = NaN;" for n in law.arguments),
+        "hidden": "\n".join(f"{n}(outside) = 1;" for n in law.arguments),
     }  # fmt: skip
     if target == "matlab":
         numbers = (language.number_of(*each) for each in program.numbers.items())

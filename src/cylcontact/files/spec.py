@@ -29,7 +29,6 @@ _SpecType = TypeVar("_SpecType", bound=Spec)
 
 # Key sets that identify each kind of file, tested in order.
 _KINDS = (
-    ("a fit result", {"coefficients"}),
     ("a fit result", {"settings"}),
     ("a mechanism", {"crank", "rod"}),
     ("a mechanism", {"bodies"}),

@@ -9,14 +9,9 @@ if TYPE_CHECKING:
     from cylcontact.fitting.choice import Choice, choose
     from cylcontact.fitting.comparison import compare
     from cylcontact.fitting.data_fit import DataFit
+    from cylcontact.fitting.measure import fit, fit_table
     from cylcontact.fitting.results import FitResult, LawFit
-    from cylcontact.fitting.tables import (
-        TableCampaign,
-        campaign_of_table,
-        fit,
-        fit_table,
-        read_campaign,
-    )
+    from cylcontact.fitting.stored import read_result
 
 __all__ = [
     "Campaign",
@@ -24,14 +19,12 @@ __all__ = [
     "DataFit",
     "FitResult",
     "LawFit",
-    "TableCampaign",
     "calibrate",
-    "campaign_of_table",
     "choose",
     "compare",
     "fit",
     "fit_table",
-    "read_campaign",
+    "read_result",
 ]
 
 # Loaded on first use: the command line starts without them.
@@ -41,8 +34,9 @@ _NAMES = {
     "choice": ("Choice", "choose"),
     "comparison": ("compare",),
     "data_fit": ("DataFit",),
+    "measure": ("fit", "fit_table"),
     "results": ("FitResult", "LawFit"),
-    "tables": ("TableCampaign", "campaign_of_table", "fit", "fit_table", "read_campaign"),
+    "stored": ("read_result",),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 

@@ -2,12 +2,11 @@
 
 `cylcontact laws` has the parameters of each law with their bounds. A campaign may add three
 to any law: `offset`, the reading at first touch in mm; `compliance`, the extra displacement per
-unit load in mm per N/mm (`laws.adapters.RigCompliance`); and `stiffness_factor`, which multiplies
-the load.
+unit load in mm per N/mm (`fitting.adapters.RigCompliance`); and `stiffness_factor`, which
+multiplies the load.
 
-A fit to measurements holds the constants that give a law its shape, which are known, and frees the
-offset and one parameter of stiffness: the law's own if it has one, such as Johnson's `kappa`, else
-the factor. A power law, whose constants nobody knows, is fitted with all of them free.
+By default a fit to measurements searches the offset and `stiffness_factor`; the constants that give
+a law its shape stay fixed. A power law, which has no constants of its own, searches all.
 """
 
 from __future__ import annotations
@@ -19,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.bodies.pair import Contact
-from cylcontact.fitting.parameters import LawModel, Parameter, package_models
+from cylcontact.fitting.adapters import RigCompliance, ScaledLaw
+from cylcontact.fitting.parameters import STIFFNESS_FACTOR, LawModel, Parameter, package_models
 from cylcontact.laws import LAWS, ContactLaw, contacts_of
-from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.conformal.housings import Housing
 from cylcontact.laws.housing_spec import HousingSpec, in_housing
 from cylcontact.laws.law import Coefficients
@@ -31,7 +30,7 @@ from cylcontact.support.errors import InputError
 MODELS: dict[tuple[str, Contact], LawModel] = {(m.law, m.contact): m for m in package_models()}
 
 _RIG = (
-    Parameter("stiffness_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="multiplies the load"),
+    STIFFNESS_FACTOR,
     Parameter("offset", -1.0, 1.0, 0.0, shift=True, unit="mm", meaning="reading at first touch"),
     Parameter(
         "compliance",
@@ -115,13 +114,6 @@ def listing(contact: Contact) -> str:
                 bounds = bounds if each.value is None else f"fixed at {each.value:g}"
                 lines.append(f"    {each.name:<18} {bounds:<16} {each.unit:<11} {each.meaning}")
     return "\n".join(lines)
-
-
-def units_of(law: str, contact: Contact) -> dict[str, str]:
-    """Return the units of the parameters of a law and of the rig, by name."""
-    model = MODELS.get((law, contact))
-    parameters = (*(model.parameters if model else ()), *_RIG)
-    return {parameter.name: parameter.unit for parameter in parameters}
 
 
 def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:

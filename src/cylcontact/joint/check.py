@@ -17,7 +17,7 @@ from cylcontact.limits import first_yield, hertz_half_width, hertz_stress
 from cylcontact.limits.rings import Rim
 from cylcontact.limits.sizing import half_width, peak_angle
 from cylcontact.support.arrays import as_floats
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -172,7 +172,7 @@ class JointCheck:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        return Table(*_cells(self), described(self.joint)[0])._repr_html_()
+        return TextTable(*_cells(self), described(self.joint)[0])._repr_html_()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the joint and its numbers under plain names, for JSON; None where there is none.
@@ -440,7 +440,7 @@ def _answer(check: JointCheck) -> list[str]:
     joint = check.joint
     if check.iso is None:
         return _single(check)
-    lines = [str(Table(*_cells(check)))]
+    lines = [str(TextTable(*_cells(check)))]
     if joint.seized > 5e-5:
         lines.append(f"{100 * joint.seized:.2g} % of the pairs have no clearance; the mean and "
                      "percentiles are of the others")  # fmt: skip

@@ -65,11 +65,21 @@ class DissipationSpec(Spec):
         return self
 
 
+# Assumed: a larger friction coefficient is a slip of the pen.
+MOST_FRICTION = 2.0
+
+
 class FrictionSpec(Spec):
     """The friction."""
 
-    coefficient: float = Field(ge=0, description="the friction coefficient")
-    v0: float = Field(ge=0, description="the speed in mm/s up to which there is no friction")
+    coefficient: float = Field(
+        ge=0, le=MOST_FRICTION, description="the friction coefficient, at most 2"
+    )
+    v0: float = Field(
+        ge=0,
+        description="the speed in mm/s up to which there is no friction; above 0 there is no "
+        "static friction at all",
+    )
     v1: float = Field(gt=0, description="the speed in mm/s from which there is all of it")
 
     @model_validator(mode="after")
@@ -161,7 +171,8 @@ class JointWrench(NamedTuple):
         By damping and friction, not negative.
     flag : int or array of int
         1 if the elastic load is above first yield, plus 2 where the law's tangent has taken over,
-        plus 32 if the penetration is above a tenth of the hole's radius: the pin has left its hole.
+        plus 32 if the penetration is above a tenth of the hole's radius: the pin has left its hole,
+        plus 128 if the force or a moment is not a number.
     """
 
     force_bearing: FloatArray
@@ -267,9 +278,8 @@ class ClearanceJoint:
 
     @cached_property
     def first_yield(self) -> float:
-        """The elastic force in N at first yield; inf unless both yield stresses are known."""
-        bodies = self.pair.material_i, self.pair.material_j
-        if any(body.yield_stress is None for body in bodies):
+        """The elastic force in N at first yield; inf unless all yield stresses are known."""
+        if not self.can_yield:
             return float("inf")
         load = float(yield_load(self.pair, housing=self.housing))
         return load * self.pair.contact_length("the joint")
@@ -286,8 +296,10 @@ class ClearanceJoint:
 
     @property
     def can_yield(self) -> bool:
-        """Whether both yield stresses are known."""
-        return self.first_yield < float("inf")
+        """Whether all yield stresses are known, those of the housing's rings too."""
+        rings = () if self.housing is None else self.housing.layers
+        bodies = self.pair.material_i, self.pair.material_j, *(body for body, _ in rings)
+        return all(body.yield_stress is not None for body in bodies)
 
     def record(self, beyond: Beyond = "tangent") -> Any:
         """Return the joint as compiled functions take it, of the type `contact.JOINT`."""
@@ -531,13 +543,13 @@ def named_law(what: str, source: str) -> tuple[ContactLaw, str]:
             source, "law", what, "is neither a law nor a fit result",
             f"choose {', '.join(LAWS)}, module:function of your own, or the path of a result",
         )  # fmt: skip
-    from cylcontact.fitting.results import FitResult
+    from cylcontact.fitting import read_result
 
     path = next((path for path in (Path(source).parent / what, Path(what)) if path.is_file()), None)
     if path is None:
         rule = "is neither beside this file nor in the working folder"
         raise InputError(source, "law", what, rule, "give the path of a fit's result")
-    result = FitResult.read(path)
+    result = read_result(path)
     rule, remedy = "is a fit to external contact", "name a fit for a pin in a hole"
     require(result.contact == "internal", source, "law", what, rule, remedy)
     return result.to_law(what), f"fit result '{result.name}', fitted to {result.reference}"

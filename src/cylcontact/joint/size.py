@@ -14,7 +14,7 @@ from cylcontact.joint.check import JointCheck, checked, described
 from cylcontact.joint.loaded import LoadedJoint, law_of, warmed
 from cylcontact.limits.sizing import TARGETS, UNKNOWNS, Unknown, find
 from cylcontact.support.arrays import as_floats, require
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 __all__ = ["Size", "size_of"]
 
@@ -102,7 +102,7 @@ class Size:
             rows = [[f"{value:.6g}" for value in self.values.values()]]
             rows[0].insert(0, f"{name}, {unit}")
             lines[0] = f"{text} serves every pair for {wanted} {load}"
-            lines.append(str(Table(["", *self.values], rows)))
+            lines.append(str(TextTable(["", *self.values], rows)))
         return lines
 
     def to_dict(self) -> dict[str, Any]:

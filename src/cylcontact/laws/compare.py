@@ -13,7 +13,7 @@ from cylcontact.laws import FITTED, LAWS, Conformal, ContactLaw, Housing, Johnso
 from cylcontact.laws.housing_spec import in_housing, takes_housing
 from cylcontact.support.errors import InputError
 from cylcontact.support.html_repr import summary_of
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 __all__ = ["accuracy", "accuracy_text", "comparison", "comparison_text", "listing"]
 
@@ -181,7 +181,7 @@ def accuracy_text(contact: Contact) -> str:
         ]
         for row in accuracy(contact).to_dict("records")
     ]
-    return f"{head}\n\n{Table(['law', 'rms of ln', 'largest, %', 'defined over, %'], rows)}"
+    return f"{head}\n\n{TextTable(['law', 'rms of ln', 'largest, %', 'defined over, %'], rows)}"
 
 
 def listing(contact: Contact) -> str:
