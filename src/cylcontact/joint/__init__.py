@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         joint_from,
         read_joint,
     )
+    from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
     from cylcontact.joint.loaded import LoadedJoint
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
 
@@ -20,15 +21,19 @@ __all__ = [
     "Bush",
     "BushCheck",
     "ClearanceJoint",
+    "Clevis",
+    "ClevisCheck",
     "JointCheck",
     "JointState",
     "JointWrench",
     "LoadedJoint",
     "Numbers",
+    "Plate",
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
     "check_bush",
+    "check_clevis",
     "check_joint",
     "fitted",
     "joint_from",
@@ -39,6 +44,7 @@ _NAMES = {
     "bush": ("Bush", "BushCheck", "check_bush", "fitted"),
     "check": ("JointCheck", "Numbers", "check_joint"),
     "clearance": ("ClearanceJoint", "JointState", "JointWrench", "joint_from", "read_joint"),
+    "clevis": ("Clevis", "ClevisCheck", "Plate", "check_clevis"),
     "loaded": ("LoadedJoint",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }
