@@ -1,7 +1,7 @@
 """A pin that bends.
 
-Line load along the pin of a clevis, beside the uniform one. [The page](../how-to/a-pin-that-bends.md)
-says how accurate it is.
+Line load along the pin of a clevis, beside the uniform one. [The
+page](../how-to/a-pin-that-bends.md) says how accurate it is.
 """
 
 import cylcontact as cc
