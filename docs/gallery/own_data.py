@@ -15,7 +15,7 @@ pair = cc.CylinderPair.internal(
 load = np.array([0.2, 0.5, 1, 2, 3, 5, 8, 12, 16, 20, 25, 30])  # kN
 read = [0.206, 0.454, 0.803, 1.398, 1.952, 2.886, 4.228, 5.886, 7.024, 8.255, 9.939, 11.324]
 result = cc.fit(pd.DataFrame({"load_kN": load, "penetration_um": read}), "explicit", pair)
-figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
+figure, axes = plt.subplots(figsize=(7.2, 4.05), layout="constrained")
 result.plot(ax=axes)
-figure.savefig("own_data.png", dpi=80)
+figure.savefig("own_data.png", dpi=100)
 print(result.predict([225.0]).round(5).to_string(index=False))
