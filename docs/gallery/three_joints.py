@@ -34,8 +34,8 @@ for (sketch, curve), name in zip(axes.T, joints, strict=True):
     for shape, grey in shapes:
         sketch.add_patch(shape).set(facecolor=str(grey), edgecolor="black")
     sketch.arrow(0, 0, 0, 50 if housing is lug else -12, color="red", width=1.5)
-    sketch.plot([35, 55], [-85, -85], "k|-")
-    sketch.text(45, -82, "20 mm", ha="center", va="bottom", fontsize=8)
+    sketch.plot([44, 64], [-85, -85], "k|-")
+    sketch.text(54, -82, "20 mm", ha="center", va="bottom", fontsize=8)
     sketch.set(aspect="equal", title=name, xlim=(-65, 65), ylim=(-92, 65))
     sketch.axis("off")
     load = np.linspace(0, cc.limits.first_yield(pair, housing=housing).load, 60)[1:]
