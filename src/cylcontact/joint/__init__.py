@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from cylcontact.joint.check import JointCheck, Numbers, check_joint
     from cylcontact.joint.clearance import (
         ClearanceJoint,
+        JointJacobian,
         JointState,
         JointWrench,
         joint_from,
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ClearanceJoint",
     "JointCheck",
+    "JointJacobian",
     "JointState",
     "JointWrench",
     "LoadedJoint",
@@ -32,7 +34,10 @@ __all__ = [
 # Loaded on first use: a check of a joint needs no compiler.
 _NAMES = {
     "check": ("JointCheck", "Numbers", "check_joint"),
-    "clearance": ("ClearanceJoint", "JointState", "JointWrench", "joint_from", "read_joint"),
+    "clearance": (
+        *("ClearanceJoint", "JointJacobian", "JointState", "JointWrench"),
+        *("joint_from", "read_joint"),
+    ),
     "loaded": ("LoadedJoint",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }
