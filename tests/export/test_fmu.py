@@ -279,10 +279,12 @@ def test_directional_derivatives_are_those_of_the_outputs(load, joint, kind):
         got = fmu.getDirectionalDerivative(element.outputs, element.inputs, list(along))
         slope = (more - less) / (2 * h)
         forces = [*range(6), 8, 9]
+        if not np.any(slope[forces]):  # free, or the normal force is clipped
+            assert not np.any(np.array(got)[forces])
+            continue
         errors.append(np.abs(slope - got)[forces].max() / np.abs(slope[forces]).max())
-        print(k, float(errors[-1]), element.wrench[6], under_way is state, element.impact_rate)
-        begun.append(under_way is state and element.wrench[6] > 0)
-    errors, begun = np.nan_to_num(errors), np.array(begun)
+        begun.append(under_way is state)
+    errors, begun = np.array(errors), np.array(begun)
     within = errors[~begun] if kind == "CoSimulation" else errors
     assert np.median(within) < 1e-6
     assert (within < 1e-4).mean() > 0.95  # a kink lies in the difference of the others
