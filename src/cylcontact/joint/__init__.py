@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from cylcontact.joint.check import JointCheck, Numbers, check_joint
     from cylcontact.joint.clearance import (
         ClearanceJoint,
+        JointJacobian,
         JointState,
         JointWrench,
         joint_from,
@@ -24,6 +25,7 @@ __all__ = [
     "Clevis",
     "ClevisCheck",
     "JointCheck",
+    "JointJacobian",
     "JointState",
     "JointWrench",
     "LoadedJoint",
@@ -43,7 +45,10 @@ __all__ = [
 _NAMES = {
     "bush": ("Bush", "BushCheck", "check_bush", "fitted"),
     "check": ("JointCheck", "Numbers", "check_joint"),
-    "clearance": ("ClearanceJoint", "JointState", "JointWrench", "joint_from", "read_joint"),
+    "clearance": (
+        *("ClearanceJoint", "JointJacobian", "JointState", "JointWrench"),
+        *("joint_from", "read_joint"),
+    ),
     "clevis": ("Clevis", "ClevisCheck", "Plate", "check_clevis"),
     "loaded": ("LoadedJoint",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
