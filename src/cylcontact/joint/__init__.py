@@ -15,12 +15,14 @@ if TYPE_CHECKING:
         read_joint,
     )
     from cylcontact.joint.loaded import LoadedJoint
+    from cylcontact.joint.many import ClearanceJoints
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
 
 __all__ = [
     "Bush",
     "BushCheck",
     "ClearanceJoint",
+    "ClearanceJoints",
     "JointCheck",
     "JointJacobian",
     "JointState",
@@ -45,6 +47,7 @@ _NAMES = {
         *("joint_from", "read_joint"),
     ),
     "loaded": ("LoadedJoint",),
+    "many": ("ClearanceJoints",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
