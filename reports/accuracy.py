@@ -12,6 +12,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.laws import LAWS, Conformal, ContactLaw, Housing, Johnson, Persson, Sector
+from cylcontact.plots.arguments import law_label
 from cylcontact.plots.figure import legend_below, new_figure, plain_log
 from cylcontact.support.arrays import FloatArray
 
@@ -28,9 +29,9 @@ R_I, R_J, LOAD = 10.0, 9.95, 1000.0
 RATIOS = np.geomspace(1.3, 20.0, 25)
 CLAMPS = {
     "whole rim": "rim",
-    "60° near (pushed)": Sector(60, "pushed"),
-    "wide shank, 120°": Sector(120, "pulled"),
-    "60° far (eye)": Sector(60, "pulled"),
+    "eye, 60°, pushed": Sector(60, "pushed"),
+    "wide shank, 120°, pulled": Sector(120, "pulled"),
+    "eye, 60°, pulled": Sector(60, "pulled"),
 }
 SOLVED = (1.5, 3.0, 10.0)  # R_o/R_i of the finite elements
 
@@ -55,7 +56,7 @@ def fig_accuracy() -> tuple[Figure, pd.DataFrame]:
     figure = new_figure("page", 82.0)
     axes = figure.subplots()
     for number, name in enumerate(table.columns.drop("phi")):
-        axes.plot(PHI, table[name], label=name, markevery=(3 * number, 18))
+        axes.plot(PHI, table[name], label=law_label(str(name)), markevery=(3 * number, 18))
     axes.axhline(0, color="0.5", linewidth=0.6, linestyle="-", marker="")
     axes.set(xscale="log", xlim=(PHI[0], PHI[-1]), xlabel=r"load $f/(E^*\Delta R)$ (-)")
     axes.set(yscale="symlog", ylim=(-100, 100), ylabel="error of the penetration (%)")
@@ -97,7 +98,7 @@ def fig_housing() -> tuple[Figure, pd.DataFrame]:
         look = {"color": f"C{number}", "markersize": 9, "linestyle": "none"}
         axes.plot(SOLVED, points, "+", **look)
         sketch(parts["abcd"[number]], clamp)
-        title = name.replace(" (", "\n(").replace(", ", "\n")
+        title = name.replace("°, ", "°,\n")
         parts["abcd"[number]].set_title(title, color=f"C{number}")
     axes.axhline(table["johnson"].iloc[0], color="0.45", linestyle=":", marker="")
     axes.text(

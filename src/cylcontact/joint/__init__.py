@@ -4,36 +4,56 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cylcontact.joint.bush import Bush, BushCheck, check_bush, fitted
     from cylcontact.joint.check import JointCheck, Numbers, check_joint
     from cylcontact.joint.clearance import (
         ClearanceJoint,
+        JointJacobian,
         JointState,
         JointWrench,
         joint_from,
         read_joint,
     )
+    from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
     from cylcontact.joint.loaded import LoadedJoint
+    from cylcontact.joint.many import ClearanceJoints
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
 
 __all__ = [
+    "Bush",
+    "BushCheck",
     "ClearanceJoint",
+    "ClearanceJoints",
+    "Clevis",
+    "ClevisCheck",
     "JointCheck",
+    "JointJacobian",
     "JointState",
     "JointWrench",
     "LoadedJoint",
     "Numbers",
+    "Plate",
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
+    "check_bush",
+    "check_clevis",
     "check_joint",
+    "fitted",
     "joint_from",
     "read_joint",
 ]
 # Loaded on first use: a check of a joint needs no compiler.
 _NAMES = {
+    "bush": ("Bush", "BushCheck", "check_bush", "fitted"),
     "check": ("JointCheck", "Numbers", "check_joint"),
-    "clearance": ("ClearanceJoint", "JointState", "JointWrench", "joint_from", "read_joint"),
+    "clearance": (
+        *("ClearanceJoint", "JointJacobian", "JointState", "JointWrench"),
+        *("joint_from", "read_joint"),
+    ),
+    "clevis": ("Clevis", "ClevisCheck", "Plate", "check_clevis"),
     "loaded": ("LoadedJoint",),
+    "many": ("ClearanceJoints",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}

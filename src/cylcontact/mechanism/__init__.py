@@ -2,6 +2,8 @@
 
 from cylcontact.joint import (
     ClearanceJoint,
+    ClearanceJoints,
+    JointJacobian,
     JointState,
     JointWrench,
     SpatialJoint,
@@ -20,7 +22,9 @@ from cylcontact.mechanism.trajectory import Trajectory, simulate
 __all__ = [
     "Case",
     "ClearanceJoint",
+    "ClearanceJoints",
     "Interrupted",
+    "JointJacobian",
     "JointState",
     "JointWrench",
     "LawDomainError",
