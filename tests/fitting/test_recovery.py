@@ -55,7 +55,8 @@ def residuals(contact, x, sampled):
     E_star, dR, f, johnson = sampled
     if contact == "internal":
         a, b = x[0], x[0] / 10
-        Y = np.maximum(x[1] * np.log(1000 * dR) ** (-x[1] / 10), x[1] / 100 * dR + 1 + x[1] / 10)
+        logarithmic = x[1] * np.log(1000 * dR) ** (-x[1] / 10)
+        Y = np.where(dR < 0.34954, logarithmic, x[1] / 100 * dR + 1 + x[1] / 10)
         n = Y * dR**-0.005
     else:
         a, b, n = (*x, 1.094)[:3]

@@ -149,7 +149,7 @@ def profiles_of(
 ) -> dict[str, Profile]:
     """Return the profiles of the free coefficients, at the best and, perhaps, published ones."""
     # A batch is faster where descents are; otherwise each coefficient has a worker.
-    is_batch = space.random_starts > 0
+    is_batch = space.in_batches
     groups = [space.names] if is_batch else [[name] for name in space.names]
     calls = [call(_profiles, space, group, *compared) for group in groups]
     progress("profiling", 0, len(calls))

@@ -48,7 +48,6 @@ class RunRecord(Spec):
     seed: int
     # The budget of a search; None for a descent.
     population: int | None
-    crossover: str | None
     objective_before_polish: float
     # None in old results.
     coefficients_before_polish: dict[str, float] | None

@@ -13,7 +13,7 @@ from cylcontact.files.journal import Journal, call_for, run_recorded
 from cylcontact.files.spec import parse_spec
 from cylcontact.fitting.readings import Fit
 from cylcontact.fitting.records import Published, RunRecord
-from cylcontact.fitting.search import genetic_search, minimise
+from cylcontact.fitting.search import genetic_search, polish
 from cylcontact.fitting.space import Space
 from cylcontact.fitting.specs import GeneticSpec
 from cylcontact.support.arrays import FloatArray, on_one_thread
@@ -32,22 +32,16 @@ def searches(space: Space, genetic: GeneticSpec, seed: int, source: str = "campa
 def run_search(
     space: Space, genetic: GeneticSpec, index: int, seed: int, source: str = "campaign"
 ) -> RunRecord:
-    """Search and descend on one thread, so that the result depends on the arguments alone.
-
-    All combinations of populations and crossovers take turns.
-    """
+    """Search and descend on one thread, so that the result depends on the arguments alone."""
     started = time.perf_counter()
-    turn, place = divmod(index, len(genetic.populations))
-    population = genetic.populations[place]
-    crossover = genetic.crossovers[turn % len(genetic.crossovers)]
     with on_one_thread():
-        best = genetic_search(space, population, genetic.generations, crossover, seed)
-        end = minimise(space, best.point, seed)
+        best = genetic_search(space, genetic.population, genetic.generations, seed)
+        end = polish(space, best.point)
     if not np.isfinite(end[1]):
         rule = f"run {index} found no coefficients for which the law is defined"
-        remedy = "narrow the bounds, or raise populations and generations"
-        raise InputError(source, "genetic.populations", population, rule, remedy)
-    budget = {"population": population, "crossover": crossover, "evaluations": best.evaluations}
+        remedy = "narrow the bounds, or raise population and generations"
+        raise InputError(source, "genetic.population", genetic.population, rule, remedy)
+    budget = {"population": genetic.population, "evaluations": best.evaluations}
     return _record(space, (best.point, best.value), end, started, index, seed, **budget)
 
 
@@ -56,7 +50,7 @@ def descend_from(fit: Fit, start: FloatArray, index: int, seed: int) -> RunRecor
     started = time.perf_counter()
     with on_one_thread():  # matrices this small are slower on several threads
         end = fit.minimise(start)
-    budget = {"population": None, "crossover": None, "evaluations": None}
+    budget = {"population": None, "evaluations": None}
     return _record(fit, (start, fit.value(start)), end, started, index, seed, **budget)
 
 

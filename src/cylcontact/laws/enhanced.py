@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
-from numpy import log, maximum, nan
+from numpy import log, nan
 
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.formula import Formula, choose
@@ -30,6 +30,7 @@ class InternalCoefficients(Constants):
     Y_slope: float = constant(-0.1, 0.1, "slope of Y over ΔR", 0.0151, unit="1/mm")
     Y_offset: float = constant(0.8, 1.6, "Y of the linear branch at ΔR = 0", 1.151)
     n_exponent: float = constant(-0.1, 0.1, "exponent of ΔR in n", -0.005)
+    Y_switch: float = constant(nan, nan, "ΔR from which Y is linear", 0.34954, unit="mm")
     contact: ClassVar[Contact] = "internal"
     law = "Enhanced"
 
@@ -57,23 +58,24 @@ PUBLISHED_DR: Mapping[Contact, tuple[float, float]] = {
 }
 
 
-def internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent) -> float:
-    """Return n = Y·ΔR^n_exponent (Eq 6c), with Y at ΔR in mm (Eq 6d) the larger of its branches.
+def internal_exponent(
+    dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent, Y_switch
+) -> float:
+    """Return n = Y·ΔR^n_exponent (Eq 6c), with Y at ΔR in mm by Eq 6d.
 
-    The published branches cross at the published switch point, 0.34954 mm, and the larger one
-    applies on either side. The maximum is therefore equivalent, and the switch point follows
-    the coefficients.
+    The published branches of Y meet at the switch, 0.34954 mm. Those of other coefficients may
+    leave a jump there.
     """
     logarithmic = Y_log_scale * log(1000 * dR) ** Y_log_exponent
-    Y = maximum(logarithmic, Y_slope * dR + Y_offset)
+    Y = choose(dR < Y_switch, logarithmic, Y_slope * dR + Y_offset)
     return Y * dR**n_exponent
 
 
 def internal(
-    E_star, dR, a, b, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent
+    E_star, dR, a, b, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent, Y_switch
 ) -> Numbers:
     """Return K = (a·ΔR + b)·E*/ΔR and n of Eq 6 for internal contact."""
-    n = internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent)
+    n = internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent, Y_switch)
     K_star = a * dR + b
     in_range = (dR >= INTERNAL_DR_MIN) & (dR < INTERNAL_DR_MAX)
     return Numbers(choose(in_range & (K_star > 0) & (n > 0), K_star * E_star / dR, nan), n)
@@ -87,8 +89,8 @@ def external(E_star, dR, a, b, n) -> Numbers:
 
 _EQUATION = "f = (a*dR + b)*E_star/dR*penetration^n"
 _WITH_Y = (
-    f"{_EQUATION} with n = Y*dR^n_exponent and "
-    "Y = max(Y_log_scale*ln(1000*dR)^Y_log_exponent, Y_slope*dR + Y_offset)"
+    f"{_EQUATION} with n = Y*dR^n_exponent; "
+    "Y = Y_log_scale*ln(1000*dR)^Y_log_exponent for dR < Y_switch, else Y_slope*dR + Y_offset"
 )
 _FORMULAS: Mapping[Contact, Formula] = {
     "internal": power_formula(internal, _WITH_Y, IN_MM),
