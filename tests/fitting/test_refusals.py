@@ -31,7 +31,10 @@ AS_GRID = "not a parameter of power for internal"
 ON_GRID = [
     ({"law": "hertz"}, "law", "hertz", "is not a law that can be fitted", "enhanced or"),
     ({"objective": "rms"}, "objective", "rms", "is not a known objective", "rms-log-penetration"),
-    *(({SIZE: some}, SIZE, some, "must be", "integer from 4 to 100000") for some in (3, 100_001, [60])),
+    *(
+        ({SIZE: some}, SIZE, some, "must be", "integer from 4 to 100000")
+        for some in (3, 100_001, [60])
+    ),
     ({"bounds.n": [1.5, 1]}, "bounds.n", [1.5, 1.0], "below the upper bound", "use [fixed]"),
     ({"bounds.n": [1]}, "bounds.n.1", None, "is required", "[bounds]"),
     ({"bounds.n": ["1", 2]}, "bounds.n.0", "1", "must be a number", "[bounds]"),
@@ -62,7 +65,10 @@ ON_TABLE = [
     ({"materials": "absent.csv"}, "materials", "absent.csv", "no such file", ""),
     (
         {"law": "enhanced", "free": ["Y_switch"]},
-        "Y_switch", None, "which no fit may search", "--fix Y_switch=0.34954",
+        "Y_switch",
+        None,
+        "which no fit may search",
+        "--fix Y_switch=0.34954",
     ),
     ({"bounds": {"K": [0.0, 1.0]}}, "bounds.K", None, "is not a parameter of", "kappa"),
     (FIXED, "parameters", None, "are all fixed", "free at least one"),

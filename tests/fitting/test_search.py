@@ -99,7 +99,7 @@ def test_the_search_alone_ends_at_the_optimum_of_every_campaign_from_any_seed(na
 
 
 def test_the_search_alone_finds_the_least_largest_difference():
-    """To 0.1 %: the objective has kinks, and the valley is narrower than that of a sum of squares."""
+    """To 0.1 %, in a valley with kinks that is narrower than that of a sum of squares."""
     space = samples_space("max-difference-percent")
     above = alone_above_the_optimum(space, GeneticSpec(), range(2))
     assert np.all(above < 1e-3)

@@ -1,9 +1,9 @@
 """Profiles: how much worse a fit gets when a parameter moves and all others follow.
 
 A profile is the lowest objective with one parameter held, as a function of its value. Each value is
-refitted from the minima of its neighbours, beginning at the optimum. All refits are remembered; where
-one is lower, its neighbours are refitted from it. So the ends of an interval lie between two values
-that are known to be inside and outside of it.
+refitted from the minima of its neighbours, beginning at the optimum. All refits are remembered;
+where one is lower, its neighbours are refitted from it. So the ends of an interval lie between two
+values that are known to be inside and outside of it.
 """
 
 from __future__ import annotations

@@ -69,7 +69,7 @@ def genetic_search(space: Space, population: int, generations: int, seed: int) -
         values = space.values(space.low + genes * space.span)
         return np.where(np.isfinite(values), -values, _WORST_FITNESS)
 
-    class Engine(pygad.GA):
+    class Engine(pygad.GA):  # type: ignore[misc]
         """PyGAD with the fitness of a generation in one call, in place of one for each solution."""
 
         evaluations = 0

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
-from numpy import log, nan
+from numpy import inf, log, nan
 
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.formula import Formula, choose
@@ -14,6 +14,10 @@ from cylcontact.laws.law import Constants, constant
 from cylcontact.laws.power import IN_MM, Numbers, PowerShaped, power_formula
 from cylcontact.support.errors import InputError
 
+# E* in MPa of steel on steel, E = 207 GPa and ν = 0.3, and a load in N/mm: for the size of a jump.
+_E_STAR, _LOAD = 207e3 / (2 * (1 - 0.3**2)), 100.0
+# A smaller jump is not worth a note: the published branches meet to 1e-8.
+_LEAST_JUMP = 1e-4
 # Eq 6d defines Y for internal contact on [0.005, 10[ mm.
 INTERNAL_DR_MIN = 0.005
 INTERNAL_DR_MAX = 10.0
@@ -30,9 +34,19 @@ class InternalCoefficients(Constants):
     Y_slope: float = constant(-0.1, 0.1, "slope of Y over ΔR", 0.0151, unit="1/mm")
     Y_offset: float = constant(0.8, 1.6, "Y of the linear branch at ΔR = 0", 1.151)
     n_exponent: float = constant(-0.1, 0.1, "exponent of ΔR in n", -0.005)
-    Y_switch: float = constant(nan, nan, "ΔR from which Y is linear", 0.34954, unit="mm")
+    Y_switch: float = constant(
+        INTERNAL_DR_MIN, INTERNAL_DR_MAX, "ΔR from which Y is linear", 0.34954, unit="mm"
+    )
     contact: ClassVar[Contact] = "internal"
     law = "Enhanced"
+
+    @property
+    def jump(self) -> float:
+        """The relative change of the penetration at Y_switch, of steel under 100 N/mm."""
+        values = asdict(self)
+        first = {**values, "Y_switch": inf}  # the logarithmic branch everywhere
+        (K1, n1), (K2, n2) = (internal(_E_STAR, self.Y_switch, **each) for each in (first, values))
+        return float((_LOAD / K2) ** (1 / n2) / (_LOAD / K1) ** (1 / n1) - 1)
 
 
 @dataclass(frozen=True)
@@ -144,6 +158,24 @@ class Enhanced(PowerShaped):
         rule, remedy = "the names must be those of one contact", f"internal: {internal}"
         names = sorted(values)
         raise InputError("Enhanced", "coefficients", names, rule, f"{remedy}; external: {external}")
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """The clearance in mm at which the branches of Y of fitted coefficients may not meet."""
+        own = self.coefficients
+        return (own.Y_switch,) if isinstance(own, InternalCoefficients) else ()
+
+    @property
+    def note(self) -> str:
+        """The jump between the branches of Y, if they do not meet."""
+        own = self.coefficients
+        if not isinstance(own, InternalCoefficients) or abs(own.jump) < _LEAST_JUMP:
+            return ""
+        return (
+            f"The branches of Y do not meet at dR = {own.Y_switch:g} mm: from there on the "
+            f"penetration of steel under {_LOAD:g} N/mm is {abs(100 * own.jump):.1f} % "
+            f"{'larger' if own.jump > 0 else 'smaller'}"
+        )
 
     def require_pair(self, pair: CylinderPair) -> None:
         """Raise `InputError` if the coefficients are not for the pair."""

@@ -101,15 +101,22 @@ def find(
         depth = law.penetration(load / scale, at)
         return as_floats(depth if stiffness is None else scale * law.stiffness(depth, at))
 
-    grid = np.geomspace(low, high, _SCAN)
+    # On both sides of a clearance at which the law jumps.
+    jumps = [x for x in getattr(law, "jumps", ()) if unknown == "dR" and low < x < high]
+    grid = np.union1d(np.geomspace(low, high, _SCAN), [*np.nextafter(jumps, 0), *jumps])
     values = value(grid)
     known = np.isfinite(values)
     miss = np.sign(values[known] - target)
-    crossings = np.flatnonzero(miss[:-1] * miss[1:] <= 0)
+    crossings = np.flatnonzero((miss[:-1] * miss[1:] <= 0) & ~np.isin(grid[known][1:], jumps))
+    of = "mm" if stiffness is None else "N/mm" if unknown == "length" else "N/mm²"
+    for jump in jumps if crossings.size == 0 else []:
+        below, above = value([np.nextafter(jump, 0), jump])
+        if (below - target) * (above - target) < 0:
+            rule = f"is met by no dR: the law jumps from {below:.4g} to {above:.4g} {of}"
+            raise InputError(_SOURCE, key, target, f"{rule} at {jump:g} mm", "change the target")
     if crossings.size == 0:
         reach = f"{np.min(values[known]):.4g} to {np.max(values[known]):.4g}" if known.any() else ""
         rule = f"is met by no {unknown} from {low:g} to {high:g} {unit}"
-        of = "mm" if stiffness is None else "N/mm" if unknown == "length" else "N/mm²"
         rule += f", which give {reach} {of}" if reach else f", where {law.name} has no value"
         raise InputError(_SOURCE, key, target, rule, "change the load, the materials or the target")
     from scipy.optimize import brentq  # which takes longer to import than the package
