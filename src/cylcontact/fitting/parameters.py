@@ -74,7 +74,8 @@ class LawModel:
     # shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
     # from moments and has a lower bound.
     power_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
-    # The same with ln K* for K*, and the derivatives of both by the parameters, shape (P, k, m).
+    # The same with ln K* for K*, and the derivatives of both by the parameters, shape (P, k, m). The
+    # clearances may differ between candidates, shape (P, m).
     slope_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, ...]] | None = None
     # Whether it can be fitted on a grid, where a sample has ΔR and f/E* only, and whether its
     # nominal values are those of the law's source, not of this project.
@@ -216,7 +217,8 @@ def package_models() -> Iterator[LawModel]:
     inside = {"dR_min": INTERNAL_DR_MIN, "dR_max": INTERNAL_DR_MAX}
     forms = {"power_form": _enhanced, "slope_form": _enhanced_slopes}
     yield _of_coefficients(Enhanced, "internal", **forms, **inside)
-    yield _of_coefficients(Enhanced, "external", power_form=_enhanced)
+    forms["slope_form"] = _external_slopes
+    yield _of_coefficients(Enhanced, "external", **forms)
     for contact in CONTACTS:
         yield _of_coefficients(Explicit, contact, nominal_is_published=False)
     yield from (_lankarani(contact) for contact in CONTACTS)
@@ -258,9 +260,18 @@ def _enhanced_slopes(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray
     linear = np.where(dR < switch, 0.0, reach)
     logarithmic = reach - linear
     n = scale * power * logarithmic + (slope * dR + offset) * linear
-    K_slopes, n_slopes = np.zeros((2, *candidates.shape, dR.size))
+    K_slopes, n_slopes = np.zeros((2, *candidates.shape, dR.shape[-1]))
     K_slopes[:, 0], K_slopes[:, 1] = dR / K_star, 1 / K_star
     n_slopes[:, 2] = logarithmic * power
     n_slopes[:, 3] = logarithmic * scale * power * log_log
     n_slopes[:, 4], n_slopes[:, 5], n_slopes[:, 6] = linear * dR, linear, n * log_dR
     return np.log(K_star), n, K_slopes, n_slopes
+
+
+def _external_slopes(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, ...]:
+    """Return ln K*, n and their derivatives for external contact."""
+    a, b, n = candidates.T[:, :, None]
+    K_star = a * dR + b
+    K_slopes, n_slopes = np.zeros((2, *candidates.shape, dR.shape[-1]))
+    K_slopes[:, 0], K_slopes[:, 1], n_slopes[:, 2] = dR / K_star, 1 / K_star, 1.0
+    return np.log(K_star), n + np.zeros_like(K_star), K_slopes, n_slopes
