@@ -7,9 +7,10 @@ for polynomials up to degree 23.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Self
+from itertools import product
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -222,3 +223,80 @@ class OnNodes(Space):
             best = np.where(lower[:, None], points, best) if best.size else points
             values = np.where(lower, reached, values)
         return self.complete(best)[:, :-1], values ** (1 / powers[-1])
+
+
+# Bounds of a study, which cut no optimum off: those of a campaign are narrower.
+_WIDE = {
+    "a": (0.0, 20.0),
+    "b": (-2.0, 100.0),
+    "n": (0.5, 2.0),
+    "Y_log_scale": (0.1, 20.0),
+    "Y_log_exponent": (-3.0, 2.0),
+    "Y_slope": (-0.2, 0.2),
+    "Y_offset": (0.3, 3.0),
+    "n_exponent": (-0.5, 0.5),
+}
+# Where descents begin, besides the published values.
+_STARTS: dict[Contact, list[dict[str, float]]] = {
+    "internal": [
+        {"a": 0.5, "b": 0.2, "Y_log_scale": 1.55, "Y_log_exponent": -0.19, "Y_slope": 0.004,
+         "Y_offset": 1.11, "n_exponent": -0.01},
+        {"a": 1.2, "b": 0.2, "Y_log_scale": 1.2, "Y_log_exponent": 0.0, "Y_slope": 0.02,
+         "Y_offset": 1.2, "n_exponent": -0.07},
+    ],
+    "external": [{"a": 0.3, "b": 3.0, "n": 1.08}],
+}  # fmt: skip
+
+
+def fit_many(
+    contact: Contact,
+    grids: Sequence[Axes],
+    searched: Mapping[str, Mapping[str, Mapping[str, Any]]],
+    objectives: Sequence[str],
+) -> dict[tuple[str, str], tuple[FloatArray, FloatArray]]:
+    """Fit the enhanced law to Johnson's on each of G grids, for several objectives.
+
+    Parameters
+    ----------
+    contact : "internal" or "external"
+        The contact.
+    grids : sequence of Axes
+        The grids.
+    searched : mapping
+        By name, the tables `fixed` and `ties` of a campaign; the other coefficients are searched.
+    objectives : sequence of str
+        From `DEVIATIONS`.
+
+    Returns
+    -------
+    dict
+        By the names of the two: the coefficients, shape (G, 7) or (G, 3), and the objectives (G,).
+    """
+    found = {}
+    nodes: dict[str, Nodes] = {}
+    for (name, tables), objective in product(searched.items(), objectives):
+        deviation = DEVIATIONS[objective]
+        if deviation.weight not in nodes:
+            nodes[deviation.weight] = nodes_of(grids, deviation.weight)
+        space = OnNodes.of(contact, _free(contact, **tables), deviation, nodes[deviation.weight])
+        starts = [MODELS["enhanced", contact].published, *_STARTS[contact]]
+        points = [space.point({**start, "grid": 0.0})[:-1] for start in starts if start]
+        coefficients, values = space.fitted(points)
+        found[name, objective] = coefficients[:, : len(_STARTS[contact][0])], values
+    return found
+
+
+def _free(
+    contact: Contact, fixed: Mapping[str, float] = {}, ties: Mapping[str, str] = {}
+) -> list[Parameter]:
+    """Return the parameters of the law, some of them fixed or tied."""
+    return [
+        replace(p, tie=ties[p.name], value=None)
+        if p.name in ties
+        else replace(p, value=fixed[p.name])
+        if p.name in fixed
+        else replace(p, low=_WIDE[p.name][0], high=_WIDE[p.name][1])
+        if p.is_free
+        else p
+        for p in MODELS["enhanced", contact].parameters
+    ]
