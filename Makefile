@@ -79,7 +79,7 @@ finite-element: $(VENV)/.editable ## Redo the finite elements' tables (some 20 m
 # The paper's 24 cases and those of the explicit law.
 mechanism: $(VENV)/.editable ## Redo datasets/mechanism/cases.csv, 1,000 revolutions of 32 cases (minutes)
 	$(CYLCONTACT) sweep datasets/slider_crank.toml \
-		--law lankarani-nikravesh,johnson,enhanced,explicit --clearance 0.5,0.02 \
+		--law lankarani-nikravesh,johnson,enhanced,explicit --radial-clearance 0.5,0.02 \
 		--restitution 1,0.9 --friction 0,0.1 --revolutions 1000 --beyond tangent \
 		-o datasets/mechanism/cases.csv
 

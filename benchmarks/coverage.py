@@ -22,6 +22,7 @@ from joblib import Parallel, delayed
 
 import cylcontact as cc
 from cylcontact.files.writing import replacing
+from cylcontact.fitting import findings
 
 RESULT = Path(__file__).parents[1] / "datasets" / "coverage.csv"
 SETS, SEED = 400, 20150101
@@ -123,9 +124,9 @@ def coverage_of(name: str, sets: int, seed: int = SEED, jobs: int = 1) -> pd.Dat
 def _fitted(kind: Kind, options: dict[str, Any], seed: np.random.SeedSequence) -> dict[str, Any]:
     """Fit a table; return the interval of each parameter, and whether the report warns."""
     frame = kind.sample(np.random.default_rng(seed))
-    uncertainty = cc.fit(frame, "explicit", PAIR, starts=1, **options).uncertainty
-    intervals = {n: (one.profile.low, one.profile.high) for n, one in uncertainty.estimates.items()}
-    return intervals | {"warned": bool(uncertainty.findings)}
+    result = cc.fit(frame, "explicit", PAIR, starts=1, **options)
+    intervals = {n: (result.estimates[n].low, result.estimates[n].high) for n in result.free}
+    return intervals | {"warned": bool(findings.tests_of_noise(result.optimum))}
 
 
 def _as_options(options: dict[str, Any]) -> str:

@@ -18,7 +18,7 @@ from cylcontact.laws.kernels import kernel, kernel_load
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.5, material=Material("steel", E=207e3, nu=0.3))
 JOHNSON, ENHANCED, CONFORMAL = laws.Johnson(), laws.Enhanced(), laws.Conformal()
-THIN_EYE = laws.Conformal(laws.Housing(13.0, laws.Sector(60, "far")))
+THIN_EYE = laws.Conformal(laws.Housing(13.0, laws.Sector(60, "pulled")))
 E_STAR, DR = float(PAIR.E_star), float(PAIR.dR)
 K, N = float(ENHANCED.factor(PAIR)), float(ENHANCED.exponent(PAIR))
 

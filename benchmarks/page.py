@@ -131,7 +131,7 @@ conformal curve of a thin eye, ms; 150; curve; a thin eye
 slider-crank, slowest of 24 cases, times real time; 1; restitution; cylcontact, 1e-08; real time
 import cylcontact, s; 0.15; a process; import cylcontact
 cylcontact --help, s; 0.3; a process; cylcontact --help
-cylcontact laws, s; 0.9; a process; cylcontact laws
+cylcontact check, s; 0.9; a process; cylcontact check
 cylcontact fit of 60 readings, s; 1.2; a process; cylcontact fit of a table
 cylcontact predict, s; 0.6; a process; cylcontact predict
 first simulation after an install, s; 9; first simulation; cylcontact simulate

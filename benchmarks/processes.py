@@ -16,7 +16,7 @@ from benchmarks.harness import Row, compare, rows, seconds_of
 BENCH = Path(__file__).parents[1]
 FIT = "fit datasets/examples/pin-in-hole.csv --law johnson --contact internal"
 SIMULATE = "simulate datasets/slider_crank.toml --revolutions 2"
-LAWS = "laws --material bronze --Ri 10 --Rj 9.95 --load 100"
+CHECK = "check --material bronze --Ri 10 --Rj 9.95 --load 100"
 
 
 def measure(short: bool) -> Iterator[list[Row]]:
@@ -25,7 +25,7 @@ def measure(short: bool) -> Iterator[list[Row]]:
         run(FIT, "-o", folder)
         commands = {
             "--help": "--help",
-            "laws": LAWS,
+            "check": CHECK,
             "fit of a table": f"{FIT} -o {folder}",
             "predict": f"predict {folder}/result.json --load '100 N/mm'",
             "simulate": SIMULATE,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from latex2mathml.converter import convert
 from mkdocs.structure.files import File
+from mkdocs.utils import get_relative_url
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[([](.*?)\\[)\]]</\1>', re.DOTALL)
 # Indices in a text, as in R_i or σ_Y; names of code such as Y_log_scale are left alone.
@@ -49,8 +50,10 @@ def on_page_content(text, **_):
     return "".join([*pieces, INDEXED.sub(r"\1<sub>\2</sub>", text[end:])])
 
 
-def on_post_page(output, **_):
-    """Name the search box, which the theme leaves without a name."""
+def on_post_page(output, page, **_):
+    """Name the search box, which the theme leaves without a name, and let it search from disk."""
+    ours = get_relative_url("search_from_disk.js", page.url)
+    output = output.replace("https://unpkg.com/iframe-worker/shim", ours)
     return output.replace('role="dialog">', 'role="dialog" aria-label="Search">')
 
 

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.patches import Arc, Circle, FancyArrowPatch, Polygon, Rectangle
 
 import cylcontact as cc
-from cylcontact.fitting import FitResult
+from cylcontact.fitting import read_result
 
 FOLDER = Path(__file__).parent / "pictures"
 HOLE, PIN, RED, EDGE = "0.86", "#cfe4f2", "#b3261e", {"edgecolor": "black", "linewidth": 0.8}
@@ -112,7 +112,7 @@ def housing():
     lug.patches[0].remove()
     lug.add_patch(Rectangle((-1.9, -2.8), 3.8, 2.8, facecolor=HOLE, zorder=0, **EDGE))
     label(lug, "lug: the shank is\nas wide as the eye", (0, -3.35))
-    titles = ("--clamp rim", "--clamp near:60", "--clamp far:60", "--clamp lug")
+    titles = ("--clamp rim", "--clamp pushed:60", "--clamp pulled:60", "--clamp lug")
     words = ("a ring in a frame", "an eye, pushed", "an eye, pulled", "a lug, pulled")
     for panel, title, text in zip(axes, titles, words, strict=True):
         panel.set_title(f"{text}\n{title}", fontsize=10)
@@ -138,7 +138,7 @@ def datum():
     sketch.set_title("penetration: how far these two move\napart, less the clearance", fontsize=10)
     steel, bronze = cc.Material.named("high-strength steel"), cc.Material.named("bronze")
     joint = cc.CylinderPair.internal(R_i=10.0, R_j=9.95, pin=steel, hole=bronze)
-    pulled = cc.laws.Sector(60, "far")
+    pulled = cc.laws.Sector(60, "pulled")
     datums = {
         "rim of an eye, R_o = 20 mm, pulled": cc.laws.Housing(20.0, pulled),
         "rim of a plate, R_o = 100 mm": cc.laws.Housing(100.0),
@@ -288,7 +288,7 @@ def what_limits():
     """Errors of the enhanced law, published and refitted, and the bound of its form."""
     names = "internal", "internal-E1000", "practical", "conformal", "external", "external-E1000"
     folder = Path(__file__).parents[1] / "fitting/results"
-    results = [FitResult.read(folder / f"{name}.json") for name in names]
+    results = [read_result(folder / f"{name}.json") for name in names]
     bars = {
         "published coefficients": [result.published.objective for result in results],
         "fitted": [result.objective.value for result in results],

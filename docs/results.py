@@ -43,20 +43,20 @@ def claims(table):
     """Return a page of the paper's claims, by verdict."""
     parts = [
         f"{BELOW}# What the paper claims\n",
-        "Each claim is read in every way that its words allow; ✓ and ✗ say whether it holds so. "
-        "`cylcontact claims` prints the same.\n",
+        "Each claim with every interpretation that its words allow: ✓ it holds, ✗ it does not, "
+        "○ the number is no evidence. `cylcontact claims` prints the same.\n",
     ]
-    for verdict in ("holds", "depends on the reading", "does not hold"):
-        rows = table[table["verdict"] == verdict]
-        by_claim = rows.groupby(["section", "claim", "printed", "quotation"], sort=False)
+    for verdict in ("holds", "depends on the interpretation", "does not hold"):
+        chosen = table[table["verdict"] == verdict]
+        by_claim = chosen.groupby(["section", "claim", "printed", "quotation"], sort=False)
         parts.append(f"## {verdict.capitalize()} ({by_claim.ngroups})\n")
-        for (section, claim, printed, quotation), readings in by_claim:
+        for (section, claim, printed, quotation), rows in by_claim:
             parts.append(f"**{escaped(claim)}** (Section {section})\n")
             parts.append(f"The paper: {escaped(printed)}; “{escaped(quotation)}”.\n")
-            signs = {"True": "✓", "False": "✗"}
+            signs = {"True": "✓", "False": "✗", "": "○"}
             parts += [
-                f"- {signs[row.holds]} {escaped(row.reading)}: {escaped(row.ours)}"
-                for row in readings.itertuples()
+                f"- {signs[row.holds]} {escaped(row.interpretation)}: {escaped(row.ours)}"
+                for row in rows.itertuples()
             ]
             parts.append("")
     return "\n".join(parts)

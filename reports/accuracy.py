@@ -28,9 +28,9 @@ R_I, R_J, LOAD = 10.0, 9.95, 1000.0
 RATIOS = np.geomspace(1.3, 20.0, 25)
 CLAMPS = {
     "whole rim": "rim",
-    "60° near (pushed)": Sector(60, "near"),
-    "wide shank, 120°": Sector(120, "far"),
-    "60° far (eye)": Sector(60, "far"),
+    "60° near (pushed)": Sector(60, "pushed"),
+    "wide shank, 120°": Sector(120, "pulled"),
+    "60° far (eye)": Sector(60, "pulled"),
 }
 SOLVED = (1.5, 3.0, 10.0)  # R_o/R_i of the finite elements
 
@@ -132,7 +132,7 @@ def sketch(axes: Axes, clamp: str | Sector) -> None:
     axes.add_patch(Circle((0, 0.08), 0.92, facecolor="#cfe4f2", edgecolor="black", linewidth=0.6))
     axes.annotate("", (0, 0.7), (0, -0.55), arrowprops={"arrowstyle": "-|>", "facecolor": "black"})
     half = 180.0 if clamp == "rim" else clamp.angle / 2  # type: ignore[union-attr]
-    middle = 90.0 if clamp == "rim" or clamp.side == "near" else 270.0  # type: ignore[union-attr]
+    middle = 90.0 if clamp == "rim" or clamp.side == "pushed" else 270.0  # type: ignore[union-attr]
     held = {"theta1": middle - half, "theta2": middle + half, "linewidth": 3.5, "color": "black"}
     axes.add_patch(Arc((0, 0), 2 * outer, 2 * outer, **held))
     if clamp != "rim":  # the rod or shank that holds the sector

@@ -32,6 +32,7 @@ CURVES = (
     ("hertz_MPa", {"color": "C0", "linestyle": "-"}, "Hertz (Eq 7)"),
     ("conformal_MPa", {"color": "C1", "linestyle": "--"}, "conformal"),
 )
+FIG_6_LOADS = (20.0, 40.0, 100.0)  # N/mm
 FIG_6_WIDE = 0.445  # mm, from where on the paper states 3 %
 
 

@@ -10,7 +10,7 @@ import typer
 from hypothesis import settings
 
 from cylcontact import CylinderPair, Material, cli
-from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
+from cylcontact.fitting import Campaign, LawFit, calibrate
 from tests.support import programs
 from tests.support.spec_files import write_bench
 
@@ -103,11 +103,11 @@ def pairs(steel: Material) -> CylinderPair:
 @pytest.fixture(scope="session")
 def small_campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
     """Three short runs on 96 samples."""
-    return read_campaign(write_bench(tmp_path_factory.mktemp("bench")))
+    return Campaign.read(write_bench(tmp_path_factory.mktemp("bench")))
 
 
 @pytest.fixture(scope="session")
-def small_result(small_campaign: Campaign) -> FitResult:
+def small_result(small_campaign: Campaign) -> LawFit:
     return calibrate(small_campaign)
 
 

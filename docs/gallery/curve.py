@@ -10,7 +10,7 @@ import numpy as np
 import cylcontact as cc
 
 steel, bronze = cc.Material.named("high-strength steel"), cc.Material.named("bronze")
-pulled = cc.laws.Sector(60, "far")
+pulled = cc.laws.Sector(60, "pulled")
 cases = {
     "steel in steel": (steel, "johnson"),
     "steel in bronze": (bronze, "johnson"),

@@ -13,7 +13,7 @@ steel, bronze = cc.Material.named("high-strength steel"), cc.Material.named("bro
 law, load = cc.laws.Conformal(), np.geomspace(10, 2000, 80)
 figure, axes = plt.subplots(figsize=(6.4, 4), layout="constrained")
 for fit in ("20H7/g6", "20H7/f7", "20H8/d9"):
-    pair = cc.CylinderPair.of_fit(fit, pin=steel, hole=bronze, length=20.0)
+    pair = cc.CylinderPair.from_iso(fit, pin=steel, hole=bronze, length=20.0)
     depth = law.penetration(load[:, None], pair)
     loosest, middle, tightest = np.sort(1e-3 * law.stiffness(depth, pair), axis=1).T
     (line,) = axes.plot(load, middle, label=fit)

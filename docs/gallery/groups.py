@@ -21,7 +21,7 @@ for axes, options in zip(panels, ({}, {"group": "specimen"}), strict=True):
     result = cc.fit(table, "explicit", pair, **options)
     result.plot(ax=axes)
     axes.set_title("readings taken as independent" if not options else "with nine specimens")
-    interval = result.uncertainty.estimates["stiffness_factor"].profile
+    interval = result.estimates["stiffness_factor"]
     widths[axes.get_title()] = {"low": interval.low, "high": interval.high}
 figure.savefig("groups.png", dpi=80)
 print(pd.DataFrame(widths).T.round(4))

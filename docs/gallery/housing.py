@@ -14,8 +14,8 @@ pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.95, pin=steel, hole=bronze)
 outer = np.geomspace(14, 100, 20)
 clamps = {
     "clamped all round": "rim",
-    "eye, pushed": cc.laws.Sector(60, "near"),
-    "eye, pulled": cc.laws.Sector(60, "far"),
+    "eye, pushed": cc.laws.Sector(60, "pushed"),
+    "eye, pulled": cc.laws.Sector(60, "pulled"),
 }
 figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
 for label, clamp in clamps.items():

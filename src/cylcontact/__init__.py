@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cylcontact import laws, limits
-    from cylcontact.bodies import fits
+    from cylcontact.bodies import iso286
     from cylcontact.bodies.material import Material
     from cylcontact.bodies.pair import CylinderPair
     from cylcontact.fitting import choose, fit
     from cylcontact.impact import dissipation, friction
+    from cylcontact.joint.check import check_joint
     from cylcontact.laws import ContactLaw
     from cylcontact.limits import sizing
-    from cylcontact.reports.joint_check import check_joint
     from cylcontact.support.errors import InputError
 
 __all__ = [
@@ -26,9 +26,9 @@ __all__ = [
     "dissipation",
     "export",
     "fit",
-    "fits",
     "fitting",
     "friction",
+    "iso286",
     "joint",
     "laws",
     "limits",
@@ -46,14 +46,14 @@ _IN = {
     "CylinderPair": "bodies.pair",
     "InputError": "support.errors",
     "Material": "bodies.material",
-    "check_joint": "reports.joint_check",
+    "check_joint": "joint.check",
     "choose": "fitting",
     "fit": "fitting",
 }
 # Modules of a package that the public face shows at its top.
 _DEEPER = {
     "dissipation": "impact.dissipation",
-    "fits": "bodies.fits",
+    "iso286": "bodies.iso286",
     "friction": "impact.friction",
     "sizing": "limits.sizing",
 }

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 COMMANDS = typer.main.get_command(program).commands
 EXAMPLES = {name: command.epilog.removeprefix("Example: ") for name, command in COMMANDS.items()}
 # Of these commands the example takes a second or two.
-QUICK = ("sample", "fit", "choose", "compare", "laws", "export", "init")
+QUICK = ("sample", "fit", "choose", "compare", "check", "size", "laws", "export", "init")
 
 
 # --- help --------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from cylcontact import InputError
 from cylcontact.datasets import read_grid
 from cylcontact.datasets.finite_element.study import read_study
 from cylcontact.datasets.measurements import read_measured
-from cylcontact.fitting import read_campaign
+from cylcontact.fitting import Campaign
 from cylcontact.mechanism import SpatialJoint, read_joint, read_mechanism
 from tests.support.spec_files import CAMPAIGN, DROP, ELEMENTS, GRID, changed, toml, tree, write_toml
 
@@ -31,7 +31,7 @@ READERS = {
     "joint": read_joint,
     "spatial_joint": SpatialJoint.read,
     "small": read_grid,
-    "campaign": read_campaign,
+    "campaign": Campaign.read,
     "elements": read_study,
 }
 TABLE = """\
@@ -48,7 +48,7 @@ fit campaign.toml --seed 1 -j 1 -o out.json
 fit table.csv --bound n=1:1.5 --noise proportional {FIT}
 fit table.csv --fixed n=1.1 --columns load=load_N_per_mm {FIT}
 compare good.json
-laws --E 207GPa --nu 0.3 --dR 0.05 --load 100
+check --material 207GPa,0.3 --Ri 10 --radial-clearance 0.05 --load 100
 export johnson --to c --contact internal -o out.c
 export good.json --to matlab -o out.m
 export --joint joint.toml --to c -o out.c

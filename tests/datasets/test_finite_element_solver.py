@@ -246,7 +246,10 @@ WIDTH = float(limits.hertz_half_width(20.0, SETUP.pair(1.0)))
                 ({"pin_nu": 0.4999999}, "pin_nu = 0.4999999: must not exceed 0.499999 in plane"),
                 ({"E": 207.0}, "E = 207.0: a bare number is in MPa"),
                 ({"pin_E": 70e9}, "E = 70000000000.0: is beyond any material"),
-                ({"clamp": "far:5"}, "clamp = 'far:5': must be a sector near or far of 10 to 350"),
+                (
+                    {"clamp": "pulled:5"},
+                    "clamp = 'pulled:5': must be a sector, pushed or pulled, of 10 to 350",
+                ),
                 ({"clamp": "whole"}, "clamp = 'whole': must be 'upper half' or 'rim'"),
                 ({"cells": 3}, "cells = 3: must be at least 4"),
             )

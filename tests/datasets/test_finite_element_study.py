@@ -66,7 +66,10 @@ class TestFiles:
             ({"E": "steel"}, "E = 'steel': must be a number"),
             ({"pin_E": 0.0}, "pin_E = 0.0: must be greater than 0"),
             ({"pin_nu": 0.6}, "pin_nu = 0.6: must be less than or equal to 0.5"),
-            ({"clamp": "far:5", "origin.clamp": "assumed"}, "clamp = 'far:5': must be a sector"),
+            (
+                {"clamp": "pulled:5", "origin.clamp": "assumed"},
+                "clamp = 'pulled:5': must be a sector",
+            ),
             ({"origin.E": DROP}, "origin.E: is required; mark each key as paper"),
             ({"origin.clamp": "paper"}, "origin.clamp: is not a key of this file"),
             ({"variants": [{"cells": 8}]}, "variants.0: name: is required"),
@@ -83,7 +86,7 @@ class TestFiles:
         assert str(caught.value).startswith("small.toml")
 
     def test_variants_change_what_they_name(self):
-        variants = [{"name": "stress", "plane": "stress"}, {"name": "eye", "clamp": "far:60"}]
+        variants = [{"name": "stress", "plane": "stress"}, {"name": "eye", "clamp": "pulled:60"}]
         study = study_from(changed(ELEMENTS, {"variants": variants}), "small", "small.toml")
         base = dict(study.setups["base"])
         assert base["cells"] == 6

@@ -89,10 +89,6 @@ BAD_INPUT = [
         for values in ([-0.1, 0.3], [0.3, 0.51])
     ),
     ({"reference": "hertz"}, "reference", "hertz", "is not a", "johnson"),
-    (  # of 1.0.0rc1
-        {"reference": "finite-element", "axes": DROP, "table": "elements.csv"},
-        *("reference", "finite-element", "is gone as a reference", "cylcontact fit TABLE.csv"),
-    ),
 ]
 
 

@@ -142,7 +142,7 @@ def test_the_penetration_of_a_parallel_sided_lug_is_that_of_its_sector_within_8_
 
 
 def test_a_shank_between_two_of_the_table_has_the_sector_of_the_narrower():
-    assert Sector.lug(1.1) == Sector.lug() == Sector(110, "far")
+    assert Sector.lug(1.1) == Sector.lug() == Sector(110, "pulled")
     assert Sector.lug(9.0) == Sector.lug(1.5)
     assert Sector.lug(0.6).angle == 60
     for shank in (0.49, float("nan"), "wide"):

@@ -14,9 +14,9 @@ from hypothesis import given, settings
 
 from cylcontact import InputError
 from cylcontact.datasets.measurements import measurements_of, read_measured
-from cylcontact.datasets.readings import TableSpec, read_readings
+from cylcontact.datasets.reading import TableSpec, read_readings
 from cylcontact.files.units import LENGTHS, column_named
-from cylcontact.fitting import FitResult
+from cylcontact.fitting import read_result
 from tests.support.machine_files import (
     DEPTH,
     FORCE_UNITS,
@@ -281,7 +281,7 @@ def test_a_remedy_pasted_into_a_shell_reads_the_truth(tmp_path, run, name):
         if code == 0:
             break
     assert (code, errors) == (0, "")
-    assert is_truth(FitResult.read(out).data)
+    assert is_truth(read_result(out).data)
 
 
 def pasted(options):
@@ -338,5 +338,5 @@ def test_a_hundred_thousand_rows_are_read_in_a_moment(tmp_path):
     text = rows(np.arange(count) / 100, load, load * 1e-6, separator=";", mark=",")
     (tmp_path / "t.csv").write_text(f"Zeit;Kraft;Weg\ns;N;mm\n{text}", encoding="utf-8")
     started = time.process_time()
-    assert len(read_readings(tmp_path / "t.csv", TableSpec()).table.lines) == count
+    assert len(read_readings(tmp_path / "t.csv", TableSpec()).sheet.lines) == count
     assert time.process_time() - started < 1.5

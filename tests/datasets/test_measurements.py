@@ -6,10 +6,16 @@ import pytest
 from cylcontact import InputError
 from cylcontact.bodies.material import COLUMNS
 from cylcontact.datasets.measurements import measurements_of, read_measured
-from cylcontact.datasets.readings import TableSpec
+from cylcontact.datasets.reading import TableSpec
+from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.noise import STANDARDISED
-from cylcontact.fitting.tables import campaign_of_table, read_campaign
-from tests.support.measured_files import CONSTANTS, USER_LAW, write_measured, write_table
+from tests.support.measured_files import (
+    CONSTANTS,
+    USER_LAW,
+    campaign_of_table,
+    write_measured,
+    write_table,
+)
 from tests.support.spec_files import assert_told
 
 GOOD = {
@@ -196,34 +202,11 @@ def test_the_objective_follows_the_standard_deviations(tmp_path):
         ({}, own, "rms-log-penetration"),
         (of_load, {}, STANDARDISED),
         (of_depth, own, "rms-penetration"),
-        ({}, {"objective": "rms-penetration"}, "rms-penetration"),
         ({}, {"noise": "constant"}, "rms-penetration"),
         ({}, {"noise": "proportional"}, "rms-log-penetration"),
         (of_load | of_depth, {}, STANDARDISED),
     ):
         assert campaign_on(tmp_path, {**GOOD, **added}, **settings).objective == objective
-
-
-@pytest.mark.parametrize(
-    ("added", "given", "noise", "said"),
-    [
-        ({}, "rms-difference-percent", None, "objective|is not an objective for measurements"),
-        ({}, "rms-log-load", None, "objective|is gone; leave it out"),
-        (
-            ["penetration_std_um"],
-            "rms-log-penetration",
-            None,
-            "objective|leaves the column penetration_std",
-        ),
-        ({}, "rms-penetration", "constant", "noise|conflicts with objective, which says the same"),
-        (["penetration_std_um"], None, "constant", "noise|conflicts with penetration_std, which"),
-    ],
-)
-def test_an_objective_that_contradicts_the_data_is_refused(tmp_path, added, given, noise, said):
-    columns = GOOD | dict.fromkeys(added, [1] * 3)
-    with pytest.raises(InputError) as caught:
-        campaign_on(tmp_path, columns, objective=given, noise=noise)
-    assert all(part in str(caught.value) for part in said.split("|"))
 
 
 def test_readings_below_zero_need_a_free_offset_and_constant_noise(tmp_path):
@@ -233,16 +216,14 @@ def test_readings_below_zero_need_a_free_offset_and_constant_noise(tmp_path):
     table.write_text("\n".join(map(",".join, rows)) + "\n")
     free = {"bounds": {"offset": [-0.01, 0.01]}}
     fixed = {"fixed": {"offset": -0.001}}
-    for objective, offset in (("rms-penetration", fixed), ("rms-log-penetration", free)):
-        settings = {"objective": objective, **offset}
-        with pytest.raises(InputError) as caught:
-            campaign_of_table(table, "johnson", "internal", CONSTANTS, **settings)
-        told = "penetration", -0.0005, "must be positive and finite", "--free offset"
-        assert_told(caught, f"{table}, line 4", *told)
-        assert "--noise constant" in caught.value.remedy
-    settings = {"objective": "rms-penetration", **free}
+    with pytest.raises(InputError) as caught:
+        campaign_of_table(table, "johnson", "internal", CONSTANTS, noise="constant", **fixed)
+    told = "penetration", -0.0005, "must be positive and finite", "--free offset"
+    assert_told(caught, f"{table}, line 4", *told)
+    assert "--noise constant" in caught.value.remedy
+    settings = {"noise": "constant", **free}
     plan = campaign_of_table(table, "johnson", "internal", CONSTANTS, **settings)
-    assert plan.measurements.penetration[2] == -0.0005
+    assert plan.data.penetration[2] == -0.0005
 
 
 def test_keys_of_a_campaign_and_options_say_the_same(tmp_path):
@@ -255,10 +236,10 @@ def test_keys_of_a_campaign_and_options_say_the_same(tmp_path):
         "[constants]\nE_MPa = 207000.0\nnu = 0.3\ndR_mm = 0.03\nlength_mm = 20.0\n"
         '[columns]\nload_kN = "Kraft"\npenetration_um = "Weg"\n'
     )
-    read = read_campaign(campaign)
+    read = Campaign.read(campaign)
     constants = {"E_MPa": 207e3, "nu": 0.3, "dR_mm": 0.03, "length_mm": 20.0}
     columns = {"load_kN": "Kraft", "penetration_um": "Weg"}
     keywords = {"columns": columns, "group": "Probe", "branch": "loading"}
     data = read_measured(tmp_path / "t.csv", "internal", constants, spec=TableSpec(**keywords))
-    assert read.measurements.data == data
+    assert read.data.data == data
     assert data.labels["group"] == ["A0", "A1"] * 4

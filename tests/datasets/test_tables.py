@@ -11,7 +11,7 @@ from cylcontact import InputError
 from cylcontact.datasets.branches import is_unloading
 from cylcontact.datasets.measurements import measurements_of
 from cylcontact.datasets.measurements import read_measured as read_with
-from cylcontact.datasets.readings import TableSpec
+from cylcontact.datasets.reading import TableSpec
 from cylcontact.files.units import column_named
 from tests.support.programs import require_package
 
@@ -150,7 +150,7 @@ def test_one_number_shows_what_a_comma_marks(tmp_path):
 
 
 def test_too_many_rows_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("cylcontact.files.table.MAX_ROWS", 3)
+    monkeypatch.setattr("cylcontact.files.sheet.MAX_ROWS", 3)
     told(written(tmp_path / "t.csv", "load_N\n" + "1\n" * 4), "at most 3")
 
 

@@ -2,14 +2,15 @@
 
 import subprocess
 import zipfile
+from ctypes import CFUNCTYPE, c_char_p, c_int, c_void_p, cast
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from cylcontact.files.spec import read_toml
+from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.laws import Liu
-from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.mechanism import joint_from, read_joint
 from tests.support.fmu_masters import Fmu, export_fmu
 from tests.support.mechanism_cases import ROOT
@@ -206,6 +207,48 @@ def test_an_event_within_a_rounding_error_of_the_touch_begins_it(load, joint, ga
         assert element.impact_rate == pytest.approx([rate if begins else 0.0], rel=1e-12)
 
 
+def test_a_body_goes_on_from_its_last_input(load):
+    """The bearing moves at 1 m/s through ten steps of 10 µs, in each of which the pin is set."""
+    element, step = load("CoSimulation"), 1e-5
+    fmu, x, v_x, pin_x = element.fmu, 0, 3, 6
+    fmu.setReal([v_x], [1.0])
+    for k in range(10):
+        fmu.setReal([pin_x], [0.0])
+        fmu.doStep(k * step, step)
+    assert element.wrench[6] == pytest.approx(1e-4 - 5e-5, rel=1e-9)
+    assert fmu.getReal([x, v_x]) == [0.0, 1.0]  # as they were set
+    # Only the speed is set, from 0 to 9 m/s: the place goes on from where it is.
+    element = load("CoSimulation")
+    for k in range(10):
+        element.fmu.setReal([v_x], [float(k)])
+        element.fmu.doStep(k * step, step)
+    assert element.wrench[6] == pytest.approx(45 * step - 5e-5, rel=1e-9)
+
+
+def test_a_parameter_outside_its_bounds_is_named(fmu, load):
+    import fmpy
+    from fmpy.fmi2 import FMU2Model, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+
+    element, said = load(), []
+    # The message is behind its format, in the variable arguments.
+    logger = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_char_p)(
+        lambda *given: said.append(given[-1].decode())
+    )
+    callbacks = fmi2CallbackFunctions(logger=cast(logger, fmi2CallbackLoggerTYPE))
+    again = FMU2Model(
+        guid=element.fmu.guid, unzipDirectory=element.fmu.unzipDirectory, instanceName="again",
+        modelIdentifier=element.fmu.modelIdentifier,
+    )  # fmt: skip
+    again.instantiate(callbacks=callbacks)
+    variables = {v.name: v for v in fmpy.read_model_description(fmu).modelVariables}
+    for name, value in (("friction", 2.5), ("restitution", 0.0), ("clearance", 1.0)):
+        with pytest.raises(Exception, match="error"):
+            again.setReal([variables[name].valueReference], [value])
+        bounds = variables[name].min, variables[name].max
+        assert said.pop() == f"{name} must be from {bounds[0]} to {bounds[1]}"
+    assert (variables["friction"].min, variables["friction"].max) == ("0.0", "2.0")
+
+
 def test_misuse_is_refused(load):
     """Values that cannot be set, bytes that are no state of this FMU, and steps that go nowhere."""
     from fmpy.fmi1 import FMICallException
@@ -223,7 +266,7 @@ def test_misuse_is_refused(load):
         (fmu.getInteger, [1]),
         (fmu.setReal, [clearance], [-1.0]),
         (fmu.setReal, [restitution], [1.01]),
-        (fmu.setReal, [friction], [np.nan]),
+        *((fmu.setReal, [friction], [bad]) for bad in (np.nan, np.inf, 1e9, 2.01, -0.1)),
         *((fmu.deSerializeFMUstate, rng.bytes(size)) for size in (0, 5, 120, len(state))),
         (fmu.deSerializeFMUstate, bytes(bad)),
         *((fmu.doStep, 0.0, step) for step in (0.0, -1e-6, np.nan, np.inf)),

@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
-from cylcontact.fitting import FitResult
+from cylcontact.fitting import read_result
 from cylcontact.fitting.choice import laws_for
 from cylcontact.support.choices import CHOICE_FILES
 from tests.support.measured_files import STEEL
@@ -51,7 +51,7 @@ def test_aicc_is_that_of_the_fits(frame, choice):
     N = len(frame)
     for law in ("johnson", "power"):  # of two and of three constants
         fit = cc.fit(frame, law, PAIR, free=["offset", "compliance"])
-        k = fit.uncertainty.estimated
+        k = fit.estimated
         aicc = fit.aic + 2 * k * (k + 1) / (N - k - 1)
         assert choice.table.loc[law, "aicc"] == pytest.approx(aicc, abs=1e-4)
         assert choice.table.loc[law, "parameters"] == k
@@ -162,7 +162,7 @@ def test_laws_that_know_no_housing_have_a_compliance_in_any_order(tmp_path, fram
     housed = choice.table.loc["conformal"]
     assert (housed["compliance"], housed["parameters"]) == (0.0, 3)
     choice.fit("johnson").save(tmp_path / "r.json")
-    assert FitResult.read(tmp_path / "r.json").to_law().name == "johnson"
+    assert read_result(tmp_path / "r.json").to_law().name == "johnson"
 
 
 PEEK = cc.Material("PEEK", E=3600.0, nu=0.38)

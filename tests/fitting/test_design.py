@@ -6,6 +6,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 import pandas as pd
 import pytest
+from scipy import stats
 
 import cylcontact as cc
 from cylcontact.fitting.readings import Optimum, half_width
@@ -68,7 +69,7 @@ def test_expected_widths_are_those_of_repeated_experiments(series, settings):
     first = cc.fit(frame, "explicit", PAIR, starts=2, **settings)
     chosen = first.design(np.geomspace(10.0, 1500.0, 15), add=6)
     loads = np.repeat(chosen.readings["load_N_per_mm"], chosen.readings["number"]).to_numpy()
-    noise = first.uncertainty.noise
+    noise = first.noise
     deviations = noise.deviations if noise else {"constant": first.optimum.sigma}
     group = np.concatenate([np.repeat(np.arange(series), 12), np.full(6, series)])
     load = np.concatenate([np.tile(np.geomspace(10.0, 1500.0, 12), series), loads])
@@ -107,12 +108,15 @@ def test_clearances_and_repeated_readings_may_be_chosen(fitted):
 
 def test_the_interval_of_a_number_is_that_of_the_parameter_it_is_made_of(fitted):
     # At a given penetration the load is proportional to the stiffness factor.
-    estimate = fitted.uncertainty.estimates["stiffness_factor"]
+    estimate = fitted.estimates["stiffness_factor"]
     unit = LAW.load(5e-3, PAIR)
     (row,) = fitted.interval(lambda law: law.load(5e-3, PAIR)).to_dict("records")
     assert row["value"] == pytest.approx(unit * estimate.value, rel=1e-9)
     assert row["standard_error"] == pytest.approx(unit * estimate.standard_error, rel=1e-6)
-    assert (row["low"], row["high"]) == pytest.approx((unit * estimate.low, unit * estimate.high))
+    degrees = fitted.optimum.degrees_of_each()[fitted.optimum.fit.names.index("stiffness_factor")]
+    reach = stats.t.ppf(0.975, degrees) * estimate.standard_error
+    ends = unit * (estimate.value - reach), unit * (estimate.value + reach)
+    assert (row["low"], row["high"]) == pytest.approx(ends)
 
 
 @pytest.mark.slow

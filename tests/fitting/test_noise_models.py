@@ -69,7 +69,7 @@ def linear(request):
 def test_statsmodels_agrees_on_estimates_errors_and_deviations(linear):
     frame, result, names = linear
     peer = mixed(frame, result, names)
-    estimates = [result.uncertainty.estimates[name] for name in ("offset", "compliance")]
+    estimates = [result.estimates[name] for name in ("offset", "compliance")]
     in_mm = np.array([1e-6, 1e-9])
     assert [e.value for e in estimates] == pytest.approx(peer.fe_params * in_mm, rel=1e-4, abs=0)
     # Its errors are from second derivatives that include the deviations'; ours, and those that its
@@ -84,9 +84,9 @@ def test_statsmodels_agrees_on_estimates_errors_and_deviations(linear):
     variances = np.array([peer.scale, *np.diag(peer.cov_re)])
     units = [1e-6, *(1e-3 if name == "gain" else 1e-6 for name in names)]
     deviations = dict(zip(("constant", *names), np.sqrt(variances) * units, strict=True))
-    assert result.uncertainty.noise.deviations == pytest.approx(deviations, rel=1e-3, abs=0)
+    assert result.noise.deviations == pytest.approx(deviations, rel=1e-3, abs=0)
     effects = np.array([[*peer.random_effects[f"s{k}"]] for k in range(10)])
-    own = [[e.effects[name] for name in names] for e in result.uncertainty.noise.series]
+    own = [[e.effects[name] for name in names] for e in result.noise.series]
     assert own == pytest.approx(effects * units[1:], rel=1e-2, abs=1e-7)
 
 
@@ -94,7 +94,7 @@ def test_statsmodels_agrees_on_what_the_gain_adds_to_the_likelihood(linear):
     frame, result, names = linear
     without = tuple(name for name in names if name != "gain")
     expected = mixed(frame, result, names).llf - mixed(frame, result, without).llf
-    likelihood, best = likelihood_of(result), result.uncertainty.noise.deviations
+    likelihood, best = likelihood_of(result), result.noise.deviations
 
     def value(logarithms):
         others = zip(("constant", *without), np.exp(logarithms), strict=True)
@@ -138,9 +138,9 @@ def test_odrpack_agrees_where_both_deviations_are_given():
     # Its sd_beta are scaled to residuals of variance 1; given deviations are taken as they are.
     errors = np.sqrt(np.diag(peer.cov_beta))
     assert peer.sd_beta == pytest.approx(errors * np.sqrt(peer.res_var), rel=1e-6)
-    estimates = result.uncertainty.estimates
-    assert [e.degrees_of_freedom for e in estimates.values()] == [None] * 3
-    assert result.uncertainty.sigma_known
+    estimates = result.estimates
+    assert np.isinf(result.optimum.degrees_of_each()).all()
+    assert result.optimum.fit.noise.is_given
     for name, value, error in zip(names, peer.beta, errors, strict=True):
         assert estimates[name].value == pytest.approx(value, abs=0.02 * error)
         assert estimates[name].standard_error == pytest.approx(error, rel=0.02)
@@ -335,15 +335,15 @@ def constant():
 def test_lmfit_agrees_with_a_fit_of_constant_noise(constant):
     frame, own = constant
     peers = fitted_by_lmfit(frame, scaled(LAW, frame), {"stiffness_factor": 1.0, "offset": 0.0})
-    for name, estimated in own.uncertainty.estimates.items():
-        theirs = peers.params[name]
+    for name in own.free:
+        estimated, theirs = own.estimates[name], peers.params[name]
         assert estimated.value == pytest.approx(theirs.value, rel=1e-6, abs=0)
         assert estimated.standard_error == pytest.approx(theirs.stderr, rel=1e-3, abs=0)
-        assert estimated.degrees_of_freedom == peers.nfree
-    assert own.correlation.loc["stiffness_factor", "offset"] == pytest.approx(
+    assert (own.optimum.degrees_of_each() == peers.nfree).all()
+    assert own.correlations.loc["stiffness_factor", "offset"] == pytest.approx(
         peers.params["stiffness_factor"].correl["offset"], abs=1e-4
     )
-    assert own.uncertainty.residual_sigma == pytest.approx(np.sqrt(peers.redchi), rel=1e-9)
+    assert own.sigma == pytest.approx(np.sqrt(peers.redchi), rel=1e-9)
 
 
 def test_information_criteria_of_two_laws_differ_as_lmfits_do(constant):
@@ -366,11 +366,21 @@ def test_information_criteria_of_two_laws_differ_as_lmfits_do(constant):
 # --- findings ---------------------------------------------------------------------------------
 
 
+# What is in the warning of each test.
+TESTS = {
+    "series": "series of the column group differ by more than the scatter",
+    "pairs": "the residuals differ between the",
+    "drift": "the residuals drift along the rows",
+    "sequence": "the errors of successive readings are alike",
+    "spread": "with the reading (p",
+}
+
+
 def found(frame, law="explicit", pair=PAIR, **settings):
-    """The findings of a fit by the name of their test."""
+    """The warnings of a fit by the name of the test that failed."""
     settings = {"starts": 2, "noise": "constant"} | settings
-    result = cc.fit(frame, law, pair, **settings)
-    return {finding.test: finding for finding in result.uncertainty.findings}
+    warnings = cc.fit(frame, law, pair, **settings).warnings
+    return {test: text for test, start in TESTS.items() for text in warnings if start in text}
 
 
 def ungrouped(frame):
@@ -446,9 +456,11 @@ QUICK = ("a drift in time", "scatter that grows", "a single sweep of a wrong law
 )
 def test_noise_other_than_assumed_is_found_and_what_is_advised_allows_for_it(name):
     frame, settings, test, remedy, allowed = FINDINGS[name]
-    findings = found(frame(), **settings)
-    assert findings[test].p < 0.01
-    assert remedy in findings[test].remedy
+    warning = found(frame(), **settings)[test]
+    says, at_p = warning.split("(p = ")
+    assert says
+    assert float(at_p.split(")")[0]) < 0.01
+    assert remedy in at_p
     assert test not in found(frame(), **settings | allowed)
 
 

@@ -81,9 +81,8 @@ def outcome(seed):
             result = cc.fit(table, law, pair, starts=2, **settings)
         except cc.InputError as refusal:
             return "" if len(str(refusal).splitlines()) == 1 else pytest.fail(str(refusal))
-    for name, estimate in result.uncertainty.estimates.items():
-        ends = estimate.profile
-        assert ends is None or ends.low <= result.coefficients[name] <= ends.high
+    for estimate in result.estimates.values():
+        assert estimate.low is None or estimate.low <= estimate.value <= estimate.high
     return str(result)
 
 
@@ -106,7 +105,8 @@ def test_readings_of_the_opposite_sign_are_named():
     table["penetration_um"] *= -1
     settings = {"sign": "neither", "noise": "constant", "free": "offset", "starts": 2}
     result = cc.fit(table, "explicit", PAIRS["internal"], **settings)
-    assert 'opposite sign (sign="penetration"' in result.warnings[0]
+    assert "opposite sign (--sign penetration" in result.warnings[0]
+    assert 'opposite sign (sign="penetration"' in " ".join(str(result).split())
 
 
 def singular(*_):

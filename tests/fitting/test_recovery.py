@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from cylcontact.datasets import Grid
-from cylcontact.fitting import Campaign, FitResult, calibrate
+from cylcontact.fitting import Campaign, calibrate, read_result
 
 pytestmark = pytest.mark.slow
 
@@ -75,7 +75,7 @@ def searched_again(contact, start, sampled):
     ("contact", "rms"), [("internal", (0.1164, 0.1176)), ("external", (0.0506, 0.0508))]
 )
 def test_the_published_coefficients_come_back(contact, rms):
-    result = FitResult.read(ROOT / f"fitting/results/recovered-{contact}.json")
+    result = read_result(ROOT / f"fitting/results/recovered-{contact}.json")
     actual = [result.coefficients[name] for name in SEARCHED[contact]]
     assert actual == pytest.approx(PUBLISHED[contact], rel=0.006)  # README's 0.6 %
     sampled = samples(contact)

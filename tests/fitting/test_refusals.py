@@ -11,9 +11,14 @@ import pytest
 
 import cylcontact as cc
 from cylcontact import InputError
-from cylcontact.fitting import FitResult, read_campaign
-from cylcontact.fitting.tables import campaign_of_table, fit_table
-from tests.support.measured_files import CONSTANTS, USER_LAW, write_measured, write_table
+from cylcontact.fitting import Campaign, fit_table, read_result
+from tests.support.measured_files import (
+    CONSTANTS,
+    USER_LAW,
+    campaign_of_table,
+    write_measured,
+    write_table,
+)
 from tests.support.noisy_series import PAIR, readings
 from tests.support.spec_files import GRID, assert_told, changed, labels, write_bench, write_toml
 
@@ -21,7 +26,7 @@ EXTERNAL = Path(__file__).resolve().parents[2] / "fitting/results/external.json"
 TABLE = {"data": "measured.csv", "contact": "internal", "law": "johnson", "constants": CONSTANTS}
 INTERNAL = ("a", "b", "Y_log_scale", "Y_log_exponent", "Y_slope", "Y_offset", "n_exponent")
 FREE = {"bounds": {}, "fixed": {"K_star": 1.1, "n": 1.1}}
-FIXED = {"fixed": {"kappa": 1.0, "offset": 1.0}}
+FIXED = {"fixed": {"stiffness_factor": 1.0, "offset": 1.0}}
 OWN_LAW = {"law": "mine:load", "bounds": {"K_star": [0.5, 10.0]}}
 SIZE, DATASET = "genetic.population", "no such file beside the camp"
 AS_ENHANCED = {"law": "enhanced", "bounds": {}}
@@ -47,8 +52,6 @@ ON_GRID = [
     ),
     ({"bounds.m": [1, 2]}, "bounds.m", None, AS_GRID, "K_star, n"),
     ({"fixed.m": 1}, "fixed.m", None, AS_GRID, "K_star, n"),
-    ({"parameters.n": {"low": 1}}, "parameters", None, "is gone", "write [bounds]"),
-    ({"optimizer": "cma"}, "optimizer", None, "is gone", "leave it out"),
     *(({"dataset": d}, "dataset", d, DATASET, "e.g.") for d in ("datasets/none", "datasets", "\0")),
 ]
 ON_TABLE = [
@@ -59,9 +62,7 @@ ON_TABLE = [
         ({"law": law, "contact": "external"}, "law", law, "is for internal contact only", "another")
         for law in ("conformal", "liu")
     ),
-    ({"loss": "huber"}, "loss", None, "is gone", ""),
-    ({"loss_scale": 1.0}, "loss_scale", None, "is gone", ""),
-    ({"objective": "rms-luck"}, "objective", "rms-luck", "is not an objective for", "choose rms"),
+    ({"objective": "rms-penetration"}, "objective", "rms-penetration", "is not a known key", ""),
     ({"materials": "absent.csv"}, "materials", "absent.csv", "no such file", ""),
     (
         {"law": "enhanced", "free": ["Y_switch"]},
@@ -70,7 +71,13 @@ ON_TABLE = [
         "which no fit may search",
         "--fix Y_switch=0.34954",
     ),
-    ({"bounds": {"K": [0.0, 1.0]}}, "bounds.K", None, "is not a parameter of", "kappa"),
+    (
+        {"bounds": {"K": [0.0, 1.0]}},
+        "bounds.K",
+        None,
+        "is not a parameter of",
+        "stiffness_factor, c",
+    ),
     (FIXED, "parameters", None, "are all fixed", "free at least one"),
     ({"ignore": ["colour"]}, "ignore", "colour", "is not a column of the table", ""),
     ({"loads": "299:", "free": ["c"]}, "data", "3 rows", "not more than the 3 free", "fix param"),
@@ -92,7 +99,7 @@ def test_campaigns(tmp_path, kind, changes, key, value, rule, remedy):
         (tmp_path / "mine.py").write_text(USER_LAW)
         path = write_toml(tmp_path / "c.toml", changed(TABLE, changes))
     with pytest.raises(InputError) as caught:
-        read_campaign(path)
+        Campaign.read(path)
     assert_told(caught, caught.value.source, key, value, rule, remedy)
     assert caught.value.source.startswith(str(path.parent))
 
@@ -103,7 +110,7 @@ def test_clearances_that_the_law_is_not_stated_for(tmp_path, values):
     path = write_bench(tmp_path, law)
     write_toml(tmp_path / "datasets/small.toml", changed(GRID, {"axes.dR": {"values": values}}))
     with pytest.raises(InputError) as caught:
-        read_campaign(path)
+        Campaign.read(path)
     rule = "ΔR (mm) leave the range of the enhanced law for internal contact, 0.005 to 10 mm"
     assert_told(caught, path, "dataset", values, rule, "narrow the dR axis of the grid")
 
@@ -112,14 +119,14 @@ def test_a_grid_in_the_place_of_a_campaign(tmp_path):
     write_bench(tmp_path)
     path = tmp_path / "datasets/small.toml"
     with pytest.raises(InputError) as caught:
-        read_campaign(path)
+        Campaign.read(path)
     assert_told(caught, path, "", None, "is a grid spec, not a campaign", "name a campaign")
 
 
 def test_rows_that_no_coefficients_reach(tmp_path):
     columns = {"load_N_per_mm": [1, 2, 1e9], "penetration_um": [0.01, 0.02, 0.5]}
     table = write_table(tmp_path / "t.csv", columns)
-    bounds = {"kappa": [0.9, 1.1], "c": [-1.5, -0.5]}
+    bounds = {"stiffness_factor": [0.9, 1.1], "c": [-1.5, -0.5]}
     given = {"bounds": bounds, "fixed": {"offset": 0.0}}
     constants = {**CONSTANTS, "dR_um": 50}
     with pytest.raises(InputError, match="lies outside the domain of johnson") as caught:
@@ -136,9 +143,14 @@ POINTS, NOT_FINITE = (
 # Changes to a committed result: what follows the file's name, then as above.
 RESULTS = [
     (NOT_FINITE, "", "profiles.a.objective.1", math.nan, "a finite number", "a value that fits"),
-    ({"format": 3}, "", "format", 3, "is not a version that this cylcontact reads", REDO),
+    *(
+        ({"format": old}, "", "format", old, "is not version 3, which this cylcontact reads", REDO)
+        for old in (1, 2, 4)
+    ),
+    ({"kind": "table"}, "", "kind", "table", "must be law or readings", REDO),
+    ({"formula": "eq 7"}, "", "formula", "eq 7", "is not the form of the law", REDO),
     ({"runs": []}, "", "runs", [], "must hold at least one run", REDO),
-    ({"coefficients": {"a": 0.4}}, "", "coefficients", ["a"], COEFFICIENTS, REDO),
+    ({"estimates": {"a": {"value": 0.4}}}, "", "estimates", ["a"], COEFFICIENTS, REDO),
     ({"settings": {}}, "", "settings", None, "lacks the campaign or the dataset", REDO),
     ({"settings.campaign.seed": "1"}, "campaign", "seed", "1", "must be an integer", "the seed"),
     (POINTS, "dataset", "axes.E.points", 0, "must be at least 2", "values = [...]"),
@@ -152,24 +164,21 @@ def test_results(tmp_path, changes, part, key, value, rule, remedy):
     path = tmp_path / "r.json"
     path.write_text(json.dumps(changed(json.loads(EXTERNAL.read_text("utf-8")), changes)))
     with pytest.raises(InputError) as caught:
-        FitResult.read(path)
+        read_result(path)
     source = f"{path}, settings.{part}" if part else path
     assert_told(caught, source, key, value, rule, remedy)
 
 
-RMS, GROUP = {"objective": "rms-penetration"}, {"group": "group"}
+GROUP = {"group": "group"}
 GIVEN, BOTH = {"penetration_std_um": 0.05}, {"penetration_std_um": 0.05, "load_std_N_per_mm": 1.0}
 # Columns beside the readings, settings that contradict them or each other, the key and the rule.
 CONFLICTS = [
-    ({}, GROUP | RMS, "objective", "conflicts with group"),
-    ({}, {"drift": True} | RMS, "objective", "conflicts with drift"),
-    (GIVEN, {"noise": "constant"}, "noise", "conflicts with penetration_std, which says the same"),
+    (GIVEN, {"noise": "constant"}, "noise", "conflicts with the column penetration_std"),
     (GIVEN, {"noise": "both"}, "noise", "conflicts with the column penetration_std"),
-    (BOTH, RMS, "objective", "conflicts with load_std, which needs rms-standardised"),
-    ({}, {"noise": "constant"} | RMS, "noise", "conflicts with objective"),
+    (BOTH, {"noise": "constant"}, "noise", "conflicts with the column penetration_std"),
     ({}, {"noise": "white"}, "noise", "is not a known noise"),
     ({}, {"free": ["c"], "fixed": {"c": 1.4}}, "free", "is bounded, fixed or tied as well"),
-    ({}, {"free": ["kappa"]}, "free", "is not a parameter of explicit for internal contact"),
+    ({}, {"free": ["n"]}, "free", "is not a parameter of explicit for internal contact"),
     ({}, {"group": "date"}, "group", ""),
     ({}, GROUP | {"drift": True, "noise": "constant"}, "group", "effects of the series"),
     ({}, {"branch": "unloading"}, "branch", "has no rows of unloading"),
@@ -198,7 +207,6 @@ COMMANDS = [
         ("--law", "johnson", "--contact", "external", *PEEK),
         "--contact = 'external': has no pin and no hole; leave out --pin; rollers have",
     ),
-    ((*INSIDE, "--loss", "huber"), "--loss: is gone; leave it out"),
 ]
 
 

@@ -8,12 +8,12 @@ import pytest
 from scipy.optimize import linprog
 
 from cylcontact.datasets import Grid, Moments, concatenate
-from cylcontact.fitting import Campaign, read_campaign
+from cylcontact.fitting import Campaign
 from cylcontact.fitting.calibration import profiles_of, space_of
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.profile import Profiles
-from cylcontact.fitting.records import SAME_BASIN
+from cylcontact.fitting.records import SAME_BASIN, SearchRecord
 from cylcontact.fitting.reference import OnMoments, OnSamples, Samples, power_laws
 from cylcontact.fitting.runs import run_all, searches
 from cylcontact.fitting.search import descend, genetic_search, polish
@@ -274,19 +274,16 @@ def lowest(space, name, value, number=150):
 @pytest.mark.parametrize("name", ["internal-E1000", "few points"])
 def test_beyond_the_ends_of_an_interval_no_restart_finds_a_lower_objective(name):
     is_own = name == "few points"
-    campaign = campaign_of("the same, few points") if is_own else read_campaign(
+    campaign = campaign_of("the same, few points") if is_own else Campaign.read(
         ROOT / f"fitting/{name}.toml"
     )  # fmt: skip
     space, _ = space_of(campaign)
     point, value = min((polish(space, start) for start in starts(space, 4)), key=lambda m: m[1])
     best = space.coefficients(point)
-    for key, profile in profiles_of(space, [best]).items():
+    for key, (profile, ends, _) in profiles_of(space, [best]).items():
         assert min(profile.objective) >= value * (1 - 1e-9)
-        for end, is_bound in (
-            (profile.low, profile.low_is_bound),
-            (profile.high, profile.high_is_bound),
-        ):
-            if not is_bound:
+        for end in ends.tolist():
+            if not np.isnan(end):  # cut off by a bound
                 beyond = best[key] + 1.02 * (end - best[key])
                 assert lowest(space, key, beyond) > 1.01 * value
                 held = space.fixing(**{key: end})
@@ -310,7 +307,9 @@ def objectives(campaign):
     """Return the space of a campaign and the objective of each run."""
     space, spec = space_of(campaign)[0], campaign.spec
     calls = searches(space, spec.genetic, spec.seed)
-    return space, np.array([r.objective for r in run_all(calls, 2, silent, None, False)])
+    return space, np.array(
+        [r.objective for r in run_all(calls, SearchRecord, 2, silent, None, False)]
+    )
 
 
 def at_best(values, best):

@@ -7,15 +7,15 @@ import pytest
 from scipy import stats
 
 from cylcontact import CylinderPair, InputError
-from cylcontact.fitting.checks import uncertainty_of, verdicts_of
+from cylcontact.fitting import findings, fit_table
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.noise import Plain
 from cylcontact.fitting.parameters import LawModel, Parameter
-from cylcontact.fitting.readings import Fit, Optimum, half_width
-from cylcontact.fitting.tables import campaign_of_table, fit_table
+from cylcontact.fitting.readings import Fit, Optimum, half_width, plain_fit
 from tests.support.measured_files import (
     STEEL,
     TRUTHS,
+    campaign_of_table,
     measured_campaign,
     user_campaign,
     with_columns,
@@ -67,7 +67,7 @@ def curve_problem(campaign, model, x, y, low, high):
     parameters = tuple(Parameter(name, *ends) for name, *ends in zip(names, low, high, strict=True))
     law = LawModel("curve", "internal", parameters, lambda actual: Curve(model, dict(actual)))
     x, y = np.array(x, dtype=float), np.array(y, dtype=float)
-    data = campaign.measurements.take(np.zeros(x.size, dtype=int))
+    data = campaign.data.take(np.zeros(x.size, dtype=int))
     return Fit(law, parameters, with_columns(data, load=x, penetration=y), Plain(is_log=False))
 
 
@@ -92,14 +92,19 @@ def test_nist_certified_values_and_standard_deviations(tmp_path, name):
 
 def best_of(campaign):
     """The optimum of a campaign."""
-    truth = campaign.plain.point(TRUTHS[campaign.model.law, campaign.model.contact])
-    return descended(campaign.plain, truth)[1]
+    truth = plain_fit(campaign).point(TRUTHS[campaign.model.law, campaign.model.contact])
+    return descended(plain_fit(campaign), truth)[1]
 
 
 def johnson_of(coefficients):
     """Johnson's law with its own constants, and no rig."""
     model = MODELS["johnson", "internal"]
     return model.build({name: coefficients[name] for name in model.names})
+
+
+def in_mm(campaign):
+    """The same campaign with constant noise."""
+    return replace(campaign, noise=Plain(is_log=False))
 
 
 @pytest.fixture
@@ -152,18 +157,19 @@ def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
     fitter = lmfit.Minimizer(residuals, parameters)
     actual = fitter.minimize()
     ends = lmfit.conf_interval(fitter, actual, sigmas=[LEVEL])
-    mine = uncertainty_of(Optimum(problem, problem.point(best)), LEVEL)
+    mine = Optimum(problem, problem.point(best))
+    estimates, _ = findings.estimates_of(mine, LEVEL)
     for name in names:
-        estimate = mine.estimates[name]
+        estimate = estimates[name]
         assert estimate.value == pytest.approx(actual.params[name].value, rel=1e-6)
         assert estimate.standard_error == pytest.approx(actual.params[name].stderr, rel=1e-3)
         (_, low), _, (_, high) = ends[name]
-        assert estimate.profile.low == pytest.approx(low, rel=2e-4)
-        assert estimate.profile.high == pytest.approx(high, rel=2e-4)
-    assert mine.correlation["kappa"]["c"] == pytest.approx(
-        actual.params["kappa"].correl["c"], abs=1e-4
+        assert estimate.low == pytest.approx(low, rel=2e-4)
+        assert estimate.high == pytest.approx(high, rel=2e-4)
+    assert findings.correlation_of(mine)[0, 1] == pytest.approx(
+        actual.params[names[0]].correl[names[1]], abs=1e-4
     )
-    assert mine.residual_sigma == pytest.approx(np.sqrt(actual.redchi))
+    assert mine.sigma == pytest.approx(np.sqrt(actual.redchi))
 
 
 # --- coverage ---------------------------------------------------------------------------------
@@ -182,7 +188,7 @@ COVERED = sorted({key for key in TRUTHS if key[1] == "internal"} | {("enhanced",
 def coverage(campaign, replicates=REPLICATES, seed=7):
     """Repeat an experiment; return the share of intervals that hold the truth, of each kind."""
     truth = TRUTHS[campaign.model.law, campaign.model.contact]
-    problem = campaign.plain
+    problem = plain_fit(campaign)
     data = problem.data
     law = MODELS[campaign.model.law, campaign.model.contact].build(truth)
     exact = law.penetration(data.load, data.pair)
@@ -228,26 +234,25 @@ def test_coverage_of_every_law(tmp_path, law, contact):
 
 def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
     bounds = {"clearance_factor": [0.5, 2.0]}
-    campaign = measured_campaign(
-        tmp_path, "liu", noise=NOISE, bounds=bounds, starts=2, objective="rms-penetration"
-    )
-    actual = fit_table(campaign).uncertainty
-    ends = actual.estimates["clearance_factor"].profile
+    campaign = in_mm(measured_campaign(tmp_path, "liu", noise=NOISE, bounds=bounds, starts=2))
+    actual = fit_table(campaign)
+    ends = actual.estimates["clearance_factor"]
     assert (ends.low, ends.low_is_bound, ends.high, ends.high_is_bound) == (0.5, True, 2.0, True)
     assert actual.estimates["clearance_factor"].verdict in ("not", "at a bound")
-    assert abs(actual.correlation["modulus_factor"]["clearance_factor"]) > 0.99
-    assert any("correlation" in sentence for sentence in verdicts_of(actual))
+    assert abs(actual.correlations.loc["stiffness_factor", "clearance_factor"]) > 0.99
+    assert any("correlation" in sentence for sentence in actual.notes)
 
 
 def test_an_interval_ends_where_the_law_is_undefined_with_the_refit_before(tmp_path):
-    # With PEEK for steel kappa ends at its bound, and the offset takes up all of the smallest
-    # reading: at the kappa of one refit the law has no logarithm at the offset of the one before.
+    # With PEEK for steel the stiffness ends at its bound, and the offset takes up all of the
+    # smallest reading: at the stiffness of one refit the law has no logarithm at the offset of the
+    # one before.
     table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
     peek = {"R_i_mm": 10.0, "material_j": "PEEK", "material_i": "low-carbon steel"}
     result = fit_table(campaign_of_table(table, "johnson", "internal", peek, starts=1))
-    ends = result.uncertainty.estimates["kappa"].profile
-    assert (ends.low, ends.low_is_bound, ends.high_is_bound) == (0.2, True, False)
-    ratio, _ = result.optimum.ratio({"kappa": ends.high}, result.optimum.best)
+    ends = result.estimates["stiffness_factor"]
+    assert (ends.high, ends.high_is_bound, ends.low_is_bound) == (20.0, True, False)
+    ratio, _ = result.optimum.ratio({"stiffness_factor": ends.low}, result.optimum.best)
     assert ratio == pytest.approx(stats.f.ppf(LEVEL, 1, 34), rel=1e-3)
 
 
@@ -255,11 +260,10 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
     bounds = {"Lambda_factor": [0.1, 10.0]}
     campaign = measured_campaign(tmp_path, noise=NOISE, bounds=bounds, starts=2)
     result = fit_table(campaign)
-    actual = result.uncertainty
-    assert set(actual.only_together) == {"c", "Lambda_factor"}
-    assert {e.verdict for e in actual.estimates.values()} == {"not"}
-    assert actual.correlation == {}
-    assert "c and Lambda_factor are not identifiable" in verdicts_of(actual)[1]
+    assert set(result.optimum.unidentifiable) == {"c", "Lambda_factor"}
+    assert {result.estimates[name].verdict for name in result.free} == {"not"}
+    assert result.correlation == []
+    assert "c and Lambda_factor are not identifiable" in result.warnings[0]
     assert "not identifiable" in str(result)
     noise = result.optimum
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
@@ -296,15 +300,17 @@ def test_a_band_of_a_new_reading_is_that_of_students_t(noisy):
 def test_given_deviations_are_held_against_the_residuals(noisy, size, words):
     data = noisy.fit.data
     known = replace(noisy.fit, noise=Plain(False, size * NOISE * data.penetration))
-    actual = uncertainty_of(descended(known, known.point(noisy.best))[1])
-    assert words in verdicts_of(actual)[0]
-    degrees = actual.degrees_of_freedom
-    expected = stats.chi2.sf(actual.residual_sigma**2 * degrees, degrees)
+    actual = descended(known, known.point(noisy.best))[1]
+    estimates, _ = findings.estimates_of(actual, LEVEL)
+    sentences = [*findings.warnings_of(actual, estimates), *findings.notes_of(actual, LEVEL, [])]
+    assert words in sentences[0]
+    degrees = actual.degrees
+    expected = stats.chi2.sf(actual.sigma**2 * degrees, degrees)
     assert actual.chi_square_p == pytest.approx(expected, rel=1e-6)
 
 
 def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path):
-    noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective="rms-penetration"))
+    noise = best_of(in_mm(measured_campaign(tmp_path, noise=NOISE)))
     data, step = noise.fit.data, 1e-6
     before, after = (
         johnson_of(noise.best | {"c": noise.best["c"] + sign * step}).penetration(
@@ -314,18 +320,19 @@ def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path):
     )
     size = np.sqrt(np.mean(data.penetration**2))
     change = np.sqrt(np.mean((after - before) ** 2)) / size / (2 * step)
-    assert noise.per_unit == pytest.approx([1 / noise.best["kappa"], change], rel=1e-5)
+    assert noise.per_unit == pytest.approx([1 / noise.best["stiffness_factor"], change], rel=1e-5)
 
 
 @pytest.mark.slow
 def test_a_profile_says_when_it_finds_a_better_fit(noisy):
     problem, best = noisy.fit, noisy.best
-    short = problem.fixing(kappa=best["kappa"] * 1.02)
+    short = problem.fixing(stiffness_factor=best["stiffness_factor"] / 1.02)
     point, _ = descended(short, short.point(best))
-    actual = uncertainty_of(Optimum(problem, problem.point(short.coefficients(point))))
-    assert actual.estimates["c"].profile.lowest < -1e-3
-    assert any("found a better fit" in note for note in verdicts_of(actual))
-    assert not any("found a better fit" in note for note in uncertainty_of(noisy).notes)
+    above = Optimum(problem, problem.point(short.coefficients(point)))
+    assert above.interval("c", LEVEL).lowest < -1e-3
+    _, better = findings.estimates_of(above, LEVEL)
+    assert "the profile of c found a better fit" in " ".join(better)
+    assert findings.estimates_of(noisy, LEVEL)[1] == []
 
 
 # --- a law of one's own -----------------------------------------------------------------------

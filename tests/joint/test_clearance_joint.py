@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, dissipation, laws
-from cylcontact.export import export_joint
+from cylcontact.export import JOINT_TARGETS, export_joint
 from cylcontact.files.spec import read_toml
+from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.joint import contact
-from cylcontact.joint.contact import BEYOND_LAW, LEFT_HOLE, YIELDS
-from cylcontact.laws.adapters import ScaledLaw
+from cylcontact.joint.contact import BEYOND_LAW, LEFT_HOLE, NOT_A_NUMBER, YIELDS
 from cylcontact.mechanism import joint_from, read_joint, simulate
 from tests.support.export_runners import compile_with, run_program
 from tests.support.joint_runners import RUNNERS, run_c, run_library, write
@@ -262,17 +262,23 @@ def test_centres_that_coincide_have_a_normal():
     assert (wrench.force_bearing == 0).all()
 
 
+@pytest.mark.parametrize("points", [((3.0, 2.0), (1.0, 4.0)), ((0.0, 0.0), (0.0, 0.0))])
 @pytest.mark.parametrize("language", RUNNERS)
-def test_a_motion_that_is_not_a_number_has_no_force_and_no_impact_rate(language, tmp_path):
-    joint = joint_for("explicit", 0.05, **{"pin.point": [3.0, 2.0], "bearing.point": [1.0, 4.0]})
+def test_a_motion_that_is_not_a_number_has_no_force_and_no_impact_rate(language, points, tmp_path):
+    pin, bearing = points
+    joint = joint_for("explicit", 0.05, **{"pin.point": pin, "bearing.point": bearing})
     rows = np.tile([0.0, *[0.0] * 6, 1e-4, 0.0, 0.0, 0.3, 0.0, 0.0], (13, 1))
     np.fill_diagonal(rows[:12, 1:], np.nan)  # each number of both bodies in a row
     wanted = run_library(joint, rows)
     answers = RUNNERS[language](joint, rows, tmp_path)
     np.testing.assert_array_equal(np.isnan(answers), np.isnan(wanted))
     assert np.isnan(wanted[:12, :6]).all()
-    assert np.isnan(wanted[:12, 13]).all()
+    speeds = [3, 4, 9, 10] if points == ((0.0, 0.0), (0.0, 0.0)) else range(12)
+    assert np.isnan(wanted[[0, 1, 2, 6, 7, 8, *speeds], 13]).all()
     assert np.isfinite(wanted[12]).all()
+    none = wanted[:, FLAG].astype(int) & NOT_A_NUMBER
+    assert (none == [NOT_A_NUMBER] * 12 + [0]).all()
+    np.testing.assert_array_equal(answers[:, FLAG], wanted[:, FLAG])
 
 
 def test_states_may_be_arrays():
@@ -306,6 +312,19 @@ def test_the_flag_says_first_yield_the_end_of_the_law_and_a_pin_that_left_its_ho
     unknown = joint_for("johnson", 0.05, **{"pin.yield_stress": 200.0})
     assert unknown.first_yield == np.inf
     assert unknown.evaluate(unknown.start(), *motion(unknown, 1.9, 0.1)).flag == BEYOND_LAW
+
+
+@pytest.mark.parametrize("layer", [{}, {"yield_stress": 300.0}])
+@pytest.mark.parametrize("target", JOINT_TARGETS)
+def test_a_joint_with_a_layer_evaluates_and_exports(target, layer):
+    """First yield is unknown without the layer's yield stress."""
+    layers = [{"R_i": 12.0, "E": 70.0, "nu": 0.33, **layer}]
+    stresses = {"bearing.yield_stress": 300.0, "pin.yield_stress": 300.0}
+    housing = {"R_o": 20.0, "layers": layers}
+    joint = joint_for("conformal", 0.05, housing=housing, **stresses)
+    assert joint.can_yield == np.isfinite(joint.first_yield) == bool(layer)
+    assert joint.evaluate(joint.start(), *motion(joint, 1.1, 0.1)).normal_force > 0
+    assert export_joint(joint, target)
 
 
 @pytest.mark.parametrize("language", RUNNERS)
@@ -402,6 +421,8 @@ MISTAKES = {
         {"law": "enhanced", "bearing.R": 100.0, "pin.R": 80.0},
         "law = 'enhanced': is undefined for this pair, with its clearance of 20 mm; choose another",
     ),
+    "friction": ({"friction.coefficient": 30.0}, "must be less than or equal to 2; give the fri"),
+    "no friction": ({"friction.coefficient": float("inf")}, "friction.coefficient = inf: must be "),
     "restitution": ({"dissipation.restitution": 0.0}, "must be greater than 0; give the restitu"),
 }
 

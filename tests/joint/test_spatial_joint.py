@@ -12,11 +12,13 @@ from scipy.spatial.transform import Rotation
 from cylcontact import InputError
 from cylcontact.files.spec import read_toml
 from cylcontact.joint import spatial_forces
-from cylcontact.joint.contact import LEFT_HOLE
+from cylcontact.joint.contact import LEFT_HOLE, NOT_A_NUMBER
 from cylcontact.joint.spatial_forces import (
     OUTSIDE,
     RIM_MISSING,
+    SLID_OUT,
     STATE,
+    UNEVEN_HOUSING,
     UNLIKE,
     WORK,
     WRENCH,
@@ -63,7 +65,8 @@ def energy_of(joint, pin):
     a = Rotation.from_quat(pin[3:7], scalar_first=True).apply([0.0, 0.0, 1.0])
     c, psi = 1e3 * pin[:3], -a[:2] / a[2]
     half, (R_i, R_j) = spec.length / 2, map(float, pair.radii("it"))
-    low, high = spec.pin.ends or (-np.inf, np.inf)
+    reach = 1.005 * half if spec.edge.kind == "flush" else np.inf
+    low, high = spec.pin.ends or (-reach, reach)
     low, high = max(-half, c[2] + low * a[2]), min(half, c[2] + high * a[2])
     ends = spec.pin.ends or (-half, half)
 
@@ -117,16 +120,23 @@ def test_the_energy_is_that_of_a_dense_quadrature(kind):
 @each_kind
 @pytest.mark.parametrize("rims", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_power_is_the_slope_of_the_energy_and_no_work_is_left_around_a_loop(kind, rims):
-    """Loops of all six coordinates, so small that the same rims and faces stay in contact."""
+    """Loops of all six coordinates, so small that the same rims and faces stay in contact.
+
+    No end of the pin goes into the hole or out of it.
+    """
     joint, N = elastic_joint(kind), 128
     pins = motions(joint, 4000, seed=8)[1]
     w = joint.evaluate(joint.start(), FIXED, pins)
     reserve = np.abs(w.penetration).min(axis=1)
     chosen = (reserve > 3e-7) & (w.penetration[:, :2].max(axis=1) < 5e-6)
     chosen &= ((w.penetration[:, :2] > 0).sum(axis=1) == rims) & (w.touched < 0.3 * w.touched.max())
+    axial = 0.1 if joint.spec.thrust else 30
+    ends = 1e3 * pins[:, 2:3] + [joint.record["pin_low"], joint.record["pin_high"]]
+    beyond = np.abs(np.abs(ends) - joint.spec.length / 2).min(axis=1)
+    chosen &= beyond > 1e3 * axial * reserve + 1e-3
     assert chosen.sum() >= 10
     pins = np.repeat(pins[chosen][:100], N, axis=0)
-    size = np.array([0.1, 0.1, 0.1 if joint.spec.thrust else 30, 6, 6, 100])
+    size = np.array([0.1, 0.1, axial, 6, 6, 100])
     size = np.repeat(reserve[chosen][:100, None] * size, N, axis=0)
     rng, t = np.random.default_rng(1), np.tile(2 * np.pi * np.arange(N) / N, len(pins) // N)
     phase = t[:, None] + np.repeat(rng.uniform(0, 2 * np.pi, (len(pins) // N, 6)), N, axis=0)
@@ -144,13 +154,13 @@ def test_power_is_the_slope_of_the_energy_and_no_work_is_left_around_a_loop(kind
     power = power.reshape(-1, N)
     left = np.abs(power.sum(axis=1)) / np.abs(power).sum(axis=1)
     assert left.max() <= 1e-10
-    # Derivatives of periodic series. The deepest place of a crowned pin moves.
+    # Derivatives of periodic series. Of a half without contact the deepest place may jump.
     pairs = [(w.elastic_energy, -power)]
-    if not joint.spec.pin.crown:
-        pairs += zip(w.penetration.T, w.penetration_rate.T, strict=True)
+    pairs += zip(w.penetration.T, w.penetration_rate.T, strict=True)
     for series, wanted in pairs:
-        gain = np.fft.rfft(series.reshape(-1, N)) * 1j * np.fft.rfftfreq(N, 1 / N)
-        slope, rates = np.fft.irfft(gain), wanted.reshape(-1, N)
+        smooth = (series.reshape(-1, N) > 0).all(axis=1) | (joint.spec.pin.crown == 0.0)
+        gain = np.fft.rfft(series.reshape(-1, N)[smooth]) * 1j * np.fft.rfftfreq(N, 1 / N)
+        slope, rates = np.fft.irfft(gain), wanted.reshape(-1, N)[smooth]
         peak = np.abs(rates).max(axis=1, keepdims=True) + 1e-300
         np.testing.assert_allclose(slope / peak, rates / peak, rtol=0, atol=1e-6)
 
@@ -392,12 +402,14 @@ def test_accept_keeps_a_rate_for_each_rim_and_each_face():
     np.testing.assert_array_equal(joint.accept(state, FIXED, FIXED).impact_rate, 0.0)
 
 
+IN_HOUSING = {"law": "conformal", "housing": {"R_o": 20.0}, "edge": {"c": 0.1, "b": 0.5}}
 FLAGS = {
     "no rims": ({"edge.kind": "none"}, 5.05e-3, RIM_MISSING),
     "tilt": ({"length": 15.0}, 0.11, OUTSIDE),
     "out of the hole": ({}, 0.11, OUTSIDE + LEFT_HOLE),
     "yield": ({"bearing.yield_stress": 100.0, "pin.yield_stress": 100.0}, 5.05e-3, 1),
     "unlike": ({"bearing.E": 3.6, "edge.kind": "flush"}, 5.05e-3, UNLIKE),
+    "housing": (IN_HOUSING, 5.05e-3, UNEVEN_HOUSING),
     "own rims": ({"bearing.E": 3.6, "edge": {"c": 0.1, "b": 0.5}}, 5.05e-3, 0),
 }
 
@@ -406,6 +418,79 @@ FLAGS = {
 def test_flags_tell_what_the_joint_does_not_know(changes, tilt, flag):
     joint, leaning = joint_for(**changes), body(rotation=Rotation.from_rotvec([tilt, 0, 0]))
     assert joint.evaluate(joint.start(), FIXED, leaning).flag & ~2 == flag
+
+
+@pytest.mark.parametrize(
+    ("changes", "place", "flag"),
+    [
+        ({"thrust": THRUST}, [0, 0, 0.05], LEFT_HOLE),  # a face, 49.9 mm deep
+        ({"edge.kind": "flush"}, [0, 0, 0.05], SLID_OUT),  # far out
+        ({"edge.kind": "flush"}, [5.1e-5, 0, -2e-3], SLID_OUT),
+        ({"edge.kind": "flush"}, [5.1e-5, 0, 1e-4], 0),
+        ({"edge.kind": "overhang"}, [5.1e-5, 0, 0.05], 0),  # has no end
+        ({"edge": {"c": 0.1, "b": 0.5}, "pin.ends": [-9, 9]}, [5.1e-5, 0, 1e-3], 0),
+        ({"edge": {"c": 0.1, "b": 0.5}, "pin.ends": [-9, 9]}, [5.1e-5, 0, 1.3e-3], SLID_OUT),
+        (IN_HOUSING, [5.1e-5, 0, 0], 0),
+        ({}, [np.nan, 0, 0], NOT_A_NUMBER),
+        ({}, [5.1e-5, 0, np.inf], NOT_A_NUMBER),
+    ],
+)
+def test_flags_tell_where_the_pin_is(changes, place, flag):
+    joint = joint_for(**changes)
+    wrench = joint.evaluate(joint.start(), FIXED, body(place))
+    assert wrench.flag & (LEFT_HOLE | SLID_OUT | NOT_A_NUMBER | UNEVEN_HOUSING) == flag
+
+
+@pytest.mark.parametrize("z", [0.04, 0.06, 1.0, 5.0, 19.9, 20.2, 50.0])
+@pytest.mark.parametrize("crown", [0.0, 0.004])
+def test_a_flush_pin_slides_out_of_its_hole(z, crown):
+    """It loses the length that it says, and its axial force is the slope of its energy."""
+    joint = joint_for(**{"edge.kind": "flush", "pin.crown": crown, **ELASTIC})
+    pin = body([6e-5, 0, 1e-3 * z], Rotation.from_rotvec([0, 4e-4, 0]))
+    w = joint.evaluate(joint.start(), FIXED, pin)
+    shared = max(min(20.0, 20.05 - z), 0.0)
+    assert 1e3 * w.touched == pytest.approx(shared, abs=1e-5)
+    assert (w.flag & SLID_OUT > 0) == (shared < 19.8)
+    moved = [body([6e-5, 0, 1e-3 * z + h], Rotation.from_rotvec([0, 4e-4, 0]))
+             for h in (-1e-8, 1e-8)]  # fmt: skip
+    less, more = joint.evaluate(joint.start(), FIXED, moved).elastic_energy
+    assert w.force_pin[2] == pytest.approx((less - more) / 2e-8, rel=1e-5, abs=1e-6)
+
+
+@pytest.mark.parametrize("crown", [0.0, 0.02])
+@pytest.mark.parametrize("ends", [(-15.0, 15.0), (-8.0, 14.0), (-2.0, 15.0)])
+def test_a_pin_described_from_its_other_end_has_the_same_wrench(ends, crown):
+    """To the bit, of 300 poses."""
+    one, other = (
+        joint_for(**{"edge.kind": "none", "pin.crown": crown, "pin.axis": [0, 0, way],
+                     "pin.ends": sorted(way * end for end in ends)})
+        for way in (1, -1)
+    )  # fmt: skip
+    rates, pins = motions(one, 300, seed=6)
+    wanted = run_library(one, rates, np.tile(FIXED, (300, 1)), pins)
+    assert (wanted[:, 12] > 0).sum() > 50
+    np.testing.assert_array_equal(run_library(other, rates, np.tile(FIXED, (300, 1)), pins), wanted)
+
+
+@pytest.mark.parametrize("crown", [0.0, 0.004])
+def test_forces_are_the_slope_of_the_energy_where_the_law_ends_inside_the_wall(crown):
+    free = {"edge.kind": "none", "pin.crown": crown, "pin.ends": [-15.0, 15.0]}
+    joint = joint_for(law="johnson", **free, **ELASTIC)
+    last, rng, worst = float(joint.record["last_penetration"]), np.random.default_rng(1), []
+    while len(worst) < 60:
+        depth, lean, towards = last * rng.uniform(0.6, 1.8), last * rng.uniform(0.3, 2.0), 2.1
+        away = 1e-3 * (joint.planar.radial + depth) * np.exp(1j * towards)
+        turn = Rotation.from_rotvec([*rng.normal(size=2) * lean / joint.spec.length, 0])
+        pin = body([away.real, away.imag, 0], turn)
+        w = joint.evaluate(joint.start(), FIXED, pin)
+        if not w.penetration[:2].min() < 1e-3 * last < w.penetration[:2].max():
+            continue
+        steps = 1e-9 * np.eye(3, 13)
+        less, more = (joint.evaluate(joint.start(), FIXED, pin + s * steps) for s in (-1, 1))
+        slope = (less.elastic_energy - more.elastic_energy) / 2e-9
+        worst.append(np.abs(w.force_pin - slope).max() / np.abs(w.force_pin).max())
+    assert np.median(worst) < 3e-6
+    assert max(worst) < 1e-4
 
 
 MISTAKES = {

@@ -31,13 +31,13 @@ CASES = {
     "ring 1.2": (PAIR, Housing(12.0)),
     "ring of constant volume": (pair_of(STEEL, CONSTANT), Housing(20.0)),
     "rubber ring": (pair_of(STEEL, RUBBER), Housing(20.0)),
-    "far 60": (PAIR, Housing(20.0, Sector(60, "far"))),
-    "near 60": (PAIR, Housing(20.0, Sector(60, "near"))),
+    "far 60": (PAIR, Housing(20.0, Sector(60, "pulled"))),
+    "near 60": (PAIR, Housing(20.0, Sector(60, "pushed"))),
     "layers": (PAIR, Housing(20.0, layers=[(STEEL, 12.0)])),
     "PTFE bush": (pair_of(STEEL, PTFE), Housing(20.0, layers=[(STEEL, 12.0)])),
-    "thin far 60": (pair_of(STEEL, STEEL), Housing(13.0, Sector(60, "far"))),
-    "thin far 300": (PAIR, Housing(13.0, Sector(300, "far"))),
-    "very thin far 60": (pair_of(STEEL, STEEL), Housing(11.0, Sector(60, "far"))),
+    "thin far 60": (pair_of(STEEL, STEEL), Housing(13.0, Sector(60, "pulled"))),
+    "thin far 300": (PAIR, Housing(13.0, Sector(300, "pulled"))),
+    "very thin far 60": (pair_of(STEEL, STEEL), Housing(11.0, Sector(60, "pulled"))),
 }
 every_case = pytest.mark.parametrize("name", CASES)
 
@@ -195,7 +195,7 @@ def test_a_band_of_housings_is_its_members(loads):
     R_i = 10 + np.array([[0.0], [0.005], [0.0105]])
     R_j = R_i - np.array([[0.0035], [0.012], [0.0205]])
     band = CylinderPair("internal", R_i - R_j, BRONZE, STEEL, R_i, R_j)
-    law, f = Conformal(Housing(13.0, Sector(60, "far"))), np.geomspace(1.0, 1e3, loads)
+    law, f = Conformal(Housing(13.0, Sector(60, "pulled"))), np.geomspace(1.0, 1e3, loads)
     delta = law.penetration(f, band)
     assert delta.shape == (3, loads)
     for k in range(3):

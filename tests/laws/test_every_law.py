@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.kernels import TABLE, kernel, kernel_energy
 from cylcontact.laws.tabulated import TABLE_ERROR
 from tests.support.strategies import NOT_TOUCHING, ROUNDING

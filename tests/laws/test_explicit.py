@@ -8,7 +8,7 @@ from mpmath import mp, mpf
 
 from cylcontact import CylinderPair, laws
 from cylcontact.bodies.material import material_in_MPa
-from cylcontact.fitting import FitResult
+from cylcontact.fitting import read_result
 from cylcontact.laws.explicit import CALIBRATED
 
 UNIT = material_in_MPa("of unit composite modulus", E=2.0, nu=0.0)
@@ -47,7 +47,7 @@ def test_formula_in_forty_digits(contact):
 
 @pytest.mark.parametrize("contact", ["internal", "external"])
 def test_rounded_constants_are_those_the_campaign_found(contact):
-    result = FitResult.read(ROOT / f"fitting/results/explicit-{contact}.json")
+    result = read_result(ROOT / f"fitting/results/explicit-{contact}.json")
     for name, value in result.coefficients.items():
         assert getattr(CALIBRATED[contact], name) == pytest.approx(value, rel=5e-4)
     assert result.objective.value < 0.09

@@ -12,9 +12,9 @@ STEEL = Material("steel", 207e3, 0.3, yield_stress=250.0)
 BRONZE = Material("bronze", 110e3, 0.34, yield_stress=200.0)
 CLAMPS = {
     "full": "rim",
-    "near60": Sector(60, "near"),
-    "far180": Sector(180, "far"),
-    "far60": Sector(60, "far"),
+    "near60": Sector(60, "pushed"),
+    "far180": Sector(180, "pulled"),
+    "far60": Sector(60, "pulled"),
 }
 
 
@@ -71,7 +71,7 @@ def largest_by_elements(pair, housing, load, cells, ring=(0.0, 9.9)):
     mises = np.where((r.mean(axis=1) > ring[0]) & (r.mean(axis=1) < ring[1]), mises.T, 0).T
     if housing.clamp != "rim":  # the ends of the clamp are singular
         half, wall = np.radians(housing.clamp.angle / 2), radii[-1] - radii[-2]
-        end = half if housing.clamp.side == "near" else np.pi - half
+        end = half if housing.clamp.side == "pushed" else np.pi - half
         out = (r > radii[-1] - wall / 2) & (radii[-1] * np.abs(theta - end) < wall)
         mises = np.where(out, 0, mises)
     at = mises.argmax()
@@ -124,6 +124,6 @@ def test_a_bush_in_a_lug_yields_where_elements_say():
 def test_a_pin_that_leaves_its_eye_before_anything_yields_has_no_load():
     strong = Material("aluminium", 70e3, 0.33, 5e3)
     pair = CylinderPair.internal(10.0, 9.99, strong, material_j=STEEL)
-    first = limits.first_yield(pair, yield_stress=5e3, housing=Housing(13.0, Sector(300, "far")))
+    first = limits.first_yield(pair, yield_stress=5e3, housing=Housing(13.0, Sector(300, "pulled")))
     assert np.isnan(first.load)
     assert "no load at which the pin touches its housing along one arc" in str(first)

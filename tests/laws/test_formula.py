@@ -9,7 +9,6 @@ from scipy.integrate import quad
 
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.laws.user import user_law
-from tests.support.strategies import ROUNDING
 
 STEEL = Material("steel", E=207e3, nu=0.3)
 BRONZE = Material("bronze", E=110e3, nu=0.34)
@@ -39,15 +38,6 @@ def test_a_stiffness_by_hand_is_the_slope_of_the_printed_load_at_forty_digits(na
             exact, slope = load(mpf(depth)), mp.diff(load, mpf(depth), h=mpf(depth) * 1e-12)
         assert law.load(depth, PAIR) == pytest.approx(float(exact), rel=2e-14)
         assert law.stiffness(depth, PAIR) == pytest.approx(float(slope), rel=1e-12)
-
-
-@pytest.mark.parametrize("end", [1e-25, 1e-40])
-def test_a_load_by_hand_in_arrays_is_that_of_the_formula(end):
-    pair = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, material_j=BRONZE)
-    formula, numbers = laws.Johnson().formula, laws.Johnson().numbers_at(pair)
-    depth = np.geomspace(end, 0.9 * formula.last(*numbers), 3001)
-    expected = formula.load(depth, *numbers)
-    np.testing.assert_allclose(formula.in_arrays(depth, *numbers), expected, rtol=40 * ROUNDING)
 
 
 # --- functions of one's own ----------------------------------------------------------------------

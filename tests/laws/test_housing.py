@@ -23,11 +23,11 @@ PAIRS = {
 }
 CLAMPS = {
     "full": "rim",
-    "near180": Sector(180, "near"),
-    "near60": Sector(60, "near"),
-    "far180": Sector(180, "far"),
-    "far60": Sector(60, "far"),
-    "far120": Sector(120, "far"),
+    "near180": Sector(180, "pushed"),
+    "near60": Sector(60, "pushed"),
+    "far180": Sector(180, "pulled"),
+    "far60": Sector(60, "pulled"),
+    "far120": Sector(120, "pulled"),
 }
 
 
@@ -112,12 +112,12 @@ def theory_of_ring(radii, materials, clamp, count):
 
 
 RINGS = [([1.0, rho], [STEEL], CLAMPS[clamp]) for rho, clamp in [(2.0, "far60"), (1.3, "far180")]]
-RINGS += [([1.0, 2.0], [PEEK], Sector(60, "near"))]
+RINGS += [([1.0, 2.0], [PEEK], Sector(60, "pushed"))]
 BUSHES = [
     ([1.0, 1.2, 2.0], [BRONZE, STEEL], "rim"),
     ([1.0, 1.5, 1.8, 3.0], [AL, PEEK, STEEL], "rim"),
-    ([1.0, 1.2, 2.0], [BRONZE, STEEL], Sector(60, "far")),
-    ([1.0, 1.2, 1.7], [STEEL, AL], Sector(120, "near")),
+    ([1.0, 1.2, 2.0], [BRONZE, STEEL], Sector(60, "pulled")),
+    ([1.0, 1.2, 1.7], [STEEL, AL], Sector(120, "pushed")),
 ]
 
 
@@ -166,7 +166,7 @@ def test_the_approach_by_reciprocity_is_that_of_the_kernel(name, rho, clamp, phi
 
 
 def test_the_law_ends_where_the_pin_would_leave_the_eye_in_the_middle():
-    pair, law = pair_of("steel in aluminium"), Conformal(Housing(13.0, Sector(300, "far")))
+    pair, law = pair_of("steel in aluminium"), Conformal(Housing(13.0, Sector(300, "pulled")))
     end = law.max_load(pair)
     assert 1 < end / (pair.E_star * 0.01) < 10
     assert law.penetration(end * (1 - 1e-9), pair) == pytest.approx(law.max_penetration(pair))
@@ -177,7 +177,7 @@ def test_the_law_ends_where_the_pin_would_leave_the_eye_in_the_middle():
 
 
 def test_own_compliances_are_a_housing(tmp_path):
-    pair, housing = pair_of(), Housing(20.0, Sector(60, "far"))
+    pair, housing = pair_of(), Housing(20.0, Sector(60, "pulled"))
     g = kernel_of(housing, pair).g
     path = tmp_path / "g.csv"
     np.savetxt(path, g, delimiter=",")
@@ -207,7 +207,7 @@ def setup_of(name, rho, clamp, plane, phi, cells):
         mesh = setup.mesh(0.001, f)
         x, y = mesh.plate.points[clamped_nodes(setup, mesh)].T
         side, theta = where.side, np.degrees(np.arctan2(x, y))
-        half = theta.max() if side == "near" else 180 - theta.min()
+        half = theta.max() if side == "pushed" else 180 - theta.min()
         where = Sector(2 * half, side)
     return setup, pair, f, Conformal(Housing(10 * rho, where))
 

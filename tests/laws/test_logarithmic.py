@@ -47,9 +47,17 @@ def test_penetration_is_the_printed_formula(law, load):
     assert laws.LAWS[law]().penetration(load, PAIR) == pytest.approx(float(exact), rel=1e-13)
 
 
-def test_a_fitted_law_has_its_own_kappa_c_and_factor_of_lambda():
-    values = {"kappa": 1.2, "c": 0.4, "Lambda_factor": 2.0}
+def test_a_fitted_law_has_its_own_c_and_factors_of_modulus_and_lambda():
+    values = {"stiffness_factor": 1.2, "c": 0.4, "Lambda_factor": 2.0}
     law = MODELS["goldsmith", "internal"].build(values)
-    E_star = PAIR.E_star
-    expected = 120.0 / (np.pi * E_star) * (np.log(2 * np.pi * PAIR.R * E_star / 100.0) + 0.4)
+    E_star = 1.2 * PAIR.E_star
+    expected = 100.0 / (np.pi * E_star) * (np.log(2 * np.pi * PAIR.R * E_star / 100.0) + 0.4)
     assert law.penetration(100.0, PAIR) == pytest.approx(expected, rel=1e-13)
+
+
+def test_a_stiffness_factor_multiplies_the_load_as_of_any_law():
+    shape = {"c": -1.0, "Lambda_factor": 1.0}
+    law = MODELS["johnson", "internal"].build(shape | {"stiffness_factor": 1.2})
+    depth = np.array([1e-4, 1e-3, 5e-3])
+    expected = 1.2 * laws.Johnson().load(depth, PAIR)
+    assert law.load(depth, PAIR) == pytest.approx(expected, rel=1e-12)

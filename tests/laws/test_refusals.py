@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, impact, laws, limits
-from cylcontact.bodies.fits import Fit
+from cylcontact.bodies.iso286 import IsoFit
 from cylcontact.files.spec import read_toml
 from cylcontact.joint import joint_from
 from cylcontact.laws import Conformal, Housing, Sector
@@ -27,7 +27,7 @@ MANY = CylinderPair("internal", 0.05, STEEL, Material("pins", np.array([7e4, 2e5
 PEEK = CylinderPair.internal(10.0, 9.9, pin=Material.named("PEEK"), hole=STEEL)
 RUBBER = CylinderPair.internal(10.0, 9.9, Material("rubber", "5 MPa", 0.49))
 JOINT = changed(
-    read_toml("datasets/joint.toml"), {"bearing.R": DROP, "pin.R": DROP, "fit": "20H7/g6"}
+    read_toml("datasets/joint.toml"), {"bearing.R": DROP, "pin.R": DROP, "iso": "20H7/g6"}
 )
 BENT = {"A": 0.88, "p": 0.72, "n0": 1.13, "n1": -0.02, "q": 0.012, "n2": 0.001}
 
@@ -79,11 +79,11 @@ def internal(*args, **kwargs):
 
 
 def at(one, *temperatures):
-    return lambda: one.at_temperature(*temperatures)
+    return lambda: limits.at_temperature(one, *temperatures)
 
 
 def clearance(**given):
-    return lambda: find("dR", PAIR, 100.0, **given)
+    return lambda: find("clearance", PAIR, 100.0, **given)
 
 
 def joint(**changes):
@@ -125,10 +125,10 @@ REFUSED = [
     (housing(20.0, layers=[(STEEL, 30.0)]), "Housing: layers"),
     (housing(20.0, layers=[15.0]), "Housing: layers"),
     (lambda: Sector(351), "Sector: angle = 351: must be from 10 to 350 degrees"),
-    (lambda: Sector(60, "left"), "Sector: side = 'left': must be 'near' or 'far'"),
+    (lambda: Sector(60, "left"), "Sector: side = 'left': must be 'pushed' or 'pulled'"),
     (housing(10.0), "R_o = 10.0: must be larger than"),
     (housing(10.2), "makes a ring thinner than 5 %"),
-    (housing(11.0, Sector(300, "far")), "does not touch it along one arc"),
+    (housing(11.0, Sector(300, "pulled")), "does not touch it along one arc"),
     (compliances(np.ones((3, 4))), "Housing: g: has the shape (3, 4)"),
     (compliances([0.1, np.nan, 0]), "Housing: g: must be finite"),
     (compliances(np.triu(np.ones((3, 3)))), "g: must be symmetric"),
@@ -159,26 +159,26 @@ REFUSED = [
     (lambda: Material("m", 207e3, 0.3, "250"), "yield_stress = '250'"),
     (lambda: Material("m", 207e3, 0.3, thermal_expansion=12.0), "= 12.0: is beyond any material"),
     # Fits of ISO 286.
-    *((partial(Fit.read, code), rule) for code, rule in [
-        ("20H7", "is no fit"), ("2H7/g6", "3 to 500 mm"), ("501H7/g6", "3 to 500 mm"),
+    *((partial(IsoFit.read, code), rule) for code, rule in [
+        ("20H7", "is not an ISO fit"), ("2H7/g6", "3 to 500 mm"), ("501H7/g6", "3 to 500 mm"),
         ("20M7/h6", "a hole M"), ("20h7/g6", "a hole h"), ("20H7/p6", "a pin p"),
         ("20H4/g6", "a grade 4"), ("20H12/g6", "a grade 12"),
         ("20H7/j8", "j8, and ISO 286 has j5 to j7"),
     ]),
     (joint(clearance=0.01), "is given by the fit 20H7/g6"),
     (joint(**{"pin.R": 9.9}), "by the fit"),
-    (joint(fit="20H7/k6"), "fit = '20H7/k6': is a transition fit"),
-    (joint(fit="20"), "is no fit"),
+    (joint(iso="20H7/k6"), "iso = '20H7/k6': is a transition fit"),
+    (joint(iso="20"), "is not an ISO fit"),
     # Temperatures and sizes.
     (at(RUBBER, 50, 50), "rubber.thermal_expansion: is not known"),
     (at(CylinderPair.from_dR("internal", 0.1, STEEL), 50, 50), "needs both radii"),
     (at(ROLLERS, 50, 50), "no pin and no hole"),
     (at(PAIR, np.nan, 20), "temperature = nan: must be a temperature above"),
     (at(PEEK, 80, 80), "is a polymer, whose modulus and yield stress"),
-    (clearance(stiffness=1e9), "is met by no dR from 1e-05 to 5 mm, which give"),
-    (clearance(penetration=10.0), "is met by no dR"),
+    (clearance(stiffness=1e9), "is met by no clearance from 1e-05 to 5 mm, which give"),
+    (clearance(penetration=10.0), "is met by no clearance"),
     (clearance(), "is missing"),
-    (clearance(stiffness=1e5, penetration=1e-3), "beside a penetration"),
+    (clearance(stiffness=1e5, penetration=1e-3), "is given beside stiffness"),
     (clearance(stiffness=-1.0), "must be positive"),
     # Impact and friction.
     *((partial(act, value), f"{key} = ") for act, key, values in [
@@ -209,9 +209,3 @@ def test_radii_and_clearance_agree(contact, changes):
     CylinderPair(contact, material_i=STEEL, material_j=STEEL, **radii | {"dR": radii["dR"] + 1e-9})
     with pytest.raises(InputError, match=r"CylinderPair: dR = .* contradicts R_i = .* and R_j"):
         CylinderPair(contact, material_i=STEEL, material_j=STEEL, **radii | changes)
-
-
-@pytest.mark.parametrize("name", ["Parametric", "explicit_penetration", "Palmgren", "Block"])
-def test_a_name_that_is_gone_says_what_to_use(name):
-    with pytest.raises(AttributeError, match=rf"laws\.{name} is gone: \w+"):
-        getattr(laws, name)

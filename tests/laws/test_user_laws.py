@@ -43,11 +43,11 @@ def fit(tmp_path, run, monkeypatch):
     monkeypatch.setattr(sys, "dont_write_bytecode", True)  # of mine.py, beside it
     table = write_measured(tmp_path / "measured.csv", "power", "internal")
 
-    def fit(module, law="mine:load", objective="rms-log-penetration", *more):
+    def fit(module, law="mine:load", *more):
         (tmp_path / "mine.py").write_text(module)
         return run(
             *("fit", table, "--law", law, "--contact", "internal", *GIVEN.split()),
-            *("--objective", objective, "-o", tmp_path / "r.json", *more),
+            *("-o", tmp_path / "r.json", *more),
         )
 
     return fit
@@ -83,7 +83,7 @@ def test_only_the_name_of_a_module_and_a_function_is_imported(fit, tmp_path, nam
 
 
 def test_a_law_of_ones_own_takes_no_housing(fit):
-    own = law(f"return {POWER}"), "mine:load", "rms-log-penetration"
+    own = law(f"return {POWER}"), "mine:load"
     code, _, errors = fit(*own, "--R-o", "20", "--clamp", "rim")
     assert (code, "'mine:load': takes no housing" in errors) == (2, True)
 

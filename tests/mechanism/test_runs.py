@@ -131,21 +131,6 @@ def test_no_shallow_contact_is_leapt_over():
     assert excess[free].max() < 1e-9
 
 
-def test_the_papers_step_control_begins_contacts_in_depth_and_costs_energy():
-    mechanism = slider_crank()
-    errors = {}
-    for allowed in (1e-5, 1e-6, 1e-7):
-        run = simulate(mechanism, revolutions=1, allowed_penetration=allowed)
-        begins = np.flatnonzero(np.diff(run.in_contact.astype(int)) == 1) + 1
-        depths = run.penetration[begins]
-        assert (depths >= 0).all()
-        assert depths.max() <= allowed
-        assert depths.max() > allowed / 20
-        errors[allowed] = np.abs(run.energy_error).max()
-    located = np.abs(simulate(mechanism, revolutions=1).energy_error).max()
-    assert errors[1e-5] > 100 * errors[1e-6] > 100 * located
-
-
 def test_johnsons_law_is_left_and_says_where():
     with pytest.raises(LawDomainError) as caught:
         simulate(slider_crank("johnson", 0.02, 1.0, 0.1), revolutions=3)

@@ -33,7 +33,6 @@ MISTAKES = [
     ({"eccentricity": [0.3, 0.4]}, "eccentricity = [0.3, 0.4]: is outside the clearance of 0.5 mm"),
     ({"rod.mass": DROP}, "rod.mass: is required; add the mass in kg"),
     ({"tolerance": 2.0}, "tolerance = 2.0: must be less than or equal to 0.001"),
-    ({"bodies": {}, "integration": {}}, "bodies: is gone; write [crank], [rod], [slider] and [jo"),
 ]  # fmt: skip
 
 

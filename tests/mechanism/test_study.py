@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import cylcontact.mechanism
 from cylcontact.mechanism import Case, Interrupted, cases, horizon, long_run, simulate, sweep
 from tests.support.mechanism_cases import CASES, ROOT, SPEC, slider_crank
 
@@ -145,23 +144,18 @@ def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):
     ("arguments", "message"),
     [
         (("simulate", "none.toml"), "none.toml: cannot be read"),
-        (("simulate", SPEC, "--clearance", "-1"), "joint.clearance = -1.0: must be greater"),
+        (("simulate", SPEC, "--radial-clearance", "-1"), "joint.clearance = -1.0: must be greater"),
         (("simulate", SPEC, "--tolerance", "2"), "tolerance = 2.0: must be less than or equal"),
         (("simulate", SPEC, "--beyond", "wall"), "beyond = 'wall': is not known; choose stop or"),
         (("simulate", SPEC, "--table", "run.gif"), "run.gif: is neither .csv nor .parquet"),
         (("simulate", SPEC, "--revolutions", 2, "--first", 2), "--first = 2: leaves none of 2"),
-        (("simulate", SPEC, "--clearance", "0.5,0.02"), "is not a number; see cylcontact simulate"),
+        (("simulate", SPEC, "--radial-clearance", "0.5,0.02"), "is not a length"),
         (("simulate", SPEC, "--study", "cases"), "No such option: --study; see cylcontact"),
-        (("simulate", SPEC, "-o", "run.parquet"), "simulate: -o: is gone; use --table run.csv"),
-        (("simulate", SPEC, "--method=minimal"), "simulate: --method: is gone; leave it out"),
-        (("sweep", SPEC, "--against", "1e-10"), "sweep: --against: is gone; compare two runs"),
-        (("bifurcation", SPEC), "'bifurcation': is gone; use `cylcontact sweep "),
-        (("tolerances", SPEC), "'tolerances': is gone; use `cylcontact simulate "),
-        ((*SWEEP, "--clearance", "0.5;1"), "'0.5;1' is not a number"),
+        ((*SWEEP, "--radial-clearance", "0.5;1"), "'0.5;1' is not a number"),
         ((*SWEEP, "--law", "hooke"), "'hooke': is neither a law nor a fit result"),
-        ((*SWEEP, "--fit", "20H7/k6"), "--fit = '20H7/k6': is a transition fit"),
-        ((*SWEEP, "--fit", "20H7/f7", "--clearance", 1), "conflicts with --clearance"),
-        ((*SWEEP, "--fit", "40H7/f7"), "is of another size than the hole of the joint, of 20 mm"),
+        ((*SWEEP, "--iso", "20H7/k6"), "--iso = '20H7/k6': is a transition fit"),
+        ((*SWEEP, "--iso", "20H7/f7", "--radial-clearance", 1), "conflicts with --radial"),
+        ((*SWEEP, "--iso", "40H7/f7"), "is of another size than the hole of the joint, of 20 mm"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_line_and_exit_code_two(run, tmp_path, monkeypatch, arguments, message):
@@ -176,7 +170,7 @@ def test_bad_input_is_one_line_and_exit_code_two(run, tmp_path, monkeypatch, arg
 def test_a_fit_gives_its_tightest_middle_and_loosest_clearance(run, tmp_path):
     table = tmp_path / "band.csv"
     short = "--law", "explicit", "--beyond", "tangent", "--revolutions", 2, "-j", 1
-    assert run("sweep", SPEC, "--fit", "20H7/f7", *short, "-o", table)[0] == 0
+    assert run("sweep", SPEC, "--iso", "20H7/f7", *short, "-o", table)[0] == 0
     clearances = pd.read_csv(table)["clearance_mm"].to_numpy()
     assert clearances == pytest.approx([0.01, 0.0205, 0.031], rel=1e-12)
 
@@ -184,7 +178,7 @@ def test_a_fit_gives_its_tightest_middle_and_loosest_clearance(run, tmp_path):
 def test_sweep_writes_a_table_and_says_what_stopped(run, tmp_path):
     out = tmp_path / "table.csv"
     options = (
-        *("--law", "johnson,enhanced", "--clearance", 0.02, "--restitution", 1),
+        *("--law", "johnson,enhanced", "--radial-clearance", 0.02, "--restitution", 1),
         *("--friction", 0.1, "--revolutions", 1, "--jobs", 1),
     )
     code, sentence, error = run("sweep", SPEC, "-o", out, *options)
@@ -197,13 +191,7 @@ def test_sweep_writes_a_table_and_says_what_stopped(run, tmp_path):
     assert list(tmp_path.iterdir()) == [out]
 
 
-# --- what is gone, and pictures -----------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["bifurcation", "tolerances", "isolated_impact", "Mechanism"])
-def test_a_name_that_is_gone_says_what_to_use_instead(name):
-    with pytest.raises(ImportError, match=f"cylcontact.mechanism.{name} is gone: .*use|integrate"):
-        getattr(cylcontact.mechanism, name)
+# --- pictures ------------------------------------------------------------------------------------
 
 
 def test_the_pictures_show_the_run():

@@ -17,10 +17,10 @@ from tests.support.spec_files import write_bench
 
 WORK = """
 import json, sys
-from cylcontact.fitting import calibrate, read_campaign
+from cylcontact.fitting import calibrate, Campaign
 from numpy._core._multiarray_umath import __cpu_features__
 
-result = calibrate(read_campaign(sys.argv[1]))
+result = calibrate(Campaign.read(sys.argv[1]))
 print(json.dumps({
     "coefficients": list(result.coefficients.values()),
     "objective": [result.objective.value],

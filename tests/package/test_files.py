@@ -10,7 +10,7 @@ from cylcontact import InputError
 from cylcontact.files.reading import plain_number, read_bytes, unmarked
 from cylcontact.files.spec import read_toml
 from cylcontact.files.writing import replacing, replacing_all, require_suffix, require_writable
-from cylcontact.fitting import FitResult
+from cylcontact.fitting import read_result
 from tests.support.spec_files import assert_told, tree, write_bench
 
 REMEDY = "choose a file in a folder you may write to"
@@ -124,7 +124,7 @@ def test_another_suffix_and_a_missing_library_are_told(monkeypatch):
 def test_what_is_no_file_is_refused(tmp_path, make, rule):
     path = tmp_path / "in.toml"
     make(path)
-    for read in (read_bytes, read_toml, FitResult.read):
+    for read in (read_bytes, read_toml, read_result):
         with pytest.raises(InputError) as caught:
             read(path)
         assert caught.value.source == str(path)
@@ -144,12 +144,12 @@ def test_a_spec_beyond_64_kB_is_refused(tmp_path):
 def test_a_file_of_another_version_is_told(tmp_path, small_result):
     path = tmp_path / "result.json"
     small_result.save(path)
-    assert FitResult.read(path) == small_result
-    path.write_text(path.read_text().replace('"format": 2', '"format": 3'))
+    assert read_result(path) == small_result
+    path.write_text(path.read_text().replace('"format": 3', '"format": 2'))
     with pytest.raises(InputError) as caught:
-        FitResult.read(path)
-    rule = "is not a version that this cylcontact reads, 1 or 2"
-    assert_told(caught, path, "format", 3, rule, "read it with the cylcontact")
+        read_result(path)
+    rule = "is not version 3, which this cylcontact reads"
+    assert_told(caught, path, "format", 2, rule, "read it with the version that wrote it")
     assert unmarked({"key": 3}, "source") == {"key": 3}
 
 

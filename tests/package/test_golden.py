@@ -67,7 +67,7 @@ def folder(tmp_path, monkeypatch, small_result):
     (tmp_path / "bad.csv").write_text("dR_um,load_N_per_mm,penetration_um\n50,ten,1\n")
     (tmp_path / "bad.json").write_text("{}")
     text = (tmp_path / "result.json").read_text("utf-8")
-    value = json.loads(text)["coefficients"]["n"]
+    value = json.loads(text)["estimates"]["n"]["value"]
     (tmp_path / "altered.json").write_text(text.replace(str(value), str(0.99 * value), 1))
     (tmp_path / "mine.py").write_text(USER_LAW)
     (tmp_path / "reports").mkdir()

@@ -1,5 +1,6 @@
-"""Claims: verdicts from readings, and the committed table against the paper's equations."""
+"""Claims: verdicts from interpretations, and the committed table against the paper's equations."""
 
+import json
 import re
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 from mpmath import mp, mpf
 
 from cylcontact import InputError
-from cylcontact.reports.claims import DEPENDS, FAILS, claims_of, to_table
+from cylcontact.reports.claims import DEPENDS, FAILS, claims_of, to_json, to_table, to_text
 from tests.support import paper_equations as paper
 from tests.support.report_files import CLAIMS
 
@@ -34,11 +35,11 @@ def ledger():
 
 @pytest.fixture
 def ours(ledger):
-    """What a claim's readings say, by a part of the claim's text."""
+    """What a claim's interpretations say, by a part of the claim's text."""
 
     def of(part):
         (chosen,) = (each for each in ledger if part in each.statement)
-        return {how: text for how, text, _ in chosen.readings}
+        return {how: text for how, text, _ in chosen.interpretations}
 
     return of
 
@@ -46,8 +47,11 @@ def ours(ledger):
 def test_the_committed_table_is_what_the_claims_say(ledger):
     table = pd.read_csv(COMMITTED, dtype={"section": str, "printed": str, "ours": str})
     now = to_table(ledger)
-    for column in ("section", "claim", "printed", "verdict", "reading", "holds"):
+    for column in ("section", "claim", "printed", "verdict", "interpretation"):
         assert table[column].tolist() == now[column].tolist()
+    known = {"True": True, "False": False, "": None}
+    holds = pd.read_csv(COMMITTED, dtype=str, keep_default_na=False)["holds"].map(known)
+    assert [*holds] == [holds for each in ledger for *_, holds in each.interpretations]
     numbers = re.compile(r"-?\d+\.?(\d*)")
     for was, text in zip(table["ours"], now["ours"], strict=True):
         for one, other in zip(numbers.finditer(was), numbers.finditer(text), strict=True):
@@ -55,12 +59,18 @@ def test_the_committed_table_is_what_the_claims_say(ledger):
             assert abs(float(one[0]) - float(other[0])) < 1.1 * 10.0 ** -len(other[1]), text
 
 
-def test_verdicts_follow_from_the_readings(tmp_path):
+def test_verdicts_follow_from_the_interpretations(tmp_path):
     (tmp_path / "reports").mkdir()
     (tmp_path / "reports/claims.py").write_text(CLAIMS)
     first, second = claims_of(tmp_path)
     assert (first.verdict, second.verdict) == (DEPENDS, FAILS)
     (tmp_path / "reports/claims.py").write_text(CLAIMS.replace("1 + 1 == 2", "int('x')"))
+    assert json.loads(to_json([first]))[0]["interpretations"][2] == {
+        "interpretation": "as defined here",
+        "ours": "2",
+        "holds": None,
+    }
+    assert "o as defined here: 2" in to_text([first])
     with pytest.raises(InputError, match="sum_of_ones: failed with ValueError"):
         claims_of(tmp_path)
     with pytest.raises(InputError, match="does not exist; run this where it is"):
@@ -119,7 +129,7 @@ def test_moderate_loads_from_50_um(ours):
 def test_enhanced_against_johnson_under_20_newtons(ours):
     dR = np.geomspace(0.005, 1.5, 4001)
     off = np.abs(paper.difference(20.0, E_STEEL, dR))
-    said = ours("Finite elements and the two laws")["enhanced against Johnson, 20 N/mm"]
+    said = ours("The enhanced law and Johnson's differ")["20 N/mm"]
     assert said == f"{off.max():.1f} % and {off[dR >= 0.445].max():.1f} %"
 
 
@@ -130,3 +140,47 @@ def test_growth_at_small_clearances(ours):
         top = min(1000.0, paper.johnson_end(E_star, 0.0075))
         half, whole = (abs(paper.difference(share * top, E_star, 0.0075)) for share in (0.5, 1))
         assert f"{name} {whole - half:+.0f}" in said
+
+
+def test_rollers_have_no_list_of_loads_chosen_for_them(ours):
+    """Fig 2 uses the second list; it comes near, and the verdict is that neither list is right."""
+    found = ours("ΔR = 140 mm")
+    assert list(found) == ["loads 1, 10, 20, … 1000 N/mm", "loads 1, 100, 200, … 10000 N/mm"]
+    assert not any("K = 44935" in said for said in found.values())
+
+
+def test_stiffness_at_equal_penetration_on_an_even_axis(ours):
+    """Johnson's end is at 10.8 µm for 0.02 mm: below it the force is the smaller root of Eq 1."""
+    for dR, part, sign in ((0.5, "At 0.5 mm", 1), (0.02, "At 0.02 mm", -1)):
+        top = 4 * np.pi * E_STEEL * dR / np.e**2
+        depth = np.linspace(0, min(0.06, paper.johnson(top, E_STEEL, dR)), 5001)[1:]
+        load = np.geomspace(1e-3, 1, 20001) * top
+        johnson = np.interp(depth, paper.johnson(load, E_STEEL, dR), load)
+        load = np.geomspace(1e-3, 10, 20001) * top
+        enhanced = np.interp(depth, paper.enhanced(load, E_STEEL, dR), load)
+        said = ours(part)
+        share = 100 * np.mean(sign * (johnson - enhanced) > 0)
+        shown = next(iter(said.values()))
+        assert float(shown.split()[1]) == pytest.approx(share, abs=1)
+        work = 100 * (johnson.sum() / enhanced.sum() - 1)
+        (shown,) = (text for how, text in said.items() if "work" in how)
+        assert float(shown.split()[0]) == pytest.approx(work, abs=0.15)
+
+
+def test_the_allowable_load_by_eqs_7_and_8(ours):
+    """Eq 7 gives f = π·R·σ_y²/E*, Eq 8 gives f = 4π·E*·ΔR/e²."""
+    for part, at_yield, at_end in (("yield strength", 21.0, 0.0), ("composite", -9.1, 10.0)):
+        said = ours(f"The largest allowable load rises with the {part}")
+        said = {how: float(text.split()[0]) for how, text in said.items()}
+        assert [said[how] for how in said if "(Eq 7)" in how] == [at_yield]
+        assert [said[how] for how in said if "(Eq 8)" in how] == [at_end]
+
+
+def test_agreement_by_construction_is_no_evidence(ledger):
+    """The plate's radius is fitted to Johnson's law, so its agreement is neither + nor -."""
+    (elements,) = (each for each in ledger if "Finite elements differ" in each.statement)
+    by_study = {how: holds for how, _, holds in elements.interpretations}
+    assert [how for how, holds in by_study.items() if holds is None] == [
+        "johnson, plane strain, 20 to 100 N/mm, by construction"
+    ]
+    assert elements.verdict == "does not hold"

@@ -78,7 +78,7 @@ def committed_results():
     digest = {}
     for path in sorted((ROOT / "fitting/results").glob("*.json")):
         result = json.loads(path.read_text("utf-8"))
-        numbers = result["coefficients"] | {
+        numbers = {name: each["value"] for name, each in result["estimates"].items()} | {
             result["objective"]["name"]: result["objective"]["value"],
             "bound": result.get("bound"),
             "samples": result["counts"]["samples"],

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from cylcontact import CylinderPair, Material
+from cylcontact.fitting.campaign import Campaign, read_table
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.parameters import Parameter
-from cylcontact.fitting.tables import TableCampaign, campaign_of_table
 
 USER_LAW = """\
 import numpy as np
@@ -36,9 +36,9 @@ TRUTHS: dict[tuple[str, str], dict[str, float]] = {
     },
     ("enhanced", "external"): {"a": 0.4, "b": 0.9, "n": 1.09},
     ("explicit", "internal"): {"c": 1.5, "A": 0.4, "B": 3.0},
-    ("persson", "internal"): {"modulus_factor": 1.1, "clearance_factor": 1.0},
-    ("liu", "internal"): {"modulus_factor": 1.8, "clearance_factor": 1.0},
-    ("lankarani-nikravesh", "internal"): {"factor": 1.3, "n": 1.4},
+    ("persson", "internal"): {"stiffness_factor": 1.1, "clearance_factor": 1.0},
+    ("liu", "internal"): {"stiffness_factor": 1.8, "clearance_factor": 1.0},
+    ("lankarani-nikravesh", "internal"): {"n": 1.4},
 }
 
 
@@ -112,6 +112,11 @@ def write_measured(path: Path, law: str, contact: str, noise: float = 0.0, seed:
     return path
 
 
+def campaign_of_table(table, law, contact, constants, **settings) -> Campaign:
+    """Return the campaign of a law on a table, with the keys of a campaign file as settings."""
+    return read_table(table, law, None, contact, constants, **settings).campaign(law)
+
+
 def measured_campaign(
     folder: Path,
     law: str = "johnson",
@@ -121,7 +126,7 @@ def measured_campaign(
     bounds: Mapping[str, list[float]] | None = None,
     fixed: Mapping[str, float] | None = None,
     **settings: Any,
-) -> TableCampaign:
+) -> Campaign:
     """Return a campaign on points of a law that searches all its constants."""
     table = write_measured(folder / "measured.csv", law, contact, noise, seed)
     searched = all_free(law, contact, bounds, fixed)
@@ -129,14 +134,14 @@ def measured_campaign(
 
 
 def user_campaign(
-    folder: Path, objective: str | None = None, bounds: dict[str, Any] | None = None
-) -> TableCampaign:
+    folder: Path, noise: str | None = None, bounds: dict[str, Any] | None = None
+) -> Campaign:
     """Return a campaign on points of a power law for a function of the user's own."""
     (folder / "mine.py").write_text(USER_LAW)
     table = write_measured(folder / "measured.csv", "power", "internal")
     return campaign_of_table(
         *(table, "mine:load", "internal", CONSTANTS),
-        objective=objective,
+        noise=noise,
         bounds=bounds or {"K_star": [0.5, 10.0], "n": [1.0, 1.5]},
         starts=3,
     )

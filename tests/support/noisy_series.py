@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 
 from cylcontact import CylinderPair, laws
+from cylcontact.fitting.campaign import read_table
 from cylcontact.fitting.noise import NoiseModel
-from cylcontact.fitting.readings import Optimum
-from cylcontact.fitting.tables import campaign_of_table, constants_of
+from cylcontact.fitting.readings import Optimum, plain_fit
 from tests.support.measured_files import STEEL, with_columns
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
@@ -52,11 +52,11 @@ def readings(
 def refitted(campaign, frame):
     """The optimum of a campaign for the readings of another table."""
     data = with_columns(
-        campaign.measurements,
+        campaign.data,
         load=frame["load_N_per_mm"].to_numpy(),
         penetration=1e-3 * frame["penetration_um"].to_numpy(),
     )
-    fit = replace(campaign.plain, data=data)
+    fit = replace(plain_fit(campaign), data=data)
     point, _ = fit.minimise(np.array([1.0, OFFSET]))
     if isinstance(campaign.noise, NoiseModel):
         fit = fit.estimating(campaign.noise, point)
@@ -66,6 +66,4 @@ def refitted(campaign, frame):
 
 def campaign_of(data, law, pair, *, fixed=None, bounds=None, **settings):
     """The campaign that `cylcontact.fit` runs."""
-    return campaign_of_table(
-        *(data, law, pair.contact, constants_of(pair)), fixed=fixed, bounds=bounds, **settings
-    )
+    return read_table(data, law, pair, fixed=fixed, bounds=bounds, **settings).campaign(law)

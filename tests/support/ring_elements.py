@@ -28,7 +28,7 @@ class RingOfElements:
         end = np.pi
         if clamp != "rim":
             half = np.radians(clamp.angle) / 2
-            end = half if clamp.side == "near" else np.pi - half
+            end = half if clamp.side == "pushed" else np.pi - half
         first = 0.03 if clamp == "rim" else 3e-4 if arc is None else 3e-3
         most = np.pi / (3 * cells)
         theta = end - graded(end, first, most)[::-1]
@@ -62,7 +62,7 @@ class RingOfElements:
         x, y = self.basis.doflocs
         angle, radius = np.arctan2(y, x), np.hypot(x, y)
         rim = (radius > radii[-1] * (1 - 1e-9)) & (
-            (angle <= end + 1e-9) if clamp == "rim" or clamp.side == "near" else
+            (angle <= end + 1e-9) if clamp == "rim" or clamp.side == "pushed" else
             (angle >= end - 1e-9)
         )  # fmt: skip
         upright = np.isin(np.arange(x.size), self.basis.split_indices()[1])

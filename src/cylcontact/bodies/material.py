@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from cylcontact.files.numbers import numbers
 from cylcontact.files.reading import beside_or_above, plain_number
-from cylcontact.files.table import read_table
+from cylcontact.files.sheet import read_sheet
 from cylcontact.files.units import QUANTITIES
 from cylcontact.support.arrays import (
     FloatArray,
@@ -89,7 +89,7 @@ class Material(OfArrays):
     E: Number
     nu: Number
     yield_stress: float | None = None
-    thermal_expansion: float | None = field(default=None, repr=False)
+    thermal_expansion: float | None = None
 
     if TYPE_CHECKING:
 
@@ -175,6 +175,14 @@ def material_in_MPa(
     material.__dict__.update(name=name, E=E, nu=nu, yield_stress=yield_stress)
     material._check()
     return material
+
+
+def scaled(material: Material, factor: float) -> Material:
+    """Return a material whose modulus is that of another times a factor."""
+    copy = object.__new__(Material)
+    copy.__dict__.update(material.__dict__ | {"E": material.E * factor})
+    copy._check()
+    return copy
 
 
 def modulus_in_MPa(E: Number | str, source: str, key: str = "E") -> Number:
@@ -299,28 +307,28 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     ...     read_materials(path)["brass"].material
     Material(name='brass', E=102500.0, nu=0.34, yield_stress=None)
     """
-    table = read_table(path, COLUMNS)
-    missing = [name for name in _REQUIRED if name not in table.names]
-    others = [n for k, n in enumerate(table.names) if n not in COLUMNS or n in table.names[:k]]
+    sheet = read_sheet(path, COLUMNS)
+    missing = [name for name in _REQUIRED if name not in sheet.names]
+    others = [n for k, n in enumerate(sheet.names) if n not in COLUMNS or n in sheet.names[:k]]
     if missing or others:
         optional = ", ".join(name for name in COLUMNS if name not in _REQUIRED)
         rule, remedy = f"lacks {', '.join(missing)}", f"add it; {optional} may be left out"
         if not missing:
             rule = f"{others[0]!r} is not known, or there twice"
             remedy = f"leave it out; besides {', '.join(_REQUIRED)} there may be {optional}"
-        raise InputError(table.source, "columns", table.names, rule, remedy)
-    columns = dict(zip(table.names, table.columns, strict=True))
+        raise InputError(sheet.source, "columns", sheet.names, rule, remedy)
+    columns = dict(zip(sheet.names, sheet.columns, strict=True))
     # An empty yield stress or expansion is none; no other number may be empty.
     filled = [
         ["0" if cell is None and name in _MAY_BE_EMPTY else cell for cell in cells]
         for name, cells in columns.items()
     ]
-    complete = replace(table, columns=filled)
+    complete = replace(sheet, columns=filled)
     names = [name for name in (*_ORIGINS, _EXPANSION) if name in columns]
-    values = {name: numbers(complete, table.names.index(name)) for name in names}
+    values = {name: numbers(complete, sheet.names.index(name)) for name in names}
     rows: dict[str, MaterialRow] = {}
-    for k, line in enumerate(table.lines):
-        source = f"{table.source}, {table.row_word} {line}"
+    for k, line in enumerate(sheet.lines):
+        source = f"{sheet.source}, {sheet.row_word} {line}"
         cells = {name: cells[k] for name, cells in columns.items()}
         row = _row(source, cells, {name: cells[k] for name, cells in values.items()})
         name = row.material.name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -42,6 +43,9 @@ class MaterialSpec(Spec):
     )
     nu: float | None = Field(None, ge=0, le=0.5, description="Poisson's ratio")
     yield_stress: float | None = Field(None, gt=0, description="the yield stress in MPa")
+    thermal_expansion: float | None = Field(
+        None, gt=0, lt=1e-3, description="the coefficient of linear expansion in 1/K"
+    )
 
     @model_validator(mode="after")
     def _check_material(self) -> MaterialSpec:
@@ -55,12 +59,24 @@ class MaterialSpec(Spec):
 
     def named(self, name: str, own: Path | None, source: str, key: str) -> Material:
         """Return the material, from the tables or with a name for its numbers."""
+        of_file = {
+            key: value
+            for key in ("yield_stress", "thermal_expansion")
+            if (value := getattr(self, key)) is not None
+        }
         if self.material is None:
             assert self.E is not None
             assert self.nu is not None
-            return Material(name, f"{self.E!r} GPa", self.nu, self.yield_stress)
+            return Material(name, f"{self.E!r} GPa", self.nu, **of_file)
         rows, others = known_materials(own), ", or give E and nu"
         table = "the tables of materials"
-        row = find_material(self.material, rows, source, key, table, others).material
-        stress = self.yield_stress or row.yield_stress
-        return Material(row.name, f"{float(row.E)!r} MPa", row.nu, stress, row.thermal_expansion)
+        return replace(
+            find_material(self.material, rows, source, key, table, others).material, **of_file
+        )
+
+
+def numbers_of(material: Material) -> dict[str, float | None]:
+    """Return the numbers of a material as the keys of a `MaterialSpec`."""
+    given = {field.name: getattr(material, field.name) for field in fields(material)}
+    del given["name"]
+    return given | {"E": 1e-3 * float(material.E)}

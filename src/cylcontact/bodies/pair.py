@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from cylcontact.bodies.fits import Fit
-from cylcontact.bodies.material import Material, material_in_MPa, require_known_at
+from cylcontact.bodies.iso286 import IsoFit
+from cylcontact.bodies.material import Material, material_in_MPa
 from cylcontact.support import choices
 from cylcontact.support.arrays import (
     BoolArray,
@@ -274,7 +274,7 @@ class CylinderPair(OfArrays):
         return cls(contact, dR, *bodies, R_i, R_j, length, plane)
 
     @classmethod
-    def of_fit(
+    def from_iso(
         cls,
         code: str,
         material: Material | None = None,
@@ -290,7 +290,7 @@ class CylinderPair(OfArrays):
         Parameters
         ----------
         code : str
-            The fit, as "20H7/g6"; `cylcontact.bodies.fits.Fit` says what is known.
+            The fit, as "20H7/g6"; `cylcontact.bodies.iso286.IsoFit` says what is known.
         share : float or array_like
             Which pairs of the band: 0 is the tightest, 1 the loosest. Where hole and pin may be of
             one size (H/h), the tightest has ΔR = 1 nm, as laws have a limit there and no value.
@@ -305,12 +305,12 @@ class CylinderPair(OfArrays):
         Examples
         --------
         >>> bronze, steel = Material("bronze", 110e3, 0.34), Material("steel", 207e3, 0.3)
-        >>> pair = CylinderPair.of_fit("20H7/g6", pin=steel, hole=bronze, length=15.0)
+        >>> pair = CylinderPair.from_iso("20H7/g6", pin=steel, hole=bronze, length=15.0)
         >>> pair.dR.round(5)
         array([0.0035, 0.012 , 0.0205])
         """
-        source = "CylinderPair.of_fit"
-        fit = Fit.read(code, source, "code")
+        source = "CylinderPair.from_iso"
+        fit = IsoFit.read(code, source, "code")
         fit.require_clearance(source, "code")
         R_i, R_j = fit.radii(as_floats(share))
         bodies = _bodies(source, material, None, pin, hole)
@@ -354,68 +354,6 @@ class CylinderPair(OfArrays):
             return material_in_MPa(name, as_floats((1 - nu**2) / share), as_floats(nu))
 
         return cls("internal", 1.0, body("hole", (1 - a) / 2, -b), body("pin", (1 + a) / 2, b))
-
-    def at_temperature(
-        self, pin: float | None = None, hole: float | None = None, reference: float = 20.0
-    ) -> CylinderPair:
-        """Return pin and hole with the radii that they have at other temperatures.
-
-        Parameters
-        ----------
-        pin, hole : float, optional
-            Their temperatures in °C, each even and free to expand; the reference if left out.
-        reference : float
-            The temperature at which this pair has its radii.
-
-        Raises
-        ------
-        InputError
-            If an expansion coefficient or the radii are not known, or the pin seizes; the error
-            says at which temperature.
-
-        Notes
-        -----
-        A hole widens as a disk of its material would; in a housing see
-        `cylcontact.limits.at_temperature`. Young's moduli stay, and so does the length.
-
-        Examples
-        --------
-        >>> steel, bronze = (Material.named(name) for name in ("low-carbon steel", "bronze"))
-        >>> pair = CylinderPair.internal(10.0, 9.99, pin=bronze, hole=steel)
-        >>> print(f"{1e3 * pair.at_temperature(pin=80, hole=80).dR:.2f} µm")
-        6.41 µm
-        """
-        source = "CylinderPair.at_temperature"
-        rule, remedy = "has no pin and no hole", "this is for internal contact"
-        require(self.contact == "internal", source, "contact", self.contact, rule, remedy)
-        grown, rates = [], []
-        for R, body, T, role in zip(
-            self.radii("a temperature"),
-            (self.material_i, self.material_j),
-            (hole, pin),
-            ("the hole", "the pin"),
-            strict=True,
-        ):
-            warmer = 0.0 if T is None else T - reference
-            sound = np.isfinite(warmer) and (T is None or T > -273.15)
-            rule, remedy = "must be a temperature above -273.15 °C", "e.g. 80"
-            require(bool(sound), source, "temperature", T, rule, remedy)
-            key, rule = f"{body.name or role}.thermal_expansion", "is not known"
-            known = body.thermal_expansion is not None or warmer == 0
-            require(known, source, key, None, rule, "give the material one in 1/K")
-            require_known_at(body, warmer)
-            rates.append(R * (body.thermal_expansion or 0.0) * warmer)
-            grown.append(R + rates[-1])
-        dR = as_floats(self.dR) + rates[0] - rates[1]
-        if not np.all(dR > 0):
-            # Both warm up in step; the tightest pair seizes first.
-            closing = float(np.min(as_floats(self.dR) / np.maximum(rates[1] - rates[0], 1e-300)))
-            at = [reference + closing * ((T or reference) - reference) for T in (pin, hole)]
-            rule = f"seizes the pin: no clearance is left at {at[0]:.1f} °C"
-            rule += "" if at[0] == at[1] else f" of the pin and {at[1]:.1f} °C of the hole"
-            remedy = f"give more clearance, or keep the temperatures closer to {reference:g} °C"
-            raise InputError(source, "pin", pin, rule, remedy)
-        return replace(self, dR=dR, R_i=grown[0], R_j=grown[1])
 
     @property
     def moduli(self) -> tuple[FloatArray, FloatArray]:

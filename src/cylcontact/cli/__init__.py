@@ -18,7 +18,6 @@ from contextlib import suppress
 import typer
 
 from cylcontact.cli.app import app
-from cylcontact.cli.gone import refuse_gone
 from cylcontact.cli.signals import stopped_by_signals
 from cylcontact.cli.terminal import say
 from cylcontact.support.errors import InputError
@@ -83,7 +82,6 @@ def _run(arguments: Sequence[str]) -> int:
     if "" in arguments:  # typer takes an empty path for the current folder
         rule, remedy = "an argument is empty", "fill it in; a variable of the shell may be unset"
         raise InputError("command line", "", None, rule, remedy)
-    refuse_gone(arguments)
     command = typer.main.get_command(app)
     try:
         with command.make_context("cylcontact", list(arguments)) as context:

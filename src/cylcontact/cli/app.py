@@ -5,7 +5,7 @@ from collections.abc import Callable
 import typer
 
 import cylcontact
-from cylcontact.cli import data, fit, init, laws, mechanism, reporting
+from cylcontact.cli import data, fit, init, joint, laws, mechanism, reporting
 from cylcontact.cli.options import keep_inputs, option
 
 
@@ -43,8 +43,11 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         fit.design: "design datasets/examples/specimens.csv --law explicit --candidates 5:400",
         fit.compare: "compare fitting/results/internal.json",
     },
-    "Laws": {
-        laws.laws: 'laws --pin "low-carbon steel" --hole bronze --Ri 10 --dR 0.05',
+    "Joints and laws": {
+        joint.check: 'check --iso 20H7/g6 --pin "high-strength steel" --hole bronze --R-o 20 '
+        '--clamp pulled:60 --load "6 kN" --length 12',
+        joint.size: 'size clearance --material "low-carbon steel" --Ri 10 --load 500 '
+        "--stiffness 2e5",
         laws.export: "export johnson --to c",
     },
     "Mechanism": {
@@ -66,3 +69,23 @@ for _group, _examples in _GROUPS.items():
     for _command, _example in _examples.items():
         _example = f"Example: cylcontact {_example}"
         app.command(rich_help_panel=_group, epilog=_example)(keep_inputs(_command))
+
+laws_app = typer.Typer(rich_markup_mode="rich", context_settings=app.info.context_settings)
+_LAWS: dict[Callable[..., None], str] = {
+    laws.compare: 'compare --pin "low-carbon steel" --hole bronze --Ri 10 --Rj 9.95 --load 300',
+    laws.accuracy: "accuracy --contact external",
+}
+
+
+@laws_app.callback(invoke_without_command=True)
+def _laws(context: typer.Context, contact: str = laws.CONTACT) -> None:
+    """List the laws, or compare them for a joint or over a range."""
+    if context.invoked_subcommand is None:
+        laws.listing(contact)
+
+
+for _command, _example in _LAWS.items():
+    laws_app.command(epilog=f"Example: cylcontact laws {_example}")(keep_inputs(_command))
+app.add_typer(
+    laws_app, name="laws", rich_help_panel="Joints and laws", epilog="Example: cylcontact laws"
+)

@@ -55,8 +55,8 @@ from cylcontact.support.errors import InputError, require
 from cylcontact.support.plain_text import item
 
 if TYPE_CHECKING:
-    from cylcontact.fitting import Campaign, FitResult, TableCampaign
-    from cylcontact.fitting.tables import Table
+    from cylcontact.fitting import DataFit, LawFit
+    from cylcontact.fitting.campaign import Campaign, MeasuredTable
 
 # Loads among which a design chooses.
 _DESIGN_LOADS = 41
@@ -104,7 +104,6 @@ def _share(text: str) -> float:
 _COLUMN = _named(str, "load_N=Kraft")
 # By their names as settings of a fit.
 SETTINGS: Options = {
-    "objective": _text("rms-log-penetration or rms-penetration."),
     "ignore": (list[str] | None,
                option("Column left out; may be repeated.", metavar="COLUMN", **_PANEL)),
     "columns": (list[str] | None,
@@ -156,16 +155,17 @@ def fit(
 ) -> None:
     """Calibrate a law to another law over a grid, or to a table of measurements.
 
-    For what a table does not say of its pair, use the options of cylcontact laws, such as --pin.
+    For what a table does not say of its pair, use the options of cylcontact check, such as --pin.
     """
-    from cylcontact.fitting import Campaign, DataFit, calibrate, fit_table, read_campaign
-    from cylcontact.fitting.results import require_same_inputs
+    from cylcontact.datasets.grid import Grid
+    from cylcontact.fitting import Campaign, DataFit, calibrate, fit_table
+    from cylcontact.fitting.stored import require_same_inputs
 
     where, given = scheduler or jobs, pair | settings | ({} if law is None else {"law": law})
     if source.suffix.lower() == ".json":
         remedy = f"print it with: cylcontact compare {source}"
         raise InputError(str(source), "", None, "is a fit result", remedy)
-    planned: Campaign | TableCampaign
+    planned: Campaign
     if is_table(source):
         planned = _measured(source, given | parameters, seed, runs).campaign(given["law"])
         folder, target = _place(source, given["law"], out)
@@ -174,20 +174,20 @@ def fit(
             rule = "is an option for tables of measurements, and this is a campaign"
             remedy = "set it in the campaign file"
             raise InputError(str(source), option_of(name), None, rule, remedy)
-        planned = read_campaign(source, runs, seed, **_tables(str(source), parameters))
+        planned = Campaign.read(source, runs=runs, seed=seed, **_tables(str(source), parameters))
         folder, target = None, out or source.parent / "results" / f"{source.stem}.json"
     require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
     require_suffix(target, ".json")
     if out is None and not force:
         require_same_inputs(target, planned)
-    result: FitResult
+    result: LawFit | DataFit
     with resumable(target, "run", resume) as (journal, progress):
-        if isinstance(planned, Campaign):
+        if isinstance(planned.data, Grid):
             result = calibrate(planned, where, progress, journal, resume)
         else:
             result = fit_table(planned, where, progress, journal, resume)
         if folder is not None and isinstance(result, DataFit):
-            from cylcontact.reports.fit_folder import write_fit
+            from cylcontact.fitting.folder import write_fit
 
             write_fit(result, folder)
         else:
@@ -204,14 +204,14 @@ def _place(source: Path, law: str, out: Path | None) -> tuple[Path | None, Path]
 
     A second law has a folder of its own beside that of the first, with its name.
     """
-    from cylcontact.fitting import FitResult
+    from cylcontact.fitting import read_result
 
     if out is not None and out.suffix.lower() == ".json":
         return None, out
     folder = out or source.parent / "results" / source.stem
     if out is None:
         with suppress(InputError):  # there is no result yet
-            if FitResult.read(folder / FIT_FILES[0]).law != law:
+            if read_result(folder / FIT_FILES[0]).law != law:
                 folder = folder.with_name(f"{source.stem}-{law.replace(':', '-')}")
     return folder, folder / FIT_FILES[0]
 
@@ -233,10 +233,10 @@ def choose(
 ) -> None:
     """Fit all laws to a table, rank them, and say whether the data can decide.
 
-    The table takes the options of cylcontact fit, the pair those of laws.
+    The table takes the options of cylcontact fit, the pair those of check.
     """
     from cylcontact.fitting.choice import choose_law
-    from cylcontact.reports.fit_folder import write_choice
+    from cylcontact.fitting.folder import write_choice
 
     folder = out or data.parent / "results" / data.stem
     require_writable(*(folder / name for name in CHOICE_FILES))
@@ -263,7 +263,7 @@ def design(
     add: int = count(1, "Readings to add.", default=5),
     parameter: str | None = option("The parameter to narrow; all by default.", metavar="NAME"),
     clearances: list[float] | None = several(
-        "Clearances that can be taken, in mm.", "--dR-choices", metavar="DR"
+        "Clearances that can be taken, in mm.", "--radial-clearances", metavar="DR"
     ),
     out: Path | None = output("A folder for the picture and its table."),
     settings: dict[str, Any],
@@ -272,12 +272,12 @@ def design(
 ) -> None:
     """Say which further readings of a table would narrow its intervals most.
 
-    The table takes the options of cylcontact fit, the pair those of laws.
+    The table takes the options of cylcontact fit, the pair those of check.
     """
     import numpy as np
 
     from cylcontact.fitting import fit_table
-    from cylcontact.reports.fit_folder import write_design
+    from cylcontact.fitting.folder import write_design
 
     if out is not None:
         require_writable(*(out / name for name in DESIGN_FILES))
@@ -354,7 +354,7 @@ def compare(
     """Compare fits with each other and with the published coefficients."""
     from cylcontact import fitting
 
-    read = [fitting.FitResult.read(path) for path in results]
+    read = [fitting.read_result(path) for path in results]
     often = Counter(result.name for result in read)
     named = [  # fits of one table have its name
         result.model_copy(update={"name": path.stem}) if often[result.name] > 1 else result
@@ -392,9 +392,9 @@ def _measured(
     given: dict[str, Any],
     seed: int | None = None,
     runs: int | None = None,
-) -> Table:
+) -> MeasuredTable:
     """Return a table with the options for it."""
-    from cylcontact.fitting.tables import read_table
+    from cylcontact.fitting.campaign import read_table
 
     source = str(path)
     require(is_table(path), source, "", None, "is not a table", "name a table of measurements")

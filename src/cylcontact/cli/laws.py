@@ -1,175 +1,116 @@
-"""The commands `laws` and `export`."""
+"""The commands `laws`, which list and compare laws, and `export`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
+from cylcontact.cli.joint import AROUND, joint_of
 from cylcontact.cli.options import (
     argument,
     interval,
     number,
     option,
     output,
-    reader,
     require_output,
     takes,
 )
-from cylcontact.cli.pair import (
-    PAIR,
-    blaming_options,
-    material_of,
-    option_of,
-    pair_of,
-    read_housing,
-)
+from cylcontact.cli.pair import JOINT, option_of, pair_of, read_housing
 from cylcontact.cli.terminal import say
-from cylcontact.files.reading import plain_number
 from cylcontact.files.writing import replacing_all, require_suffix
 from cylcontact.support.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, listed
 from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
-    from cylcontact.bodies.fits import Fit
-    from cylcontact.bodies.pair import CylinderPair
-    from cylcontact.laws import ContactLaw, Housing
+    import pandas as pd
 
+    from cylcontact.laws import ContactLaw
 
-def _temperatures(text: str) -> tuple[float, float]:
-    pin, _, hole = text.partition(",")
-    return plain_number(pin), plain_number(hole or pin)
-
-
-_AT, _SHOWN = {"rich_help_panel": "Load and surroundings"}, {"rich_help_panel": "What to print"}
-_FOUND = {"rich_help_panel": "Find a size instead"}
+JSON_TABLE = option("Print JSON, not the table.", "--json", default=False)
+CONTACT = option(f"{listed(CONTACTS)}.", "--contact", default="internal", metavar="TEXT")
 _OWN_CONTACT = {"rich_help_panel": "Parameters of a code's own contact"}
-_WARM = option(
-    "Temperature in °C, or PIN,HOLE; radii are those at 20 °C.",
-    metavar="T",
-    parser=reader(_temperatures, "must be one number or two, PIN,HOLE"),
-    **_AT,
-)
-_RIM = "The housing's rim when warm: free, held, or the material of the frame."
 
 
-@takes("pair", PAIR)
-def laws(
-    *,
-    load: str = option("In N/mm, or '6 kN' with --length.", metavar="LOAD", default="100", **_AT),
-    fit: str | None = option("An ISO fit instead of radii, 20H7/g6.", metavar="CODE", **_AT),
-    temperature: Any = _WARM,
-    rim: str | None = option(_RIM, metavar="STATE", **_AT),
-    depth: float | None = number("Depth at which a plane (--Rj inf) is held, mm.", **_AT),
-    every: bool = option("Compare all laws for this pair.", "--all", default=False, **_SHOWN),
-    own: str | None = option("A law of your own, with --all.", metavar="MODULE:FUNCTION", **_SHOWN),
-    accuracy: bool = option("Errors of all laws.", "--accuracy", default=False, **_SHOWN),
-    listing: bool = option("All laws with their parameters.", "--list", default=False, **_SHOWN),
-    as_json: bool = option("The numbers as JSON.", "--json", default=False, **_SHOWN),
-    find: str | None = option("dR, E or length that gives one of these:", metavar="WHAT", **_FOUND),
-    stiffness: float | None = number("N/mm²; for --find length N/mm.", **_FOUND),
-    penetration: float | None = number("In µm.", **_FOUND),
-    pair: dict[str, Any],
-) -> None:
-    """Check a joint: penetration, stiffness, pressure and first yield.
+def listing(contact: str = CONTACT) -> None:
+    """List the laws, with the parameters that a fit searches."""
+    from cylcontact.fitting.law_models import listing as parameters
+    from cylcontact.laws.compare import listing as names
 
-    With --find it computes the clearance, the pin's modulus or the length
-    for a stiffness or a penetration instead. For a length, --load is in N.
-    """
-    from cylcontact.bodies.pair import unusual_lengths
-    from cylcontact.files.units import load_in_N_per_mm
-    from cylcontact.limits import yield_warning
-
-    contact = pair.get("contact", "internal")
-    if listing or accuracy:
-        from cylcontact.reports import laws_compared
-
-        require(contact in CONTACTS, "laws", "--contact", contact, "is unknown", listed(CONTACTS))
-        table = laws_compared.listing if listing else laws_compared.accuracy_text
-        say(table(contact))
-        return
-    for name, value in (("--stiffness", stiffness), ("--penetration", penetration)):
-        if find is None:
-            require(value is None, "laws", name, value, "is for --find", "add --find dR")
-    around = read_housing(pair, "laws")
-    iso = None if fit is None else _read_fit(fit, pair)
-    cylinders = pair_of(pair, "laws", find)
-    # Of a length that is sought the load is the total, as on a length of 1 mm.
-    length = 1.0 if find == "length" else pair.get("length_mm")
-    with blaming_options({"": "--load"}, "laws"):
-        force = load_in_N_per_mm(load if " " in load else f"{load} N/mm", length)
-    require(force > 0, "laws", "--load", load, "must be positive", "give it in N/mm")
-    warm = _warming(temperature, rim, around, pair)
-    if find is not None:
-        _find(find, warm(cylinders), force, stiffness, penetration, around)
-        return
-    if every:
-        from cylcontact.reports import laws_compared
-
-        law = None
-        if own is not None:
-            from cylcontact.laws.user import user_law
-
-            law = user_law(own, Path.cwd())
-        say(laws_compared.comparison_text(warm(cylinders), force, law, around))
-        return
-    require(own is None, "laws", "--own", own, "needs --all", "add --all")
-    _check(cylinders, force, around, iso, depth, warm, as_json)
-    if iso is None:
-        warnings = (yield_warning(force, warm(cylinders), around), *unusual_lengths(cylinders))
-        _warn("", *warnings)
+    _require_contact(contact)
+    say(f"{names(contact)}\n\n{parameters(contact)}")  # type: ignore[arg-type]
 
 
-def _check(
-    pair: CylinderPair,
-    load: float,
-    housing: Housing | None,
-    fit: Fit | None,
-    depth: float | None,
-    warm: Callable[[CylinderPair], CylinderPair],
-    as_json: bool,
-) -> None:
-    """Print what a joint does."""
-    import json
+def accuracy(contact: str = CONTACT, as_json: bool = JSON_TABLE) -> None:
+    """Print the errors of all laws over the ranges in which they are used."""
+    from cylcontact.laws import compare as module
 
-    from cylcontact.reports.joint_check import check_joint
-
-    if pair.is_flat:
-        remedy = "give the depth at which the half-plane is held, e.g. --depth 50"
-        require(depth is not None, "laws", "--depth", None, "is missing for a plane", remedy)
+    _require_contact(contact)
+    if as_json:
+        say(_as_json(module.accuracy(contact)))  # type: ignore[arg-type]
     else:
-        require(depth is None, "laws", "--depth", depth, "is for a plane", "give --Rj inf too")
-    with blaming_options({"datum": "--depth"}, "laws"):
-        check = check_joint(pair, load, housing=housing, fit=fit, depth=depth, warm=warm)
-    say(json.dumps(check.to_dict(), ensure_ascii=False, indent=1) if as_json else str(check))
+        say(module.accuracy_text(contact))  # type: ignore[arg-type]
 
 
-def _warming(
-    temperature: tuple[float, float] | None,
-    rim: str | None,
-    housing: Housing | None,
-    given: Mapping[str, Any],
-) -> Callable[[CylinderPair], CylinderPair]:
-    """Return what takes a pair to its temperatures."""
-    if temperature is None:
-        require(rim is None, "laws", "--rim", rim, "is for --temperature", "give that too")
-        return lambda pair: pair
-    from cylcontact.limits import at_temperature
+@takes("pair", JOINT)
+@takes("around", AROUND)
+def compare(
+    *,
+    own: str | None = option("Your own law, as one more row.", metavar="MODULE:FUNCTION"),
+    as_json: bool = JSON_TABLE,
+    pair: dict[str, Any],
+    around: dict[str, Any],
+) -> None:
+    """Compare all laws for one joint.
 
-    state: Any = rim
-    if rim not in (None, "free", "held"):
-        state = material_of(str(rim), given, "laws", "--rim")
-    pin, hole = temperature
+    With an ISO fit there is a table for each pair, from the tightest to the loosest.
+    """
+    from cylcontact.joint.check import checked, described
+    from cylcontact.laws.compare import comparison, comparison_text
 
-    def warm(pair: CylinderPair) -> CylinderPair:
-        with blaming_options(
-            {"rim": "--rim", "hole": "--temperature", "pin": "--temperature"}, "laws"
-        ):
-            return at_temperature(pair, pin, hole, housing=housing, rim=state)
+    joint, law = joint_of(pair, around, "laws compare"), None
+    if own is not None:
+        from cylcontact.laws.user import user_law
 
-    return warm
+        law = user_law(own, Path.cwd())
+    given = float(joint.load), law, joint.housing, joint.depth
+    pairs = dict(joint.solved())
+    if as_json:
+        tables = {name: comparison(each, *given) for name, each in pairs.items()}
+        rows = [table.assign(pair=name) for name, table in tables.items()]
+        say(_as_json(*rows))
+    else:
+        parts = ["\n".join(described(joint))]
+        for name, each in pairs.items():
+            title = f"{name}: {each.dR * 1e3:.4g} µm\n" if joint.iso else ""
+            parts.append(title + comparison_text(each, *given))
+        say("\n\n".join(parts))
+    for warning in checked(joint).warnings:
+        say(f"warning: {warning}", err=True)
+
+
+def _as_json(*tables: pd.DataFrame) -> str:
+    """Return the rows of tables as JSON, with null for what is not a number."""
+    import json
+    import math
+
+    rows = [row for table in tables for row in table.to_dict("records")]
+    plain = [
+        {
+            key: ("inf" if value == math.inf else None)
+            if isinstance(value, float) and not math.isfinite(value)
+            else value
+            for key, value in row.items()
+        }
+        for row in rows
+    ]
+    return json.dumps({"rows": plain}, ensure_ascii=False, indent=1)
+
+
+def _require_contact(contact: str) -> None:
+    require(contact in CONTACTS, "laws", "--contact", contact, "is unknown", listed(CONTACTS))
 
 
 def _warn(source: str, *warnings: str | None) -> None:
@@ -177,51 +118,7 @@ def _warn(source: str, *warnings: str | None) -> None:
         say(f"warning: {source}{warning}", err=True)
 
 
-def _read_fit(code: str, given: dict[str, Any]) -> Fit:
-    """Return an ISO fit, and put the radii in its middle in the place of those of the options."""
-    from cylcontact.bodies.fits import Fit
-
-    sizes = ("dR_mm", "R_i_mm", "R_j_mm", "hole_diameter", "pin_diameter")
-    for name in filter(given.__contains__, sizes):
-        rule = f"is given by the fit {code}"
-        raise InputError("laws", option_of(name), given[name], rule, "leave one of them out")
-    contact, rule, remedy = (
-        given.get("contact", "internal"),
-        "has no fit",
-        "leave out --contact, or --fit",
-    )
-    require(contact == "internal", "laws", "--contact", contact, rule, remedy)
-    fit = Fit.read(code, "laws", "--fit")
-    rule, remedy = "leaves no clearance at any pair", "choose a looser pin: h, g"
-    require(fit.clearance[1] > 0, "laws", "--fit", code, rule, remedy)
-    given["R_i_mm"], given["R_j_mm"] = fit.nominal / 2 + 1.0, fit.nominal / 2
-    return fit
-
-
-def _find(
-    what: str,
-    pair: CylinderPair,
-    load: float,
-    stiffness: float | None,
-    penetration: float | None,
-    housing: Housing | None,
-) -> None:
-    """Print the clearance, modulus or length that meets a stiffness or a penetration."""
-    from cylcontact.laws import Conformal
-    from cylcontact.limits.sizing import UNKNOWNS
-    from cylcontact.limits.sizing import find as solve
-
-    with blaming_options({"stiffness": "--stiffness", "load": "--load", "": "--find"}, "laws"):
-        depth = None if penetration is None else 1e-3 * penetration
-        law = None if housing is None else Conformal(housing)
-        value = solve(what, pair, load, stiffness=stiffness, penetration=depth, law=law)  # type: ignore[arg-type]
-    per, rate = ("N", "N/mm") if what == "length" else ("N/mm", "N/mm²")
-    wanted = f"{penetration:g} µm" if stiffness is None else f"{stiffness:g} {rate}"
-    datum = "by Johnson's datum" if housing is None else f"in {housing}"
-    say(f"{what} = {value:.6g} {UNKNOWNS[what][0]} gives {wanted} under {load:g} {per}, {datum}")  # type: ignore[index]
-
-
-@takes("pair", PAIR, listed=False)
+@takes("pair", JOINT, listed=False)
 def export(
     what: str | None = argument(
         "A fit result, a law such as johnson, or your own: mine:load.",
@@ -245,7 +142,7 @@ def export(
     """Write a law, or a joint with clearance, in another language.
 
     A law in a housing (--R-o, --clamp) needs a pair, with the options of
-    cylcontact laws. With --range, print the parameters of a code's own
+    cylcontact check. With --range, print the parameters of a code's own
     contact that fit the law of a joint best.
     """
     forces = force_range and "{:g}:{:g}".format(*force_range)

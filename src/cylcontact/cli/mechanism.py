@@ -14,6 +14,7 @@ from cylcontact.cli.options import (
     Options,
     argument,
     count,
+    length,
     number,
     option,
     output,
@@ -46,7 +47,7 @@ END = option(
 # What replaces values of the file, each by one.
 CHANGE: Options = {
     "law": (str | None, option("A law or a fit's result.", metavar="NAME", **_INSTEAD)),
-    "clearance": (float | None, number("Radial clearance, mm.", **_INSTEAD)),
+    "clearance": (float | None, length("Radial clearance.", "--radial-clearance", **_INSTEAD)),
     "restitution": (float | None, number("Restitution, above 0 up to 1.", **_INSTEAD)),
     "friction": (float | None, number("Friction coefficient.", **_INSTEAD)),
     "materials": (str | None, MATERIALS),
@@ -55,7 +56,10 @@ CHANGE: Options = {
 # The same, each by one or several.
 CHANGES: Options = {
     "law": (list[str] | None, several("Laws, e.g. johnson.", of=str, metavar="NAME", **_COMBINED)),
-    "clearance": (list[float] | None, several("Radial clearances, mm.", **_COMBINED)),
+    "clearance": (
+        list[float] | None,
+        several("Radial clearances, mm.", "--radial-clearance", **_COMBINED),
+    ),
     "restitution": (list[float] | None, several("Restitutions, above 0 up to 1.", **_COMBINED)),
     "friction": (list[float] | None, several("Friction coefficients.", **_COMBINED)),
 }
@@ -70,7 +74,6 @@ def simulate(
     revolutions: int | None = REVOLUTIONS,
     first: int | None = FIRST,
     beyond: choices.Beyond = END,
-    allowed_penetration: float | None = number("Largest penetration at the start, µm."),
 ) -> None:
     """Simulate a slider-crank with a clearance joint and print its statistics."""
     from cylcontact.mechanism import read_mechanism
@@ -84,8 +87,7 @@ def simulate(
     first = first_of(total) if first is None else first
     rule = f"leaves none of {total} revolutions"
     require(first < total, "simulate", "--first", first, rule, "start earlier, or simulate more")
-    depth = None if allowed_penetration is None else allowed_penetration * 1e-6
-    settings: dict[str, Any] = {"beyond": beyond, "allowed_penetration": depth}
+    settings: dict[str, Any] = {"beyond": beyond}
     if text := estimate(mechanism, total):
         say(f"cylcontact: {text}", err=True)
     with progress_bars() as progress:
@@ -145,7 +147,7 @@ def sweep(
     *,
     out: Path = output("The table, .csv or .parquet.", default=...),
     changes: dict[str, Any],
-    fit: str | None = option("An ISO fit: tightest, middle, loosest.", metavar="CODE", **_COMBINED),
+    iso: str | None = option("An ISO fit: tightest, middle, loosest.", metavar="CODE", **_COMBINED),
     materials: str | None = MATERIALS,
     revolutions: int | None = REVOLUTIONS,
     first: int | None = FIRST,
@@ -161,10 +163,10 @@ def sweep(
 
     require_output(out, *OUTPUT_SUFFIXES)
     mechanism = read_mechanism(spec, materials, tolerance=tolerance)
-    if fit is not None:
-        rule = "conflicts with --clearance"
-        require("clearance" not in changes, "sweep", "--fit", fit, rule, "keep one of them")
-        changes["clearance"] = _of_fit(fit, mechanism)
+    if iso is not None:
+        rule = "conflicts with --radial-clearance"
+        require("clearance" not in changes, "sweep", "--iso", iso, rule, "keep one of them")
+        changes["clearance"] = _from_iso(iso, mechanism)
     total = revolutions or mechanism.spec.revolutions
     wanted = cases(*(changes.get(name, [None]) for name in CHANGES))
     if text := estimate(mechanism, total * len(wanted)):
@@ -180,16 +182,16 @@ def sweep(
         raise typer.Exit(1)
 
 
-def _of_fit(code: str, mechanism: SliderCrank) -> list[float]:
+def _from_iso(code: str, mechanism: SliderCrank) -> list[float]:
     """Return the radial clearances of the tightest, the middle and the loosest pair in mm."""
-    from cylcontact.bodies.fits import Fit
+    from cylcontact.bodies.iso286 import IsoFit
 
-    fit = Fit.read(code, "sweep", "--fit")
-    fit.require_clearance("sweep", "--fit")
+    fit = IsoFit.read(code, "sweep", "--iso")
+    fit.require_clearance("sweep", "--iso")
     hole = 2 * float(mechanism.joint.pair.radii("the joint")[0])
     rule = f"is of another size than the hole of the joint, of {hole:g} mm"
     good = abs(hole - fit.nominal) < _SAME_SIZE * fit.nominal
-    require(good, "sweep", "--fit", code, rule, "name a fit of that diameter")
+    require(good, "sweep", "--iso", code, rule, "name a fit of that diameter")
     R_i, R_j = fit.radii([0.0, 0.5, 1.0])
     clearances: list[float] = (R_i - R_j).round(9).tolist()
     return clearances

@@ -1,4 +1,4 @@
-"""Options for a pair of cylinders, which `laws`, `fit` and others share.
+"""Options for a pair of cylinders, which `check`, `fit` and others share.
 
 What needs numbers is imported in the functions, as in all modules of the command line.
 """
@@ -18,6 +18,7 @@ from cylcontact.support.choices import CONTACTS, listed
 from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
+    from cylcontact.bodies.iso286 import IsoFit
     from cylcontact.bodies.material import Material
     from cylcontact.bodies.pair import CylinderPair
     from cylcontact.laws import Housing
@@ -73,14 +74,25 @@ def _clamp(text: str) -> dict[str, Any]:
     side, colon, angle = text.partition(":")
     if side == "lug":
         return {"clamp": "lug"} | ({"shank": plain_number(angle)} if colon else {})
-    if side not in ("near", "far"):
+    if side not in ("pushed", "pulled"):
         raise ValueError
     return {"clamp": "sector", "angle": plain_number(angle), "side": side}
 
 
 def _layer(text: str) -> dict[str, Any]:
+    """Return the keys of a layer in a table [housing]: a material, and its inner radius.
+
+    >>> _layer("bronze:12"), _layer("110 GPa, 0.3:15")
+    ({'material': 'bronze', 'R_i': 12.0}, {'E': '110000.0 MPa', 'nu': 0.3, 'R_i': 15.0})
+    """
     name, _, radius = text.rpartition(":")
-    return {"material": name, "R_i": plain_number(radius)}
+    material = _material(name.strip())
+    keys: dict[str, Any] = {"material": material}
+    if isinstance(material, tuple):
+        names = ("E", "nu", "yield_stress", "thermal_expansion")
+        keys = dict(zip(names, material, strict=False))
+        keys["E"] = f"{keys['E']!r} MPa"
+    return keys | {"R_i": length_in_mm(radius)}
 
 
 _NAMED = reader(
@@ -89,8 +101,10 @@ _NAMED = reader(
     "'207 GPa, 0.3, 350 MPa, 12e-6/K'",
 )
 _RADIUS = reader(_radius, "is not a length; give mm, or e.g. '40 um'")
-_CLAMP = reader(_clamp, "is no clamp; write rim, lug, near:60 or far:60, with your angle")
-_LAYER = reader(_layer, "is no material with an inner radius; write e.g. bronze:12")
+_CLAMP = reader(_clamp, "is no clamp; write rim, lug, pushed:60 or pulled:60, with your angle")
+_LAYER = reader(
+    _layer, "is no material with an inner radius; write e.g. bronze:12, or '110 GPa, 0.3:12'"
+)
 # By their names as constants of a table, where they have one.
 PAIR: Options = {
     "contact": _text(f"{listed(CONTACTS)}.", "--contact"),
@@ -103,7 +117,8 @@ PAIR: Options = {
     "E_MPa": _text("Young's modulus of both, MPa or '207 GPa'.", "--E",
                    read=reader(_modulus, "is not a modulus")),
     "nu": (float | None, number("Poisson's ratio of both bodies.", "--nu", **_PANEL)),
-    "dR_mm": _length("Radial clearance ΔR; for rollers R_i + R_j.", "--dR"),
+    "dR_mm": _length("Radial clearance ΔR, half of that on the diameter; for rollers R_i + R_j.",
+                     "--radial-clearance"),
     "R_i_mm": _length("Radius R_i of the hole or the first roller.", "--Ri"),
     "R_j_mm": (float | None, option("Radius R_j of the pin or the second roller; inf is a plane.",
                "--Rj", metavar="MM", parser=_RADIUS, **_PANEL)),
@@ -112,10 +127,17 @@ PAIR: Options = {
     "length_mm": _length("Axial length.", "--length"),
     "plane": _text("strain for long parts, stress for thin ones.", "--plane"),
     "R_o": (float | None, length("Radius of its rim.", "--R-o", **_HOUSING)),
-    "clamp": (str | None, option("rim (by default), lug, near:60 or far:60.", "--clamp",
+    "clamp": (str | None, option("rim (by default), lug, pushed:60 or pulled:60.", "--clamp",
               metavar="TEXT", parser=_CLAMP, **_HOUSING)),
     "layer": (list[str] | None, option("Outer ring, from this radius; may be repeated.",
-              "--layer", metavar="NAME:MM", parser=_LAYER, **_HOUSING)),
+              "--layer", metavar="MATERIAL:MM", parser=_LAYER, **_HOUSING)),
+}  # fmt: skip
+# The pair of a command for joints: materials are named by body, or one for both.
+_OF_TABLES = ("E_MPa", "nu", "material_i", "material_j")
+_BOTH = "Material of both bodies; of two rollers two, --material A --material B."
+JOINT: Options = {name: each for name, each in PAIR.items() if name not in _OF_TABLES} | {
+    "material": (list[str] | None, option(_BOTH, "--material", metavar="TEXT", parser=_NAMED,
+                 **_PANEL)),
 }  # fmt: skip
 # What stands for a constant under another name, which rollers do not have, and a factor to it.
 OF_PIN_AND_HOLE = {
@@ -186,11 +208,12 @@ def housing_of(given: dict[str, Any], source: str, contact: str) -> HousingSpec 
 
 
 def read_housing(given: dict[str, Any], source: str) -> Housing | None:
-    """Return the housing that the options give with its numbers, and take them away."""
+    """Return the housing that the options give with its materials, and take them away."""
     housing = housing_of(given, source, given.get("contact", "internal"))
     if housing is None:
         return None
-    return housing.with_numbers(_own_table(given, source), source, "--layer").housing
+    with blaming_options({"R_o": "--R-o", "shank": "--clamp", "angle": "--clamp"}, source):
+        return housing.built(_own_table(given, source), source, "--layer")
 
 
 def _own_table(given: Mapping[str, Any], source: str) -> Path | None:
@@ -230,8 +253,10 @@ def material_of(name: str, given: Mapping[str, Any], source: str, option: str) -
     return find_material(name, rows, source, option, "the tables of materials").material
 
 
-def pair_of(given: Mapping[str, Any], source: str, find: str | None = None) -> CylinderPair:
-    """Return the pair that options give; with `find` its clearance may be what is sought."""
+def pair_of(
+    given: Mapping[str, Any], source: str, iso: IsoFit | None = None, free: bool = False
+) -> CylinderPair:
+    """Return the pair that options give: with the radii of a fit, or with its clearance `free`."""
     from cylcontact.bodies.pair import CylinderPair, roles
 
     contact, plane = given.get("contact", "internal"), given.get("plane", "strain")
@@ -239,22 +264,40 @@ def pair_of(given: Mapping[str, Any], source: str, find: str | None = None) -> C
     require(contact in CONTACTS, source, "--contact", contact, rule, remedy)
     rule, remedy = "must be strain or stress", "strain for long cylinders, stress for thin ones"
     require(plane in ("strain", "stress"), source, "--plane", plane, rule, remedy)
+    given = _with_bodies(given, source, contact)
+    if iso is not None:
+        names = ("dR_mm", "R_i_mm", "R_j_mm", "hole_diameter", "pin_diameter")
+        for name in filter(given.__contains__, names):
+            rule = f"is given by --iso {iso.code}"
+            raise InputError(source, option_of(name), given[name], rule, "leave one of them out")
+        rule, remedy = f"has no fit (--iso {iso.code})", "leave out --contact, or --iso"
+        require(contact == "internal", source, "--contact", contact, rule, remedy)
     constants, options = constants_of(given, source, contact)
     bodies = [
         _body(given, constants, options, source, of, role)
         for of, role in zip(("_i", "_j"), roles(contact), strict=True)
     ]
-    dR, R_i, R_j = (constants.get(f"{name}_mm") for name in ("dR", "R_i", "R_j"))
     length = constants.get("length_mm")
-    if find == "dR" and dR is None and R_j is None:
-        dR = 1e-3 * (R_i or 1.0) if contact == "internal" else 2 * (R_i or 1.0)
-    if sum(number is not None for number in (dR, R_i, R_j)) < 2 and find != "dR":
+    if iso is not None:
+        hole, pin = iso.middle
+        return CylinderPair.internal(hole, pin, bodies[0], length, bodies[1], plane=plane)
+    sizes: list[Any] = [constants.get(f"{name}_mm") for name in ("dR", "R_i", "R_j")]
+    dR, R_i, R_j = sizes
+    if free:
+        for name, value in (("dR_mm", dR), ("R_j_mm", R_j)):
+            rule, remedy = "is what is sought (size clearance)", "leave it out"
+            require(value is None, source, options.get(name, ""), value, rule, remedy)
+        rule, remedy = "is missing", "give the radius of the hole, or of the first roller"
+        require(R_i is not None, source, "--Ri", None, rule, remedy)
+        dR = R_i / 2 if contact == "internal" else 2 * R_i
+    if sum(number is not None for number in (dR, R_i, R_j)) < 2:
         missing = "--Ri" if R_i is None else "--Rj"
-        rule = "is missing: two of --Ri, --Rj and --dR are needed"
-        remedy = "give diameters (--hole-diameter, --pin-diameter), or a fit: --fit 20H7/g6"
+        rule = "is missing: two of --Ri, --Rj and --radial-clearance are needed"
+        remedy = "give diameters (--hole-diameter, --pin-diameter), or a fit: --iso 20H7/g6"
         if contact == "external":
             rule, remedy = "is missing", "give the radii of both rollers; --Rj inf is a plane"
         raise InputError(source, missing, None, rule, remedy)
+    _require_sizes(constants, options, source, contact)
     with blaming_options(options, source):
         if R_i is not None and R_j is not None:
             require(dR is None, source, "dR", dR, "follows from the radii", "leave it out")
@@ -262,8 +305,44 @@ def pair_of(given: Mapping[str, Any], source: str, find: str | None = None) -> C
             return build(R_i, R_j, bodies[0], length, bodies[1], plane=plane)
         if R_i is None and R_j is not None:
             R_i = dR + R_j if contact == "internal" else dR - R_j
-        gap = 1.0 if dR is None else dR  # sought, so that any value will do
-        return CylinderPair.from_dR(contact, gap, bodies[0], length, R_i, bodies[1], plane=plane)
+        return CylinderPair.from_dR(contact, dR, bodies[0], length, R_i, bodies[1], plane=plane)
+
+
+def _with_bodies(given: Mapping[str, Any], source: str, contact: str) -> dict[str, Any]:
+    """Return the options with the material of each roller, where --material is given twice."""
+    materials = given.get("material")
+    if not isinstance(materials, list):
+        return dict(given)
+    others = {name: value for name, value in given.items() if name != "material"}
+    if len(materials) == 1:
+        return others | {"material": materials[0]}
+    rule, remedy = "is given more than once", "for a pin in a hole give --pin and --hole"
+    good = contact == "external" and len(materials) == 2
+    remedy = remedy if contact == "internal" else "two rollers have two materials at most"
+    require(good, source, "--material", None, rule, remedy)
+    return others | {"material_i": materials[0], "material_j": materials[1]}
+
+
+def _require_sizes(
+    constants: Mapping[str, Any], options: Mapping[str, str], source: str, contact: str
+) -> None:
+    """Refuse sizes of a pin in a hole that leave no clearance, with what to do."""
+    if contact == "external":
+        return
+    R_i, R_j, dR = (constants.get(f"{name}_mm") for name in ("R_i", "R_j", "dR"))
+    for name, value in (("R_i_mm", R_i), ("R_j_mm", R_j)):
+        if value is not None and value < 0:
+            rule, remedy = "must be positive", "a concave surface is the hole of internal contact"
+            remedy += f": --Ri {-value:g}, with the smaller radius as --Rj"
+            raise InputError(source, options[name], value, rule, remedy)
+    touching = dR == 0 or (R_i is not None and R_i == R_j)
+    if touching:
+        key = options["dR_mm" if dR == 0 else "R_j_mm"]
+        rule = "leaves no clearance, and the laws need one"
+        remedy = "give the least clearance that the joint may have, e.g. --radial-clearance 1e-4"
+        if dR is None:
+            remedy += f" in place of {key}"
+        raise InputError(source, key, dR, rule, remedy)
 
 
 def _body(

@@ -83,15 +83,16 @@ def report(
 
 
 def claims(
-    out: Path | None = output("Write the readings as a table, .csv, instead of printing them."),
+    out: Path | None = output("Write them as a table, .csv, instead of printing them."),
+    as_json: bool = option("The claims as JSON.", "--json", default=False),
 ) -> None:
-    """Compare the claims of the paper with computed numbers, reading by reading."""
-    from cylcontact.reports.claims import claims_of, to_table, to_text
+    """Compare the claims of the paper with computed numbers, in every interpretation."""
+    from cylcontact.reports.claims import claims_of, to_json, to_table, to_text
 
     require_output(out, ".csv")
     computed = claims_of(Path())
     if out is None:
-        say(to_text(computed))
+        say(to_json(computed) if as_json else to_text(computed))
         return
     write_table(to_table(computed), out)
     say(f"{len(computed)} claims written to {out}")

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from cylcontact.files.table import Table
+from cylcontact.files.sheet import Sheet
 from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray
 from cylcontact.support.choices import BRANCHES, Branch
 from cylcontact.support.errors import InputError
@@ -23,7 +23,7 @@ _ROWS_PER_TURN = 3
 
 
 def kept_rows(
-    table: Table,
+    sheet: Sheet,
     numbers: Mapping[str, FloatArray],
     labels: dict[str, list[str]],
     branch: Branch | None,
@@ -35,15 +35,15 @@ def kept_rows(
     series = equal_rows([key for key in keys if key.size > 1], load.size)
     falls, zero = is_unloading(load, series, branch is not None), load == 0
     if zero.all():
-        raise InputError(table.source, "load", 0.0, "is zero in all rows", "give loads above zero")
+        raise InputError(sheet.source, "load", 0.0, "is zero in all rows", "give loads above zero")
     if zero.any():
-        lines = [table.lines[k] for k in np.flatnonzero(zero)]
-        table.left_out.append(f"{_rows(zero)} of zero load ({table.numbered(lines)})")
+        lines = [sheet.lines[k] for k in np.flatnonzero(zero)]
+        sheet.left_out.append(f"{_rows(zero)} of zero load ({sheet.numbered(lines)})")
     if falls is None:
         if branch is not None:
             rule = "cannot be told: the loads rise and fall in no order"
             remedy = "keep the order of measurement, name the series with --group, or leave it out"
-            raise InputError(table.source, "branch", branch, rule, remedy)
+            raise InputError(sheet.source, "branch", branch, rule, remedy)
         return np.flatnonzero(~zero)
     fall, rise = falls & ~zero, ~(falls | zero)
     if fall.any():
@@ -51,15 +51,15 @@ def kept_rows(
     if branch is None:
         if fall.any():
             counts = f"{_rows(rise)} of loading and {_rows(fall)} of unloading"
-            table.notes.append(f"{counts}, all kept (--branch loading keeps the first)")
+            sheet.notes.append(f"{counts}, all kept (--branch loading keeps the first)")
         return np.flatnonzero(~zero)
     kept, other = (fall, rise) if branch == "unloading" else (rise, fall)
     if not kept.any():
         rule, remedy = f"has no rows of {branch}", "leave it out"
-        raise InputError(table.source, "branch", branch, rule, remedy)
+        raise InputError(sheet.source, "branch", branch, rule, remedy)
     if other.any():
         name = "loading" if branch == "unloading" else "unloading"
-        table.left_out.append(f"{_rows(other)} of {name} (--branch {branch})")
+        sheet.left_out.append(f"{_rows(other)} of {name} (--branch {branch})")
     return np.flatnonzero(kept)
 
 

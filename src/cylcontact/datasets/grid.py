@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from cylcontact.bodies.material import LARGEST_MODULUS, material_in_MPa
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
-from cylcontact.laws import GONE, REFERENCES, ContactLaw, reference_law
+from cylcontact.laws import REFERENCES, ContactLaw, reference_law
 from cylcontact.support.arrays import FloatArray, IndexArray
 from cylcontact.support.errors import InputError
 from cylcontact.support.progress import Progress, silent
@@ -116,8 +116,6 @@ class GridSpec(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.reference in GONE:
-            raise broken("reference", self.reference, "is gone", GONE[self.reference])
         if self.reference not in REFERENCES:
             rule = "is not a law that a grid can sample"
             raise broken("reference", self.reference, rule, f"choose among {', '.join(REFERENCES)}")
@@ -251,10 +249,6 @@ def read_grid(path: Path | str) -> Grid:
 
 def grid_from(data: dict[str, Any], source: str) -> Grid:
     """Return the grid described by the contents of a spec."""
-    if data.get("reference") == "finite-element":
-        rule = "is gone as a reference"
-        remedy = "fit the table: cylcontact fit TABLE.csv --law enhanced --contact internal"
-        raise InputError(source, "reference", "finite-element", rule, remedy)
     spec = parse_spec(GridSpec, data, source)
     E, nu, dR, load = (getattr(spec.axes, name).numbers() for name in ("E", "nu", "dR", "load"))
     return Grid(spec.contact, spec.reference, E, nu, dR, load, source)

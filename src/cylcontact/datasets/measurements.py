@@ -30,7 +30,7 @@ from cylcontact.bodies.material import (
 from cylcontact.bodies.pair import Contact, CylinderPair, roles, unusual_lengths
 from cylcontact.datasets.branches import equal_rows, kept_rows
 from cylcontact.datasets.columns import MEASURED, option_for
-from cylcontact.datasets.readings import Readings, TableSpec, read_readings
+from cylcontact.datasets.reading import Readings, TableSpec, read_readings
 from cylcontact.files.spec import Spec
 from cylcontact.files.units import LABELS, Column, column_named, spellings
 from cylcontact.laws import Housing
@@ -214,7 +214,7 @@ def read_measured(
 ) -> MeasuredData:
     """Read a file or a DataFrame of measurements into columns; `measurements_of` checks them."""
     readings = read_readings(data, spec)
-    table, source = readings.table, readings.table.source
+    sheet, source = readings.sheet, readings.sheet.source
     numbers, labels = readings.numbers, readings.labels
     columns = [*readings.columns.values()]
     columns += _add_constants(source, constants or {}, numbers, labels)
@@ -224,16 +224,16 @@ def read_measured(
     for name, column in numbers.items():
         wrong = np.flatnonzero(~np.isfinite(column))
         if wrong.size:
-            line = f", {table.row_word} {table.lines[wrong[0]]}" if column.size > 1 else ""
+            line = f", {sheet.row_word} {sheet.lines[wrong[0]]}" if column.size > 1 else ""
             remedy = "correct it, and check the unit in the column's name"
             raise InputError(f"{source}{line}", name, None, "is too large", remedy)
-    kept = kept_rows(table, numbers, labels, spec.branch)
+    kept = kept_rows(sheet, numbers, labels, spec.branch)
     return MeasuredData(
         source=Path(source).name,
-        sha256=table.sha256,
+        sha256=sheet.sha256,
         contact=contact,
-        row_word=table.row_word,
-        lines=np.array(table.lines)[kept].tolist(),
+        row_word=sheet.row_word,
+        lines=np.array(sheet.lines)[kept].tolist(),
         numbers={name: _taken(column, kept).tolist() for name, column in numbers.items()},
         labels={
             name: _taken(np.array(column, object), kept).tolist() for name, column in labels.items()
@@ -283,7 +283,7 @@ def _add_constants(
 
 def _require_all(readings: Readings, contact: Contact) -> None:
     """Raise `InputError` for what is given nowhere, all at once if it is more than a column."""
-    table, given = readings.table, {*readings.numbers, *readings.labels}
+    sheet, given = readings.sheet, {*readings.numbers, *readings.labels}
     for quantity, error in readings.unclear.items():
         alternatives = next((group for group in _ALTERNATIVES if quantity in group), {quantity})
         if quantity != "length" and not alternatives & given:
@@ -301,26 +301,28 @@ def _require_all(readings: Readings, contact: Contact) -> None:
         if not of_both and not {f"E_{body}", f"nu_{body}", f"material_{body}"} & given:
             lacks.append(f"the material of the {role}")
             needs.append(f"material_{body}")
-    names, options = [repr(table.name(k)) for k in readings.unread], _options(readings, missing)
-    if not table.names:
-        remedy = f"say what its {len(table.columns)} columns are, e.g. {' '.join(options)}"
+    names, options = [repr(sheet.name(k)) for k in readings.unread], _options(readings, missing)
+    if not sheet.names:
+        remedy = f"say what its {len(sheet.columns)} columns are, e.g. {' '.join(options)}"
         rule = "has no row of names"
-        raise InputError(table.source, "", None, rule, f"{remedy}, or give it a line of names")
+        raise InputError(sheet.source, "", None, rule, f"{remedy}, or give it a line of names")
     named = f"name {'one of ' if len(names) > 1 else ''}{first_of(names, _LISTED)}"
     others = f", or {named} with {' and '.join(options)}" if options else ""
     if len(lacks) > 1:
         rule = f"lacks {', '.join(lacks)}"
-        remedy = f"add columns, e.g. {', '.join(needs)}, or options, e.g. --dR{others}"
-        raise InputError(table.source, "columns", None, rule, remedy)
+        remedy = (
+            f"add columns, e.g. {', '.join(needs)}, or options, e.g. --radial-clearance{others}"
+        )
+        raise InputError(sheet.source, "columns", None, rule, remedy)
     remedy = f"add {spellings(missing[0])}{others}"
-    raise InputError(table.source, missing[0], None, "is required", remedy)
+    raise InputError(sheet.source, missing[0], None, "is required", remedy)
 
 
 def _options(readings: Readings, missing: Sequence[str]) -> list[str]:
     """Return options that name a column for each missing quantity, of its unit if there is one."""
     options, free = [], readings.unread
     for quantity in missing if free else ():
-        offers = {k: option_for(readings.table, quantity, k) for k in free}
+        offers = {k: option_for(readings.sheet, quantity, k) for k in free}
         k = min(free, key=lambda k: "_UNIT=" in offers[k])
         options.append(offers[k])
         free = [other for other in free if other != k] or free

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from cylcontact.laws import LAWS, refuse_gone
+from cylcontact.laws import LAWS
 from cylcontact.laws.law import ContactLaw
 from cylcontact.laws.user import user_law
 from cylcontact.support.arrays import require
@@ -44,13 +44,6 @@ def __getattr__(name: str) -> Any:
 
 
 EXPORTABLE = tuple(LAWS)
-# What 1.0.0rc1 could write and this release cannot, with what to use instead.
-_GONE = {
-    "cpp": 'choose c: it compiles as C++, and its header has extern "C"',
-    "python": "install cylcontact and call a law's load, or a joint's evaluate and accept",
-    "jax": "install cylcontact and call cylcontact.laws",
-    "fmu": "export a joint with this law as an FMU: --joint JOINT --to fmu",
-}
 
 
 def export(
@@ -124,7 +117,6 @@ def law_named(what: str, contact: str | None) -> tuple[ContactLaw, str | None, s
     """Return a law by its name or by the path of a fit result, its contact and its origin."""
     if what in LAWS:
         return LAWS[what](), contact, ""
-    refuse_gone(what, "export", "law")
     if what.startswith("power"):
         rule, remedy = "has no coefficients of its own", "name a fit result of it"
         raise InputError("export", "law", what, rule, remedy)
@@ -228,9 +220,9 @@ def export_joint(
 
 def _of_result(path: str, contact: str | None) -> tuple[ContactLaw, Contact, str]:
     """Return the law of a fit result, its contact, and in words what it was fitted to."""
-    from cylcontact.fitting.results import FitResult
+    from cylcontact.fitting import read_result
 
-    result = FitResult.read(path)
+    result = read_result(path)
     require(
         contact in (None, result.contact), path, "contact", result.contact,
         f"contradicts --contact {contact}",
@@ -245,7 +237,5 @@ def _of_result(path: str, contact: str | None) -> tuple[ContactLaw, Contact, str
 
 
 def _require_target(target: str, targets: Collection[str]) -> None:
-    if target in _GONE and target not in targets:
-        raise InputError("export", "--to", target, "is gone", _GONE[target])
     rule, remedy = "is not a known target", f"choose {listed(targets)}"
     require(target in targets, "export", "--to", target, rule, remedy)

@@ -85,7 +85,7 @@ def table_of(
     if pair is None:
         if not isinstance(law, Persson):
             rule = "depends on the materials, and on the radius in a housing"
-            remedy = "give them, e.g. --E 207GPa --nu 0.3 --Ri 10 --Rj 9.95, or export persson"
+            remedy = "give them, e.g. --material bronze --Ri 10 --Rj 9.95, or export persson"
             raise InputError("export", "law", law.name, rule, remedy)
         pair = CylinderPair.from_dR("internal", 1.0, _ANY)
     curve = law.curve(pair)
@@ -128,7 +128,7 @@ def _about(law: Conformal, pair: CylinderPair) -> str:
         return bodies
     clamp = "all of its rim clamped"
     if isinstance(housing.clamp, Sector):
-        where = {"near": "near the load", "far": "far from the load"}[housing.clamp.side]
+        where = {"pushed": "near the load", "pulled": "far from the load"}[housing.clamp.side]
         clamp = (
             f"{housing.clamp.angle:g} degrees of its rim clamped, {where}, which acts along the "
             "middle of this sector: the law is for no other direction"

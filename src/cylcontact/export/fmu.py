@@ -31,8 +31,9 @@ from cylcontact.export.notation import C, filled_template
 from cylcontact.export.plain import Program, Vector, fields_of
 from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.joint import ClearanceJoint, contact
-from cylcontact.joint.clearance import TANGENT_FROM
+from cylcontact.joint.clearance import MOST_FRICTION, TANGENT_FROM
 from cylcontact.laws.tabulated import load_of_table
+from cylcontact.limits import yield_load
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.errors import InputError
 from cylcontact.support.plain_text import comment
@@ -112,7 +113,6 @@ class Variable(NamedTuple):
         if self.bounds is not None:
             more += "".join(
                 f' {end}="{x!r}"' for end, x in zip(("min", "max"), self.bounds, strict=True)
-                if math.isfinite(x)
             )  # fmt: skip
         more += "" if self.start is None else f' start="{self.start!r}"'
         return (
@@ -185,7 +185,8 @@ class JointFmu:
         names["table_chi"] = nodes * chi(nodes)
         if self.joint.can_yield and self.element.law.tune:
             x = np.log(self.clearances * self.joint.in_mm)
-            y = np.log([with_clearance(self.joint, dR).first_yield for dR in np.exp(x)])
+            pairs = with_clearance(self.joint, np.exp(x)).pair
+            y = np.log(yield_load(pairs, housing=self.joint.housing) * pairs.contact_length("it"))
             names |= {
                 "yield_dR": x,
                 "yield_load": y,
@@ -265,7 +266,7 @@ class JointFmu:
         least = min(_LEAST_RESTITUTION, restitution)
         parameters = [
             Variable("friction", "", "parameter", "friction coefficient", joint.friction,
-                     (0.0, math.inf)),
+                     (0.0, MOST_FRICTION)),
             Variable("restitution", "", "parameter", "coefficient of restitution", restitution,
                      (least, 1.0)),
         ]  # fmt: skip
@@ -321,7 +322,7 @@ class JointFmu:
         outputs = [k for k, line in enumerate(lines, 1) if 'causality="output"' in line]
         first = [v.start for v in self.variables if v.causality == "input"]
         law = "law" in self.language.program.records
-        bounds = [v.bounds for v in self.parameters if v.bounds]
+        bounds = {v.name: v.bounds for v in self.parameters if v.bounds}
         given = [f"parameter[{k}]" for k in range(len(self.parameters))]
         return {
             "name": name, "title": quoteattr(comment(joint.name)), "version": version("cylcontact"),
@@ -334,8 +335,12 @@ class JointFmu:
             "unknowns": "\n".join(f'<Unknown index="{k}"/>' for k in outputs),
             "parameters": str(len(self.parameters)),
             "starts": ", ".join(repr(v.start) for v in self.parameters),
-            "low": ", ".join(repr(low) for low, _ in bounds),
-            "high": ", ".join(self.language.number(high) for _, high in bounds),
+            "low": ", ".join(repr(low) for low, _ in bounds.values()),
+            "high": ", ".join(repr(high) for _, high in bounds.values()),
+            "bounds": "\n".join(
+                f'"{name} must be from {low!r} to {high!r}",'
+                for name, (low, high) in bounds.items()
+            ),
             "numbers": "\n".join(self._numbers()), "passed": self._passed(),
             "given": ", ".join(f"memory->{each}" for each in given),
             "law_field": f"{name}_law law;" if law else "",

@@ -40,10 +40,10 @@ from cylcontact.joint import (
 from cylcontact.joint.contact import DEEPEST_SHARE
 from cylcontact.laws import Conformal
 from cylcontact.laws.kernels import TABLE
-from cylcontact.laws.lambert import branch_distance, branch_distance_of_number
+from cylcontact.laws.lambert import OF_NUMBERS
 from cylcontact.laws.law import has_formula
 from cylcontact.laws.tabulated import load_of_table
-from cylcontact.support.arrays import require
+from cylcontact.support.arrays import FloatArray, require
 from cylcontact.support.plain_text import comment
 
 LANGUAGES: dict[str, type[C]] = {"c": C, "fortran": Fortran, "matlab": Matlab}
@@ -60,7 +60,8 @@ _ABOUT = {
     "clearance": "m, radial", "R_bearing": "m, radius of the hole", "R_pin": "m, radius of the pin",
     "length": "mm, of the contact", "metres": "m, the unit of length of the arguments",
     "rate_floor": "m/s, slowest impact rate that counts", "chi": "hysteresis factor",
-    "friction": "coefficient", "v0": "m/s, no friction below", "v1": "m/s, all of it above",
+    "friction": "coefficient", "v0": "m/s, no friction below: above 0 none at rest",
+    "v1": "m/s, all of it above",
     "last_penetration": "mm, end of the law", "last_load": "N/mm, there",
     "last_slope": "N/mm^2, there", "first_yield": "N, elastic force at first yield",
     "x_i": "m, centre of the hole in the axes of its body", "y_i": "m",
@@ -69,7 +70,8 @@ _ABOUT = {
 _ABOUT_SPATIAL = {
     "clearance": "mm, radial", "R_hole": "mm", "R_pin": "mm", "half": "mm, half of the length",
     "in_mm": "mm, the unit of length of the arguments", "rate_floor": "mm/s",
-    "chi": "hysteresis factor", "friction": "coefficient", "v0": "mm/s, no friction below",
+    "chi": "hysteresis factor", "friction": "coefficient",
+    "v0": "mm/s, no friction below: above 0 none at rest",
     "v1": "mm/s, all of it above", "last_penetration": "mm, end of the law",
     "yields": "N/mm, line load at first yield",
 }  # fmt: skip
@@ -87,11 +89,12 @@ MEANINGS = {
     "dissipated_power": "N {u}/s, by damping and friction, not negative",
     "elastic_energy": "N {u}, stored in the contacts",
     "touched": "{u}, length of the wall that touches",
-    "flag": "sum of 1 above first yield, 2 beyond the law, 32 pin has left its hole",
+    "flag": "sum of 1 above first yield, 2 beyond the law, 32 pin has left its hole, 128 no number",
 }
 _SPATIAL_FLAG = (
     "sum of 1 above first yield, 2 beyond the law, 4 no rims, 8 tilt above 0.1, 16 unlike "
-    "materials at a rim, 32 pin has left its hole"
+    "materials at a rim, 32 pin has left its hole, 64 pin has slid out, 128 no number, 256 "
+    "housing bends unevenly"
 )
 _FRAMES = {
     contact: (
@@ -169,7 +172,7 @@ class Element:
     def read(self, program: Program, *functions: str) -> None:
         """Read functions of the module into a program, after the law that they call."""
         text = _LOAD.format(call=self.law.call)
-        program.instead[branch_distance] = branch_distance_of_number
+        program.instead.update(OF_NUMBERS)
         program.instead[contact.load_at] = program.read_text(text, self.law.names)
         for name in functions:
             program.read(getattr(self.module, name))
@@ -273,7 +276,8 @@ class Element:
             "Assumptions: rigid bodies but for the contact; the load is that of the law times "
             "1 + chi*s, never negative, s the ratio of penetration rate and impact rate, bounded "
             f"smoothly above {RATIO_BEND:g}; an impact slower than 1 mm/s counts as one of 1 mm/s; "
-            "beyond the end of the law the load follows its tangent; beyond a penetration of "
+            "beyond the end of the law the load follows its tangent; a v0 above 0 means no static "
+            "friction; beyond a penetration of "
             f"{DEEPEST_SHARE:g} times the hole's radius the load means nothing (flag 32).",
             *self._check(),
         ]  # fmt: skip
@@ -341,8 +345,8 @@ def load_at(depth, joint, law):
 """
 
 
-def with_clearance(joint: ClearanceJoint, dR: float) -> ClearanceJoint:
-    """Return a joint with another clearance in mm, by the pin's radius."""
+def with_clearance(joint: ClearanceJoint, dR: float | FloatArray) -> ClearanceJoint:
+    """Return a joint with another clearance in mm, or several, by the pin's radius."""
     pair = joint.pair
     other = CylinderPair.from_dR(
         "internal", dR, length=pair.length, R_i=pair.R_i, pin=pair.material_j,

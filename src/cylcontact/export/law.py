@@ -16,10 +16,10 @@ from cylcontact.bodies.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.export.conformal import table_of
 from cylcontact.export.notation import WIDTH, C, Fortran, MatlabArrays, filled_template, plain_ascii
 from cylcontact.export.plain import Function, Program, Vector
+from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.laws import LAWS, Conformal, Johnson
-from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import OF_PAIR, STEP, Formula
-from cylcontact.laws.lambert import branch_distance, branch_distance_of_number
+from cylcontact.laws.lambert import OF_NUMBERS
 from cylcontact.laws.law import ContactLaw, has_formula
 from cylcontact.support.arrays import FloatArray, require
 from cylcontact.support.errors import InputError
@@ -186,7 +186,7 @@ class ExportedLaw:
 
 def source(law: ExportedLaw, target: str) -> str:
     """Return a law as the text of a file in a language."""
-    program = Program({}, instead={branch_distance: branch_distance_of_number})
+    program = Program({}, instead=dict(OF_NUMBERS))
     texts = law.texts()
     names: dict[str, Any] = {"nan": float("nan"), "inf": float("inf")}
     names |= {f"table_{n}": v for n, v in law.constants.items() if np.ndim(v)}
@@ -205,7 +205,7 @@ def source(law: ExportedLaw, target: str) -> str:
         "heads": _heads(law), "arguments": ", ".join(law.arguments),
         "total": " + ".join(law.arguments),
         "rows": "\n".join(f"{n} = reshape({n} + zero, 1, []);" for n in law.arguments),
-        "hidden": "\n".join(f"{n}(outside) = NaN;" for n in law.arguments),
+        "hidden": "\n".join(f"{n}(outside) = 1;" for n in law.arguments),
     }  # fmt: skip
     if target == "matlab":
         numbers = (language.number_of(*each) for each in program.numbers.items())
@@ -270,7 +270,9 @@ def exported(
     formula, constants = of_contact[contacts.index(contact) if contact else 0]
     is_usual = law.name in LAWS and law == LAWS[law.name]()
     if base.note:
-        formula = replace(formula, remark=f"{formula.remark} {base.note}.")
+        formula = replace(
+            formula, remark=f"{formula.remark} {base.note[0].upper()}{base.note[1:]}."
+        )
     origin = origin or (base.origin if is_usual else "given by the caller")
     return ExportedLaw(law, contact, origin, formula, constants, *factors)
 

@@ -22,6 +22,13 @@ THOUSANDS = re.compile(r"[+\-−]?\d{1,3}(?:[\u00a0\u202f '’.,]\d{3})+(?:[.,]\
 _NUMBER = re.compile(
     r"[+\-−]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?|\d+:\d\d(?::\d\d)?(?:[.,]\d+)?"
 )
+# A number with a power of ten that the usual notation does not have; ×106 may have lost its ^.
+SCIENTIFIC = re.compile(
+    r"(?P<number>[+\-−]?(?:\d+[.,]?\d*|[.,]\d+))\s?(?:"
+    r"[×xX·*]\s?10\s?(?:(?:\^|\*\*)\s?(?P<power>[+\-−]?\d+)"
+    r"|(?P<raised>[+\-−]\d+|[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+))"
+    r"|(?:[eE]|[dD](?=[+-]))(?P<exponent>[+\-−]?\d+))"
+)
 # What machines and spreadsheets write for a number that is missing.
 _MISSING = {"nan", "na", "n/a", "#n/a", "inf", "-inf", "null", "#div/0!", "#value!"}
 # Digits and marks that are no number: a cell that a wrong separator leaves.
@@ -38,7 +45,7 @@ class Line(NamedTuple):
     cells: list[Any]
 
 
-class Sheet(NamedTuple):
+class RawSheet(NamedTuple):
     """The lines of a sheet that are not empty, and the separator of the cells in a text."""
 
     title: str
@@ -53,7 +60,7 @@ def is_number(cell: object) -> bool:
     """Return whether a cell is a number in any notation, a time, or stands for a number."""
     if isinstance(cell, str):
         is_any = _NUMBER.fullmatch(cell) or THOUSANDS.fullmatch(cell) or cell.lower() in _MISSING
-        return bool(is_any)
+        return bool(is_any or SCIENTIFIC.fullmatch(cell))
     return isinstance(cell, int | float | time | datetime)
 
 
@@ -73,7 +80,7 @@ def row_pattern(lines: Iterable[Line]) -> tuple[int, Pattern]:
 # --- text ---------------------------------------------------------------------------------------
 
 
-def sheet_of_text(source: str, content: bytes, notes: list[str]) -> Sheet:
+def sheet_of_text(source: str, content: bytes, notes: list[str]) -> RawSheet:
     """Return a text as a sheet; note its encoding and separator unless they are the usual ones."""
     try:
         raw = re.split(r"\r\n|\r|\n", _decoded(content, notes))
@@ -83,7 +90,7 @@ def sheet_of_text(source: str, content: bytes, notes: list[str]) -> Sheet:
         rule = f"is not a CSV table ({error})"
         raise InputError(source, "", None, rule, "save it as CSV in UTF-8") from error
     notes += [] if separator == "," else [f"cells separated by {SEPARATORS[separator]}"]
-    return Sheet("", lines, separator)
+    return RawSheet("", lines, separator)
 
 
 def _decoded(content: bytes, notes: list[str]) -> str:
@@ -161,7 +168,7 @@ def tidy(cells: Iterable[Any]) -> list[Any]:
 # --- workbooks, Parquet and frames --------------------------------------------------------------
 
 
-def sheets_of_workbook(source: str, content: bytes) -> list[Sheet]:
+def sheets_of_workbook(source: str, content: bytes) -> list[RawSheet]:
     """Return the sheets of a workbook that hold cells, without their empty columns."""
     import pandas as pd
 
@@ -176,7 +183,7 @@ def sheets_of_workbook(source: str, content: bytes) -> list[Sheet]:
         rule = f"is not an Excel workbook ({reason})"
         raise InputError(source, "", None, rule, "save it as .xlsx or .csv") from error
     filled = {str(title): frame.dropna(axis=1, how="all") for title, frame in frames.items()}
-    sheets = [Sheet(title, lines_of(frame)) for title, frame in filled.items()]
+    sheets = [RawSheet(title, lines_of(frame)) for title, frame in filled.items()]
     return [sheet for sheet in sheets if sheet.lines]
 
 

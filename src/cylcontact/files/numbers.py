@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from typing import Any
 
-from cylcontact.files.cells import THOUSANDS
+import numpy as np
+
+from cylcontact.files.cells import SCIENTIFIC, THOUSANDS
 from cylcontact.files.reading import plain_number
-from cylcontact.files.table import Table
-from cylcontact.files.units import LETTER, meaning_of
+from cylcontact.files.sheet import Sheet
+from cylcontact.files.units import LETTER, SUPERSCRIPTS, Unit, meaning_of, read_unit, unit_after
+from cylcontact.support.arrays import FloatArray
+from cylcontact.support.errors import InputError
 
 _GROUPED = re.compile(r"[+\-−]?[1-9]\d{0,2}[.,]\d{3}")
 _GROUPS = re.compile(r"([+\-−]?[1-9]\d{0,2})(?:([\u00a0\u202f '’.,])\d{3}(?:\2\d{3})*)?")
@@ -17,36 +22,151 @@ _NOT_MARKS = str.maketrans("", "", "0123456789+-−eE")
 _CLOCK = r"\d+:\d\d:\d\d(\.\d+)?"
 
 
-def words(table: Table, k: int) -> list[str]:
+def words(sheet: Sheet, k: int) -> list[str]:
     """Return a column as words: a number without a fraction as an integer, a day without a time."""
-    _require_filled(table, k)
-    cells = [int(c) if isinstance(c, float) and c.is_integer() else c for c in table.columns[k]]
+    if None in sheet.columns[k]:
+        raise _wrong(sheet, k, sheet.columns[k].index(None), None)
+    cells = [int(c) if isinstance(c, float) and c.is_integer() else c for c in sheet.columns[k]]
     return [str(cell).removesuffix(" 00:00:00") for cell in cells]
 
 
-def numbers(table: Table, k: int, decimal: str | None = None) -> list[float]:
+def numbers(sheet: Sheet, k: int, decimal: str | None = None) -> list[float]:
     """Return a column as finite numbers, whose decimals are marked as the column itself shows.
 
     If `decimal` gives their mark, other marks between groups of three digits are of thousands.
     """
-    cells, mark = table.columns[k], decimal or _decimal_mark(table, k)
+    values, wrong = _read(sheet, k, decimal)
+    if wrong:
+        raise wrong[min(wrong)]
+    return values
+
+
+def quantity(
+    sheet: Sheet,
+    name: str,
+    units: Mapping[str, float],
+    decimal: str | None = None,
+    wrong: dict[int, InputError] | None = None,
+) -> FloatArray | None:
+    """Return the numbers of a column that is named by its words and its unit.
+
+    Parameters
+    ----------
+    sheet : Sheet
+        The table.
+    name : str
+        The words, as pin_diameter. The table may write Pin diameter [mm], or have the unit below.
+    units : mapping
+        Units with the factor of each, as `LENGTHS`; {"": 1.0} for a number without a unit.
+    decimal : str, optional
+        The mark of decimals; by default as the column itself shows.
+    wrong : dict, optional
+        Is given the error of each row whose cell is no number. By default the first is raised.
+
+    Returns
+    -------
+    N numbers times their factor, NaN where a cell is empty or wrong; None without such a column.
+
+    Raises
+    ------
+    InputError
+        If two columns have the name, or a unit is missing, unknown or not clear.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> from cylcontact.files.sheet import read_sheet
+    >>> from cylcontact.files.units import FORCES, LENGTHS
+    >>> sheet = read_sheet(pd.DataFrame({"Pin diameter [cm]": [2.0, None], "load_kN": [4.5, 6.0]}))
+    >>> quantity(sheet, "pin_diameter", LENGTHS), quantity(sheet, "load", FORCES)
+    (array([20., nan]), array([4500., 6000.]))
+    >>> quantity(sheet, "length", LENGTHS) is None
+    True
+    """
+    found = {k: unit_after(each, name, units) for k, each in enumerate(sheet.names)}
+    at = [k for k, unit in found.items() if unit is not None]
+    if not at:
+        return None
+    if len(at) > 1:
+        rule = f"gives the same quantity as {sheet.names[at[0]]}"
+        raise InputError(sheet.source, "columns", sheet.names[at[1]], rule, "keep one of them")
+    (k,) = at
+    factor = _factor(sheet, k, found[k] or Unit(), name, units)
+    values, errors = _read(sheet, k, decimal, may_lack=True)
+    if wrong is not None:
+        wrong.update({row: error for row, error in errors.items() if row not in wrong})
+    elif errors:
+        raise errors[min(errors)]
+    return factor * np.array(values)
+
+
+def _factor(sheet: Sheet, k: int, unit: Unit, name: str, units: Mapping[str, float]) -> float:
+    """Return the factor of a column's unit, by its name or the row of units."""
+    below = read_unit(sheet.units[k])
+    written = [each for each in (unit, below) if each.text]
+    taken = written[0] if written else Unit()
+    usual = next(iter(units))
+    remedy = f"name it e.g. {name}_{usual}" if usual else f"name it {name}"
+    if len(written) == 2 and unit[1:] != below[1:]:
+        rule, remedy = f"has {below.text!r} below its name", "correct one of the two units"
+    elif taken.name not in units:
+        rule = f"has a unit that is not known, {taken.text!r}" if taken.text else "has no unit"
+    elif not taken.is_clear:
+        rule = "does not say clearly what a cell of 1 is"
+    else:
+        return taken.factors[0] * units[taken.name]
+    raise InputError(sheet.source, "columns", sheet.names[k], rule, remedy)
+
+
+def _read(
+    sheet: Sheet, k: int, decimal: str | None, *, may_lack: bool = False
+) -> tuple[list[float], dict[int, InputError]]:
+    """Return a column as numbers, NaN for what is none, and the errors of such rows."""
+    cells = [_scientific(cell) if isinstance(cell, str) else cell for cell in sheet.columns[k]]
+    mark = decimal or _decimal_mark(sheet, k, cells)
     if decimal:
         cells = [_ungrouped(cell, decimal) if isinstance(cell, str) else cell for cell in cells]
     values = [_number(cell, mark) for cell in cells]
-    wrong = next((row for row, value in enumerate(values) if not math.isfinite(value)), None)
-    if wrong is not None:
-        _require_filled(table, k)
-        rule, remedy = "must be a finite number", "write it with a decimal point, without its unit"
-        meaning = meaning_of(str(cells[wrong]))
-        if meaning is not None and meaning.rank < LETTER:
-            remedy = f"remove it, or read only what is below with --header {table.lines[wrong]}"
-        if decimal and re.search(r"\d[.,]\d", str(cells[wrong])):
-            rule = f"does not have its decimals marked by {decimal!r}"
-            remedy = "correct it, or give the other mark with --decimal"
-        raise table.error(rule, remedy, wrong, k)
     note = "decimals marked by commas"
-    table.notes += [note] if mark == "," and note not in table.notes else []
-    return values
+    sheet.notes += [note] if mark == "," and note not in sheet.notes else []
+    rows = (row for row, value in enumerate(values) if not math.isfinite(value))
+    wrong = {}
+    for row in rows:
+        values[row] = math.nan
+        if not (may_lack and cells[row] is None):
+            wrong[row] = _wrong(sheet, k, row, decimal)
+    return values, wrong
+
+
+def _wrong(sheet: Sheet, k: int, row: int, decimal: str | None) -> InputError:
+    """Return the error for a cell that is no number."""
+    cell = sheet.columns[k][row]
+    if cell is None:
+        rule, remedy = "is empty", "fill it in, or remove the row"
+        if sheet.separator == "":
+            rule = "is empty, or a formula without a stored value"
+            remedy += ", or save the workbook in a spreadsheet program"
+        return sheet.error(rule, remedy, row, k)
+    rule, remedy = "must be a finite number", "write it with a decimal point, without its unit"
+    meaning = meaning_of(str(cell))
+    if meaning is not None and meaning.rank < LETTER:
+        remedy = f"remove it, or read only what is below with --header {sheet.lines[row]}"
+    if decimal and re.search(r"\d[.,]\d", str(cell)):
+        rule = f"does not have its decimals marked by {decimal!r}"
+        remedy = "correct it, or give the other mark with --decimal"
+    return sheet.error(rule, remedy, row, k)
+
+
+def _scientific(cell: str) -> str:
+    """Return a number with a power of ten as 1.5e-6, and any other cell unchanged.
+
+    >>> _scientific("1.5×10-6"), _scientific("1,5·10⁻⁶"), _scientific("0.207 E-03")
+    ('1.5e-6', '1,5e-6', '0.207e-03')
+    """
+    if not (found := SCIENTIFIC.fullmatch(cell)):
+        return cell
+    exponent = (found["power"] or found["raised"] or found["exponent"]).translate(SUPERSCRIPTS)
+    return f"{found['number']}e{exponent}"
 
 
 def _number(cell: Any, mark: str) -> float:
@@ -67,18 +187,18 @@ def _ungrouped(cell: str, decimal: str) -> str:
     return whole.replace(groups[2], "") + point + rest if groups and groups[2] else cell
 
 
-def _decimal_mark(table: Table, k: int) -> str:
+def _decimal_mark(sheet: Sheet, k: int, cells: list[Any]) -> str:
     """Return what marks the decimals of a column; refuse marks that may be of thousands.
 
     "1,234" alone may be a thousand; with "0,206" or "1,5" in the same column it is not.
     """
-    texts = [(row, cell) for row, cell in enumerate(table.columns[k]) if isinstance(cell, str)]
+    texts = [(row, cell) for row, cell in enumerate(cells) if isinstance(cell, str)]
     for row, cell in texts:
         if cell.translate(_NOT_MARKS) not in ("", ".", ",") and THOUSANDS.fullmatch(cell):
             last = (re.findall(r"[.,]", cell) or ["."])[-1]
             decimal = last if cell.count(last) < 2 else {",": ".", ".": ","}[last]
             remedy = f"write it without them, or add --decimal '{decimal}'"
-            raise table.error("has separators of thousands", remedy, row, k)
+            raise sheet.error("has separators of thousands", remedy, row, k)
     by_mark = {mark: [(row, cell) for row, cell in texts if mark in cell] for mark in ",."}
     marked = {mark: cells for mark, cells in by_mark.items() if cells}
     if not marked:
@@ -90,37 +210,27 @@ def _decimal_mark(table: Table, k: int) -> str:
     if len(marked) == 2:
         this, other = ("a comma", "a point") if mark == "," else ("a point", "a comma")
         remedy = f"write it as the others{', without thousands' if grouped[mark] else ''}"
-        raise table.error(f"has {this}, and other numbers of the column {other}", remedy, row, k)
+        raise sheet.error(f"has {this}, and other numbers of the column {other}", remedy, row, k)
     # Between commas a point marks decimals.
-    if grouped[mark] and (mark, table.separator) != (".", ","):
+    if grouped[mark] and (mark, sheet.separator) != (".", ","):
         rule = "has a mark that may be of thousands or of decimals, as in the whole column"
         other = "." if mark == "," else ","
         whole, value = cell.replace(mark, ""), float(cell.replace(mark, ".").replace("−", "-"))
         remedy = f"add --decimal '{other}' if it is {whole}, --decimal '{mark}' if it is {value:g}"
-        raise table.error(rule, remedy, row, k)
+        raise sheet.error(rule, remedy, row, k)
     return mark
 
 
-def seconds(table: Table, k: int) -> list[float] | None:
+def seconds(sheet: Sheet, k: int) -> list[float] | None:
     """Return a column of clock times, or of dates from the first one, in seconds; else None."""
-    if ":" not in str(table.columns[k][0]):
+    if ":" not in str(sheet.columns[k][0]):
         return None
     import pandas as pd
 
-    texts = pd.Series([str(cell).replace(",", ".") for cell in table.columns[k]])
+    texts = pd.Series([str(cell).replace(",", ".") for cell in sheet.columns[k]])
     if texts.str.fullmatch(_CLOCK).all():
         return pd.to_timedelta(texts).dt.total_seconds().tolist()
     if texts.str.fullmatch(r"\d{4}-\d\d-\d\d[ T]\d.*").all():
         times = pd.to_datetime(texts, format="ISO8601", errors="coerce")
         return None if times.isna().any() else (times - times[0]).dt.total_seconds().tolist()
     return None
-
-
-def _require_filled(table: Table, k: int) -> None:
-    """Raise `InputError` for the first empty cell of a column."""
-    if None in table.columns[k]:
-        rule, remedy = "is empty", "fill it in, or remove the row"
-        if table.separator == "":
-            rule = "is empty, or a formula without a stored value"
-            remedy += ", or save the workbook in a spreadsheet program"
-        raise table.error(rule, remedy, table.columns[k].index(None), k)

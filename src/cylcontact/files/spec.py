@@ -29,7 +29,6 @@ _SpecType = TypeVar("_SpecType", bound=Spec)
 
 # Key sets that identify each kind of file, tested in order.
 _KINDS = (
-    ("a fit result", {"coefficients"}),
     ("a fit result", {"settings"}),
     ("a mechanism", {"crank", "rod"}),
     ("a mechanism", {"bodies"}),
@@ -39,23 +38,6 @@ _KINDS = (
     ("a campaign", {"data", "law"}),
     ("a grid spec", {"contact", "reference"}),
 )
-
-# Keys of 1.0.0rc1 that are gone, with what to use instead. Kept for one release.
-_MECHANISM = (
-    "write [crank], [rod], [slider] and [joint] as datasets/slider_crank.toml does; for another "
-    "mechanism use a multibody code with an exported joint"
-)
-GONE = dict.fromkeys(("ground", "bodies", "integration"), _MECHANISM) | {
-    "parameters": "write [bounds] n = [1.0, 1.5], and [fixed] n = 1.1 for a fixed one",
-    "alpha": "give axes.E, axes.nu, axes.dR and axes.load",
-    "beta": "give axes.E, axes.nu, axes.dR and axes.load",
-    "phi": "give axes.load with E = 0.002 GPa, nu = 0 and dR = 1 mm, where the load is phi",
-    **dict.fromkeys(
-        ("loss", "loss_scale"),
-        "leave it out: the report lists outliers with the fit without them",
-    ),
-    "optimizer": "leave it out: a campaign searches with PyGAD, then descends from many points",
-}
 
 # Pydantic's type rules in the terms of TOML and JSON.
 _PLAIN_RULES = {
@@ -135,7 +117,7 @@ def parse_spec(model: type[_SpecType], data: dict[str, Any], source: str) -> _Sp
         location += [parts["key"]] if parts["key"] else []
         value, rule, remedy = parts["value"], parts["rule"], parts["remedy"]
     else:
-        value = None if first["type"] == "missing" or location[-1] in GONE else first["input"]
+        value = None if first["type"] == "missing" else first["input"]
         rule, remedy = _explain(first["type"], first["msg"], model, location)
     raise InputError(source, ".".join(location), value, rule, remedy + more)
 
@@ -171,8 +153,6 @@ def _explain(kind: str, message: str, model: type[Spec], location: list[str]) ->
             table = _inner_spec(field.annotation) or Spec  # a plain mapping has keys of its own
     if kind == "missing":
         return "is required", f"add {description}"
-    if kind == "extra_forbidden" and location[-1] in GONE:
-        return "is gone", GONE[location[-1]]
     if kind == "extra_forbidden":
         return "is not a known key", f"known keys here: {', '.join(table.model_fields)}"
     rule = message[0].lower() + message[1:].replace("greater than or equal to", "at least")

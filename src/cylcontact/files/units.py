@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 from cylcontact.files.reading import plain_number
@@ -61,12 +63,36 @@ _MEANINGS = {
     for rank, line in enumerate(lines)
     for word in line.split(", ")
 }
+# Beyond it no unit is of any use, and 10 to its power would not be a number.
+_LARGEST_EXPONENT = 30
 LETTER = 4  # the rank of single letters for a travel
 # What vendors add to a word: "Standard force", "Force standard", "Axial Displacement".
 _ADDED = {"standard", "axial", "normal", "applied", "line", "total", "machine", "primary"}
+# Words in brackets of what a machine was told to do, which is no reading.
+_SET = {"target", "set", "setpoint", "set point", "command", "cmd", "demand", "soll", "sollwert"}
 _GREEK = str.maketrans({"\u00b5": "u", "\u03bc": "u", "δ": "delta", "Δ": "d", "ν": "nu"})
-_BRACKETED = re.compile(r"(.*?)[\s_]*[\[(]\s*([^\[\]()]*?)\s*[\])]")
 _PER = re.compile(r"\s*/\s*|[\s_·*.]?(?=(?:mm|cm|m|in)(?:\^?-1|⁻¹)$)")
+SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻−", "0123456789+--")
+# A power of ten, as 10^3, 10³, 10-3 or 1e3, and any other number, as 1000, 0.01 or 1/100.
+_POWER = (
+    r"10\s?(?:\^|\*\*)\s?[({]?[+\-−]?\d+[)}]?|10[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+|1(?:[.,]0+)?[eE][+\-−]?\d+"
+    r"|10[+\-−]\d+"
+)
+_COUNT = rf"(?P<power>{_POWER})|(?P<plain>(?:1\s?/\s?)?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)"
+_BEFORE_UNIT = re.compile(rf"(?P<mark>[xX×*·]\s?)?(?:{_COUNT})[\s_]?[xX×*·]?[\s_]?(?=[^\d\s.,])")
+_AFTER_UNIT = re.compile(rf"[\s_]*(?P<mark>[xX×*·/])\s?(?:{_COUNT})$")
+_AFTER_WORDS = re.compile(
+    rf"[\s_]*(?:(?P<mark>(?<![A-Za-z])[xX]|[×*·/])\s?|(?<![\w.,]))(?:{_COUNT})$"
+)
+_AMONG_WORDS = re.compile(rf"(?P<mark>(?<![A-Za-z])[xX]|[×*·])\s?(?:{_COUNT})")
+_POWER_AMONG_WORDS = re.compile(rf"(?P<mark>)(?P<plain>(?!))?(?P<power>{_POWER})")
+_ONE_FACTOR = re.compile(rf"(?P<mark>[xX×*·/]\s?)?(?:{_COUNT})")
+# Units that are not read, so that a bracket with one is no part of the name.
+_OTHER_UNIT = re.compile(
+    r"[kMGTmunpcdh]?(?:Pa|N|m|g|V|A|W|J|Hz|bar|F|T|K|C|s|l|L|t|Nm|rad|eV|Ohm|strain|gf|tf)"
+    r"|lbs?|lbm|oz|ozf|dyn|pdl|psi|ksi|ft|foot|feet|yd|deg|px|pixels?|counts?|digits?|steps?|tons?"
+    r"|(?i:pct|percent|volts?)|.*[/%°^²³⁻\"?ÂÎ\ufffd].*",
+)
 _PREFIXES = {
     **{"mega": "M", "kilo": "k", "deca": "da", "milli": "m", "micro": "u", "nano": "n"},
     **{"centi": "c", "": ""},
@@ -83,12 +109,38 @@ _KNOWN = {unit for units in QUANTITIES.values() for unit in units}
 _CAPITALS = {unit.upper(): unit for unit in _KNOWN if unit.upper() not in _KNOWN}
 
 
+class Unit(NamedTuple):
+    """A unit as a name or a cell of a table has it.
+
+    `name` is its spelling in names of columns, empty if it has none, and `factors` are those that
+    a number may have to be multiplied by: more than one where that is not clear.
+    """
+
+    text: str = ""
+    name: str = ""
+    factors: tuple[float, ...] = (1.0,)
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether numbers have one factor."""
+        return len(self.factors) == 1
+
+
 class Meaning(NamedTuple):
-    """The quantity of a name, the rank of its word (0 is best), and the unit as written."""
+    """The quantity of a name, the rank of its word (0 is best), and its unit."""
 
     quantity: str
-    rank: int
-    unit: str = ""
+    rank: float
+    unit: Unit = Unit()
+
+
+class _Parts(NamedTuple):
+    """A name as words, words in brackets, and a unit, which may be in brackets."""
+
+    words: str
+    added: tuple[str, ...]
+    unit: Unit
+    in_brackets: bool
 
 
 @dataclass(frozen=True)
@@ -98,11 +150,17 @@ class Column:
     name: str
     quantity: str
     unit: str = ""
+    times: float = 1.0  # the multiple of the unit that a cell of 1 is
 
     @property
     def factor(self) -> float:
-        """Factor from the unit of the column to mm, N, MPa and s."""
-        return units_of(self.quantity)[self.unit]
+        """Factor from the cells of the column to mm, N, MPa and s."""
+        return self.times * units_of(self.quantity)[self.unit]
+
+    @property
+    def symbol(self) -> str:
+        """What a cell of 1 is, as in a sentence: N/mm, 1000 N."""
+        return f"{self.times:g} {symbol(self.unit)}" if self.times != 1 else symbol(self.unit)
 
     @property
     def is_total(self) -> bool:
@@ -116,11 +174,14 @@ def units_of(quantity: str) -> dict[str, float]:
 
 
 def column_named(name: str) -> Column | None:
-    """Return the column of a name; None unless it has a quantity with a known unit."""
+    """Return the column of a name; None unless it has a quantity with a known, clear unit."""
     meaning = meaning_of(name)
-    if meaning is None or (unit := unit_of(meaning.unit)) not in units_of(meaning.quantity):
+    if meaning is None:
         return None
-    return Column(name, meaning.quantity, unit)
+    unit = meaning.unit
+    if unit.name not in units_of(meaning.quantity) or not unit.is_clear:
+        return None
+    return Column(name, meaning.quantity, unit.name, unit.factors[0])
 
 
 def unit_of(text: str) -> str:
@@ -144,9 +205,55 @@ def _simple_unit(text: str) -> str:
     return _CAPITALS.get(text, text)
 
 
+def read_unit(text: str) -> Unit:
+    """Return the unit in a cell or in brackets, with the factor before or behind it.
+
+    >>> read_unit("[kN/m]").name, read_unit("10^3 N").factors, read_unit("x10 N").factors
+    ('kN_per_m', (1000.0,), (10.0, 0.1))
+    """
+    plain = re.sub(r"^[\[(]\s*|\s*[\])]$", "", text.strip())
+    if (name := unit_of(plain)) in _KNOWN:
+        return Unit(plain, name)
+    rest, factors = plain, []
+    for pattern in (_BEFORE_UNIT, _AFTER_UNIT):
+        found = pattern.match(rest) if pattern is _BEFORE_UNIT else pattern.search(rest)
+        if found:
+            rest = (rest[: found.start()] + rest[found.end() :]).strip(" _")
+            factors.append(_factors(found))
+    if factors and (name := unit_of(rest)) in _KNOWN:
+        return Unit(plain, name, _product(factors))
+    return Unit(plain, unit_of(plain))
+
+
+def _factors(found: re.Match[str]) -> tuple[float, ...]:
+    """Return what numbers may have to be multiplied by: of 10^3 1000, of x10 10 or 0.1."""
+    mark, text = (found["mark"] or "").strip(), (found["power"] or found["plain"])
+    plain = re.sub(r"[\s(){}]", "", text.translate(SUPERSCRIPTS)).replace(",", ".")
+    if found["power"]:
+        exponent = re.sub(r"^10(?:\^|\*\*)?|^1(?:\.0+)?[eE]", "", plain)
+        if abs(int(exponent)) > _LARGEST_EXPONENT:
+            return (1.0, math.inf)
+        value = float(f"1e{int(exponent)}")
+    else:
+        over, _, under = plain.rpartition("/")
+        value = (1 / float(under) if over else float(under)) or 1.0
+    if not mark:
+        return (value,) if found["power"] else (value, 1.0)
+    return (1 / value, value) if mark == "/" else (value, 1 / value)
+
+
+def _product(factors: Sequence[tuple[float, ...]]) -> tuple[float, ...]:
+    """Return the products of one of each, without repetition."""
+    return tuple(dict.fromkeys(float(f"{math.prod(each):.12g}") for each in product(*factors)))
+
+
 def is_unit(cell: object) -> bool:
     """Return whether a cell is a unit, as in a row of units below the names."""
-    return isinstance(cell, str) and bool(unit := unit_of(cell)) and unit in _KNOWN
+    if not isinstance(cell, str):
+        return False
+    unit = read_unit(cell)
+    # What begins with a number, as 25 kN, is a quantity; 10^3 N is a unit.
+    return unit.name in _KNOWN and unit.name != "" and (unit.is_clear or 1.0 not in unit.factors)
 
 
 def symbol(unit: str) -> str:
@@ -164,35 +271,60 @@ def spellings(quantity: str) -> str:
 def meaning_of(name: str) -> Meaning | None:
     """Return what a name means; None if it names no quantity.
 
-    >>> meaning_of("Standard force"), meaning_of("load_micro_N")
-    (Meaning(quantity='load', rank=0, unit=''), Meaning(quantity='load', rank=0, unit='micro N'))
+    >>> meaning_of("Standard force")
+    Meaning(quantity='load', rank=0, unit=Unit(text='', name='', factors=(1.0,)))
+    >>> meaning_of("load_micro_N").unit, meaning_of("Force (filtered) [kN]").unit.name
+    (Unit(text='micro N', name='uN', factors=(1.0,)), 'kN')
     >>> meaning_of("load step")
     """
-    plain = " ".join(name.translate(_GREEK).split())
+    plain = " ".join(name.split())
     if whole := _plain_meaning(plain):
         return whole
-    for head, unit in _splits(plain):
-        meaning = _plain_meaning(head)
-        has_unit = plain.endswith(("]", ")")) or (meaning and _is_of(unit, meaning.quantity))
-        if meaning and meaning.quantity in QUANTITIES and has_unit:
-            return meaning._replace(unit=unit.replace("_per_", "/").replace("_", " "))
+    for words, added, unit, in_brackets in _parts(plain):
+        meaning = _plain_meaning(words)
+        if meaning is None or meaning.quantity not in QUANTITIES:
+            continue
+        if in_brackets or (unit.text and unit.name in QUANTITIES[meaning.quantity]):
+            if any(word.lower() in _SET for word in added):
+                return None
+            text = unit.text.replace("_per_", "/").replace("_", " ")
+            # A name without an addition is taken before one with it.
+            rank = meaning.rank + (0.5 if added else 0)
+            return Meaning(meaning.quantity, rank, unit._replace(text=text))
     return None
 
 
-def unit_in(name: str, quantity: str) -> str:
+def unit_in(name: str, quantity: str) -> Unit:
     """Return the unit of a quantity in a name, which need not name the quantity."""
-    plain = " ".join(name.translate(_GREEK).split())
-    brackets = _BRACKETED.fullmatch(plain)
-    units = (unit for _, unit in _splits(plain) if _is_of(unit, quantity))
-    return next(units, brackets[2] if brackets else "")
+    parts = [*_parts(" ".join(name.split()))]
+    known = (p.unit for p in parts if p.unit.text and p.unit.name in QUANTITIES.get(quantity, {}))
+    others = (part.unit for part in parts if part.in_brackets)
+    return next(known, next(others, Unit()))
 
 
-def _is_of(unit: str, quantity: str) -> bool:
-    return bool(unit) and unit_of(unit) in QUANTITIES.get(quantity, {})
+def unit_after(name: str, words: str, units: Container[str]) -> Unit | None:
+    """Return the unit of a name that consists of some words and one of these units.
+
+    >>> unit_after("Pin diameter [mm]", "pin_diameter", LENGTHS).name
+    'mm'
+    """
+    plain = " ".join(name.split())
+    if _folded(plain) == _folded(words):
+        return Unit()
+    for part in _parts(plain):
+        is_one = part.unit.name in units or part.in_brackets
+        if is_one and not part.added and _folded(part.words) == _folded(words):
+            return part.unit
+    return None
+
+
+def _folded(words: str) -> str:
+    return re.sub(r"[\s_-]+", "_", words.strip().lower())
 
 
 def _plain_meaning(text: str) -> Meaning | None:
     """Return the quantity or label that a name without a unit stands for."""
+    text = text.translate(_GREEK)
     if text in QUANTITIES or text in LABELS:
         return Meaning(text, 0)
     if len(text) < 3 and text in _MEANINGS:
@@ -203,16 +335,111 @@ def _plain_meaning(text: str) -> Meaning | None:
     return Meaning(*_MEANINGS[word]) if len(word) > 2 and word in _MEANINGS else None
 
 
-def _splits(plain: str) -> Iterator[tuple[str, str]]:
-    """Yield the ways to read a name as a quantity and a unit, the longest unit first."""
-    if brackets := _BRACKETED.fullmatch(plain):
-        yield brackets[1], brackets[2]
+def _parts(plain: str) -> Iterator[_Parts]:
+    """Yield the ways to read a name as words and a unit, the longest unit first."""
+    outside, inside = _brackets(plain)
+    units, words, factors = [], [], []
+    for text in inside:
+        unit = read_unit(text)
+        if unit.name in _KNOWN and unit.name:
+            units.append(unit)
+        elif found := _ONE_FACTOR.fullmatch(text):
+            if found["mark"] or found["power"] or _is_power_of_ten(text):
+                factors.append(_factors(found))
+            else:
+                words.append(text)  # the number of a channel
+        else:
+            words.append(text)
+    if not units:
+        claimed = [text for text in words if _is_claimed(text)]
+        words = [text for text in words if text not in claimed]
+        units = [Unit(text, unit_of(text)) for text in claimed]
+    if units:
+        head, more = _without_factors(outside, beside_brackets=True)
+        unit = units[0]
+        if len({each.name for each in units}) > 1:
+            text = ", ".join(each.text for each in units)
+            unit = Unit(text, text)
+        yield _Parts(head, tuple(words), _times(unit, factors + more, inside), True)
         return
-    for separator in re.finditer(r"[ _]in[ _]|[ _]?/[ _]?|, ?|_| ", plain):
-        yield plain[: separator.start()], plain[separator.end() :]
+    for separator in re.finditer(r"[ _]in[ _]|[ _]?/[ _]?|, ?|_| ", outside):
+        unit = read_unit(outside[separator.end() :])
+        head, more = _without_factors(outside[: separator.start()], beside_brackets=False)
+        yield _Parts(head, tuple(words), _times(unit, factors + more, [unit.text]), False)
+    if inside:
+        head, more = _without_factors(outside, beside_brackets=True)
+        unit = _times(Unit(", ".join(inside)), factors + more, inside)
+        yield _Parts(head, tuple(words), unit, True)
+
+
+def _times(unit: Unit, factors: list[tuple[float, ...]], texts: list[str]) -> Unit:
+    """Return a unit with further factors, which are beside it."""
+    if not factors:
+        return unit
+    return Unit(", ".join(texts), unit.name, _product([unit.factors, *factors]))
+
+
+def _without_factors(words: str, *, beside_brackets: bool) -> tuple[str, list[tuple[float, ...]]]:
+    """Return words without the factors among them, and these.
+
+    A number at the end is one, but beside a unit in brackets only if it is a power of ten: others
+    are of channels.
+    """
+    factors = []
+    if (last := _AFTER_WORDS.search(words)) and last.start():
+        is_channel = beside_brackets and not (last["mark"] or last["power"])
+        if not (is_channel and not _is_power_of_ten(last["plain"])):
+            # Before a unit in brackets a power may be of the unit or of the quantity.
+            power = _factors(last)
+            is_one = beside_brackets and len(power) == 1
+            factors.append((power[0], 1 / power[0]) if is_one else power)
+            words = words[: last.start()]
+    for pattern in (_AMONG_WORDS, _POWER_AMONG_WORDS):
+        while found := pattern.search(words):
+            power = _factors(found)
+            factors.append((power[0], 1 / power[0]))
+            words = words[: found.start()] + words[found.end() :]
+    return words.strip(" _"), factors
+
+
+def _is_claimed(text: str) -> bool:
+    """Return whether a bracket without a unit that is read stands for one: [-], [psi]."""
+    return text in _OTHERS or _OTHER_UNIT.fullmatch(text.translate(_GREEK)) is not None
+
+
+def _is_power_of_ten(text: str) -> bool:
+    return re.fullmatch(r"10+|0[.,]0*1", text) is not None
+
+
+def _brackets(plain: str) -> tuple[str, list[str]]:
+    """Return the text outside of brackets, and that in each of the outermost pairs."""
+    outside, inside, depth, start = "", [], 0, 0
+    for k, letter in enumerate(plain):
+        if letter in "[(":
+            start, depth = (k + 1 if depth == 0 else start), depth + 1
+        elif letter in "])" and depth:
+            depth -= 1
+            if depth == 0:
+                inside.append(plain[start:k].strip())
+                outside += " "
+        elif depth == 0:
+            outside += letter
+    if depth:  # one is open
+        return plain, []
+    return " ".join(outside.split()).rstrip("_ ,"), inside
 
 
 # --- numbers with a unit, as options give them --------------------------------------------------
+
+
+def _number_and_unit(text: str) -> tuple[str, str]:
+    """Return a number and what stands behind it, with or without a blank between.
+
+    >>> _number_and_unit("5kN"), _number_and_unit("1e3 N/mm"), _number_and_unit("many")
+    (('5', 'kN'), ('1e3', 'N/mm'), ('many', ''))
+    """
+    match = re.fullmatch(r"\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(.*?)\s*", text)
+    return (match[1], match[2]) if match else (text.strip(), "")
 
 
 def length_in_mm(text: str) -> float:
@@ -221,7 +448,7 @@ def length_in_mm(text: str) -> float:
     >>> length_in_mm("0.04"), length_in_mm("40 µm")
     (0.04, 0.04)
     """
-    number, _, unit = text.strip().partition(" ")
+    number, unit = _number_and_unit(text)
     factor = LENGTHS.get(unit_of(unit or "mm"))
     if factor is None:
         raise ValueError(f"{text!r} is not a length")
@@ -230,7 +457,7 @@ def length_in_mm(text: str) -> float:
 
 def load_in_N_per_mm(text: str, length: float | None) -> float:
     """Return a load with a unit, such as 4500 N or 225 N/mm, per unit of length in N/mm."""
-    number, _, written = text.strip().partition(" ")
+    number, written = _number_and_unit(text)
     unit = unit_of(written)
     try:
         value = plain_number(number) * QUANTITIES["load"][unit]

@@ -3,22 +3,15 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from cylcontact.support.errors import refuse_gone_name
-
 if TYPE_CHECKING:
     from cylcontact.fitting.calibration import calibrate
     from cylcontact.fitting.campaign import Campaign
     from cylcontact.fitting.choice import Choice, choose
     from cylcontact.fitting.comparison import compare
     from cylcontact.fitting.data_fit import DataFit
+    from cylcontact.fitting.measure import fit, fit_table
     from cylcontact.fitting.results import FitResult, LawFit
-    from cylcontact.fitting.tables import (
-        TableCampaign,
-        campaign_of_table,
-        fit,
-        fit_table,
-        read_campaign,
-    )
+    from cylcontact.fitting.stored import read_result
 
 __all__ = [
     "Campaign",
@@ -26,14 +19,12 @@ __all__ = [
     "DataFit",
     "FitResult",
     "LawFit",
-    "TableCampaign",
     "calibrate",
-    "campaign_of_table",
     "choose",
     "compare",
     "fit",
     "fit_table",
-    "read_campaign",
+    "read_result",
 ]
 
 # Loaded on first use: the command line starts without them.
@@ -43,21 +34,16 @@ _NAMES = {
     "choice": ("Choice", "choose"),
     "comparison": ("compare",),
     "data_fit": ("DataFit",),
+    "measure": ("fit", "fit_table"),
     "results": ("FitResult", "LawFit"),
-    "tables": ("TableCampaign", "campaign_of_table", "fit", "fit_table", "read_campaign"),
+    "stored": ("read_result",),
 }
-# Names of 1.0.0rc1 that are gone, with what to use instead. Kept for one release.
-_GONE = dict.fromkeys(
-    ("PowerFit", "fit_power", "fit_power_to_law"),
-    "use numpy.polyfit(numpy.log(penetration), numpy.log(load), 1)",
-)
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 
 def __getattr__(name: str) -> object:
     if name in _MODULES:
         return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
-    refuse_gone_name(__name__, name, _GONE)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

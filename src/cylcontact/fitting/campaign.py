@@ -1,20 +1,47 @@
-"""Campaigns: a law, the parameters to search, and a grid of a reference law to fit it to."""
+"""Campaigns: a law, the parameters to search, and what it is fitted to: a grid or measurements.
+
+A campaign file names a grid spec (`dataset`), whose reference law is sampled, or a table of
+measurements (`data`). `Campaign.read` reads either; `Campaign.on` has a grid and no file;
+`read_table` reads a table and no file, and its `campaign` fits a law to it.
+"""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from cylcontact.bodies.material import own_table
+from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.grid import Grid, grid_from
+from cylcontact.datasets.measurements import (
+    Constants,
+    MeasuredData,
+    Measurements,
+    measurements_of,
+    pair_notes,
+    read_measured,
+    require_positive_penetration,
+)
 from cylcontact.files.provenance import made_with, spec_hash
 from cylcontact.files.reading import beside_or_above
 from cylcontact.files.spec import parse_spec, read_toml
-from cylcontact.fitting.law_models import grid_model_of, units_of
+from cylcontact.fitting.law_models import (
+    RIG_NAMES,
+    for_measurements,
+    grid_model_of,
+    housed_model,
+    is_user_law,
+    model_of,
+    named_user_model,
+    user_model,
+    with_rig,
+)
+from cylcontact.fitting.noise import NoiseModel, Plain
 from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.specs import (
     CampaignSpec,
@@ -23,23 +50,49 @@ from cylcontact.fitting.specs import (
     parameters_of,
     with_parameters,
 )
+from cylcontact.laws.user import UserFunction
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.errors import InputError
 from cylcontact.support.html_repr import table_html
 
 _LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
+_ZERO_REMEDY = (
+    "correct the row, or remove it; readings that are not zeroed need a free offset "
+    "(--free offset, or offset in [bounds]) and --noise constant"
+)
 
 
 @dataclass(frozen=True, eq=False)
-class CampaignBase(ABC):
-    """A law and its parameters, ready to be fitted: to a law by a `Campaign`, or to a table."""
+class Campaign:
+    """A law and its parameters, and the grid or the measurements that it is fitted to.
+
+    Attributes
+    ----------
+    name : str
+    spec : CampaignSpec or MeasuredSpec
+        The settings, with the bounds or the value of every parameter.
+    model : LawModel
+        The law.
+    parameters : tuple of Parameter
+        Its parameters, in its order.
+    source : str
+        Where it is from, for errors.
+    data : Grid or Measurements
+        What the law is fitted to.
+    data_settings : dict
+        The grid's file, or the whole table, as plain data.
+    noise : Plain or NoiseModel, optional
+        What a fit to measurements assumes of their scatter.
+    """
 
     name: str
     spec: CampaignSpec | MeasuredSpec
     model: LawModel
     parameters: tuple[Parameter, ...]
-    objective: str
     source: str
+    data: Grid | Measurements
+    data_settings: dict[str, Any]
+    noise: Plain | NoiseModel | None = None
 
     def __repr__(self) -> str:
         free = sum(p.is_free for p in self.parameters)
@@ -55,23 +108,24 @@ class CampaignBase(ABC):
             "fitted to": self.reference,
             "objective": self.objective,
         }
-        units = units_of(self.model.law, self.model.contact)
         for p in self.parameters:
-            unit = units.get(p.name, "")
-            rows[f"{p.name} ({unit})" if unit else p.name] = (
+            rows[f"{p.name} ({p.unit})" if p.unit else p.name] = (
                 f"{p.value:.6g}, fixed" if p.fixed else p.tie or f"{p.low:.6g} to {p.high:.6g}"
             )
         return table_html(f"Campaign {self.name}", rows)
 
     @property
-    @abstractmethod
     def reference(self) -> str:
         """What the law is fitted to: a law's name, or "measurements"."""
+        return self.data.reference if isinstance(self.data, Grid) else "measurements"
 
     @property
-    @abstractmethod
-    def data_settings(self) -> dict[str, Any]:
-        """The grid's file, or the whole table, as plain data."""
+    def objective(self) -> str:
+        """The name of what is minimised."""
+        if isinstance(self.spec, CampaignSpec):
+            return self.spec.objective
+        assert self.noise is not None, "measurements have noise"
+        return self.noise.objective
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -96,33 +150,6 @@ class CampaignBase(ABC):
         """Package version, git commit, hashes of the specs and library versions."""
         return made_with(Path(self.source).parent, self.settings, _LIBRARIES)
 
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Campaign(CampaignBase):
-    """A law that is fitted to samples of another one.
-
-    Attributes
-    ----------
-    grid : Grid
-        The grid.
-    grid_data : dict
-        The contents of its file.
-    """
-
-    spec: CampaignSpec
-    grid: Grid
-    grid_data: dict[str, Any]
-
-    @property
-    def reference(self) -> str:
-        """The reference law."""
-        return self.grid.reference
-
-    @property
-    def data_settings(self) -> dict[str, Any]:
-        """The grid's file."""
-        return {"dataset": self.grid_data}
-
     @classmethod
     def read(
         cls,
@@ -134,14 +161,15 @@ class Campaign(CampaignBase):
         fixed: Mapping[str, float] | None = None,
         ties: Mapping[str, str] | None = None,
     ) -> Campaign:
-        """Read a campaign file, and the grid that it names.
+        """Read a campaign file, and the grid or the table that it names.
 
         Parameters
         ----------
         path : path
-            A TOML file. Its `dataset` is searched for beside it and in the folder above.
+            A TOML file: one with `dataset` is on a grid, one with `data` on measurements. Either
+            is searched for beside it and in the folders above.
         runs, seed : int, optional
-            In place of the file's.
+            In place of the file's. On measurements runs are starts.
         bounds, fixed, ties : mapping, optional
             Parameters to search between two values, to hold at a value, or to set by an expression
             such as "a/10", in place of what the file says of them.
@@ -149,7 +177,7 @@ class Campaign(CampaignBase):
         Raises
         ------
         InputError
-            If a file is invalid, or names a table of measurements.
+            If a file is invalid.
 
         Examples
         --------
@@ -157,18 +185,15 @@ class Campaign(CampaignBase):
         >>> campaign.spec.genetic.runs, campaign.reference, campaign.spec.fixed
         (4, 'johnson', {'n': 1.094})
         """
-        contents, path = with_parameters(read_toml(path), bounds, fixed, ties), Path(path)
-        if seed is not None:
-            contents["seed"] = seed
-        if runs is not None and isinstance(contents.get("genetic", {}), dict):
-            contents["genetic"] = {**contents.get("genetic", {}), "runs": runs}
-        spec = parse_spec(CampaignSpec, contents, str(path))
-        dataset = beside_or_above(path.parent, spec.dataset)
-        if dataset is None:
-            rule = "no such file beside the campaign or above it"
-            remedy = "name a grid spec, e.g. datasets/internal.toml"
-            raise InputError(str(path), "dataset", spec.dataset, rule, remedy)
-        return cls._of(path.stem, spec, read_toml(dataset), str(path), str(dataset))
+        contents, source = with_parameters(read_toml(path), bounds, fixed, ties), str(path)
+        contents |= {"seed": seed} if seed is not None else {}
+        if "data" not in contents:
+            return _on_grid_file(contents, runs, Path(path))
+        if "dataset" in contents:
+            remedy = "keep data for measurements, or dataset for a grid"
+            raise InputError(source, "data", contents["data"], "conflicts with dataset", remedy)
+        contents |= {"starts": runs} if runs is not None else {}
+        return _on_table_file(parse_spec(MeasuredSpec, contents, source), Path(path))
 
     @classmethod
     def on(cls, grid: Grid, law: str, name: str = "campaign", **settings: Any) -> Campaign:
@@ -193,25 +218,55 @@ class Campaign(CampaignBase):
         axes = {key: {"values": getattr(grid, key).tolist()} for key in ("E", "nu", "dR", "load")}
         data = {"contact": grid.contact, "reference": grid.reference, "axes": axes}
         spec = parse_spec(CampaignSpec, {"dataset": grid.source, "law": law, **settings}, name)
-        return cls._of(name, spec, data, name, grid.source)
+        return _on_grid(name, spec, data, name, grid.source)
 
     @classmethod
     def of_settings(cls, name: str, settings: dict[str, Any], source: str) -> Campaign:
-        """Return the campaign from the settings in a result."""
-        where = f"{source}, settings.campaign", f"{source}, settings.dataset"
-        spec = parse_spec(CampaignSpec, settings["campaign"], where[0])
-        return cls._of(name, spec, settings["dataset"], source, where[1])
+        """Return the campaign from the settings in a result, without importing a user's law."""
+        key = "measurements" if isinstance(settings.get("measurements"), dict) else "dataset"
+        if not all(isinstance(settings.get(part), dict) for part in ("campaign", key)):
+            rule = "lacks the campaign or the dataset"
+            raise InputError(source, "settings", None, rule, "redo the fit")
+        where = f"{source}, settings.campaign", f"{source}, settings.{key}"
+        if key == "dataset":
+            on_grid = parse_spec(CampaignSpec, settings["campaign"], where[0])
+            return _on_grid(name, on_grid, settings[key], source, where[1])
+        spec = parse_spec(MeasuredSpec, settings["campaign"], where[0])
+        data = parse_spec(MeasuredData, settings[key], where[1])
+        if is_user_law(spec.law):
+            constants = [name for name in spec.named if name not in RIG_NAMES]
+            named = tuple(Parameter(name, -math.inf, math.inf) for name in constants)
+            model = named_user_model(UserFunction(spec.law, None), named, spec.contact)
+        else:
+            model = _law_model(spec, Path(), source)
+        return _on_measurements(name, spec, measurements_of(data, where[1]), model, source)
 
-    @classmethod
-    def _of(
-        cls, name: str, spec: CampaignSpec, grid_data: dict[str, Any], source: str, grid_source: str
-    ) -> Campaign:
-        grid = grid_from(grid_data, grid_source)
-        model = grid_model_of(spec.law, grid.contact, source)
-        _require_range(grid, model, source)
-        parameters = parameters_of(model, spec, source)
-        spec = completed(spec, parameters)
-        return cls(name, spec, model, parameters, spec.objective, source, grid, grid_data)
+
+# --- on a grid ----------------------------------------------------------------------------------
+
+
+def _on_grid_file(contents: dict[str, Any], runs: int | None, path: Path) -> Campaign:
+    """Return the campaign of a file that names a grid."""
+    if runs is not None and isinstance(contents.get("genetic", {}), dict):
+        contents["genetic"] = {**contents.get("genetic", {}), "runs": runs}
+    spec = parse_spec(CampaignSpec, contents, str(path))
+    dataset = beside_or_above(path.parent, spec.dataset)
+    if dataset is None:
+        rule = "no such file beside the campaign or above it"
+        remedy = "name a grid spec, e.g. datasets/internal.toml"
+        raise InputError(str(path), "dataset", spec.dataset, rule, remedy)
+    return _on_grid(path.stem, spec, read_toml(dataset), str(path), str(dataset))
+
+
+def _on_grid(
+    name: str, spec: CampaignSpec, grid_data: dict[str, Any], source: str, grid_source: str
+) -> Campaign:
+    grid = grid_from(grid_data, grid_source)
+    model = grid_model_of(spec.law, grid.contact, source)
+    _require_range(grid, model, source)
+    parameters = parameters_of(model, spec, source)
+    spec = completed(spec, parameters)
+    return Campaign(name, spec, model, parameters, source, grid, {"dataset": grid_data})
 
 
 def _require_range(grid: Grid, model: LawModel, source: str) -> None:
@@ -222,3 +277,184 @@ def _require_range(grid: Grid, model: LawModel, source: str) -> None:
         rule = f"its ΔR (mm) leave the range of the {model.law} law for {model.contact} contact, "
         remedy = "narrow the dR axis of the grid"
         raise InputError(source, "dataset", [low, high], rule + span, remedy)
+
+
+# --- on measurements ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredTable:
+    """Measurements as they were read, and the settings of fits to them."""
+
+    name: str
+    spec: MeasuredSpec
+    measurements: Measurements
+    folder: Path
+    source: str
+
+    def campaign(self, law: str, free: Sequence[str] = ()) -> Campaign:
+        """Return the campaign that fits a law, with further parameters free."""
+        wanted = tuple(dict.fromkeys((*(self.spec.free or ()), *free))) or None
+        spec = self.spec.model_copy(update={"law": law, "free": wanted})
+        model = _freed(_law_model(spec, self.folder, self.source), spec, self)
+        return _on_measurements(self.name, spec, self.measurements, model, self.source)
+
+
+def read_table(
+    table: object,
+    law: str,
+    pair: CylinderPair | None = None,
+    contact: Contact | None = None,
+    constants: Constants | None = None,
+    name: str = "",
+    **settings: Any,
+) -> MeasuredTable:
+    """Read a table, a path or a DataFrame, with the keys of a campaign file as settings."""
+    is_file = isinstance(table, str | Path)
+    path, source = (Path(str(table)), str(table)) if is_file else (Path("data"), "DataFrame")
+    if not is_file and not hasattr(table, "iloc"):
+        rule, remedy = f"is a {type(table).__name__}", "give a DataFrame, or the path of a table"
+        raise InputError("fit", "data", None, rule, remedy)
+    if pair is not None and contact not in (None, pair.contact):
+        rule = f"contradicts the pair, which is for {pair.contact} contact"
+        raise InputError("fit", "contact", contact, rule, "leave it out")
+    contact = contact if pair is None else pair.contact
+    if contact is None:
+        raise InputError("fit", "contact", None, "is required without a pair", "give a pair")
+    given = {key: value for key, value in settings.items() if value is not None}
+    of_pair = {} if pair is None else constants_of(pair)
+    given |= {"data": path.name, "law": law, "contact": contact}
+    spec = parse_spec(MeasuredSpec, given | {"constants": of_pair | {**(constants or {})}}, source)
+    return _table(name or path.stem, spec, path if is_file else table, path.parent, source)
+
+
+def _on_table_file(spec: MeasuredSpec, path: Path) -> Campaign:
+    """Return the campaign of a file that names a table."""
+    source, table = str(path), beside_or_above(path.parent, spec.data)
+    if table is None:
+        rule = "no such file beside the campaign or above it"
+        raise InputError(source, "data", spec.data, rule, "name a .csv, .xlsx or .parquet table")
+    _law_model(spec, path.parent, source)  # refuses an unknown one before any data
+    return _table(path.stem, spec, table, path.parent, source).campaign(spec.law)
+
+
+def _table(
+    name: str, spec: MeasuredSpec, readings: Any, folder: Path, source: str
+) -> MeasuredTable:
+    materials = own_table(spec.materials, folder, source)
+    data = read_measured(readings, spec.contact, spec.constants, materials, spec)
+    where = str(readings) if isinstance(readings, Path) else source
+    measured, housing = measurements_of(data, where), None
+    if spec.housing is not None:
+        numbers = spec.housing.with_numbers(materials, source)
+        spec, housing = spec.model_copy(update={"housing": numbers}), numbers.housing
+    data.notes.extend(pair_notes(measured, materials, housing))
+    return MeasuredTable(name, spec, measured, folder, source)
+
+
+def constants_of(pair: CylinderPair) -> dict[str, float]:
+    """Return a pair as constants of a table of measurements."""
+    pair.require_plane_strain("A fit to measurements")
+    i, j = pair.material_i, pair.material_j
+    values = {"E_i_MPa": i.E, "nu_i": i.nu, "E_j_MPa": j.E, "nu_j": j.nu, "length_mm": pair.length}
+    values |= {"R_i_mm": pair.R_i, "R_j_mm": pair.R_j}
+    if pair.R_i is None or pair.R_j is None:
+        values["dR_mm"] = pair.dR
+    given = {name: value for name, value in values.items() if value is not None}
+    for name, value in given.items():
+        if np.ndim(value):
+            rule, remedy = "is an array", "give it as a column of the data"
+            raise InputError("fit", name, "of the pair", rule, remedy)
+    return {name: float(value) for name, value in given.items()}
+
+
+def _law_model(spec: MeasuredSpec, folder: Path, source: str) -> LawModel:
+    if spec.housing is not None:
+        return housed_model(spec.law, spec.contact, spec.housing.housing, source)
+    if is_user_law(spec.law):
+        return user_model(spec.law, spec.contact, source, folder, Path.cwd())
+    return model_of(spec.law, spec.contact, source)
+
+
+def _freed(model: LawModel, spec: MeasuredSpec, table: MeasuredTable) -> LawModel:
+    """Return the model with what is free in a fit to measurements."""
+    free = spec.free or ()
+    for name in free:
+        if name not in (*model.names, *RIG_NAMES):
+            rule = f"is not a parameter of {model.law} for {model.contact} contact"
+            remedy = f"its parameters: {', '.join(dict.fromkeys((*model.names, *RIG_NAMES)))}"
+            raise InputError(table.source, "free", name, rule, remedy)
+        if name in spec.named:
+            rule, remedy = "is bounded, fixed or tied as well", "keep one of them"
+            raise InputError(table.source, "free", name, rule, remedy)
+    if is_user_law(spec.law):
+        model = with_rig(model, {*free, *spec.named})
+    else:
+        model = for_measurements(model, free, spec.named)
+    # Bounds of the offset are ± twice the largest reading, of the compliance the same over the
+    # largest load. Readings of nothing, or at a load beyond all measure, leave them as they are.
+    measured = table.measurements
+    largest = 2 * np.abs(measured.penetration).max()
+    reach, most = (float(f"{value:.1g}") for value in (largest, largest / measured.load.max()))
+    bounds = {name: end for name, end in (("offset", reach), ("compliance", most)) if end > 0}
+    parameters = (
+        replace(p, low=-bounds[p.name], high=bounds[p.name]) if p.name in bounds else p
+        for p in model.parameters
+    )
+    return replace(model, parameters=tuple(parameters))
+
+
+def _on_measurements(
+    name: str, spec: MeasuredSpec, measured: Measurements, model: LawModel, source: str
+) -> Campaign:
+    model = with_rig(model, spec.named)
+    parameters = parameters_of(model, spec, source, f"; the rig's: {', '.join(RIG_NAMES)}")
+    free = [p.name for p in parameters if p.is_free]
+    if len(measured) <= len(free):
+        rule = f"are not more than the {len(free)} free parameters"
+        remedy = "measure more points, or fix parameters: [fixed] in a file, --fix NAME=VALUE"
+        raise InputError(source, "data", f"{len(measured)} rows", rule, remedy)
+    noise = _noise_of(spec, measured, "offset" in free, source)
+    if (isinstance(noise, Plain) and noise.is_log) or "offset" not in free:
+        named = Path(source).name == measured.data.source
+        where = source if named else f"{source}, {measured.data.source}"
+        require_positive_penetration(measured, where, _ZERO_REMEDY)
+    settings = {"measurements": measured.data.model_dump(mode="json")}
+    spec = completed(spec, parameters)
+    return Campaign(name, spec, model, parameters, source, measured, settings, noise)
+
+
+def _noise_of(
+    spec: MeasuredSpec, data: Measurements, has_offset: bool, source: str
+) -> Plain | NoiseModel:
+    """Return the noise that a campaign states, or the usual one for its data."""
+    sigma = data.columns.get("penetration_std")
+    if spec.noise is not None and sigma is not None:
+        rule = "conflicts with the column penetration_std, which gives the noise"
+        raise InputError(source, "noise", spec.noise, rule, "keep one of them")
+    is_modelled = (
+        spec.group is not None
+        or bool(spec.drift)
+        or spec.load_error is not None
+        or "load_std" in data.columns
+        # Scatter in proportion to the penetration is not in proportion to a reading with an offset.
+        or spec.noise == "both"
+        or (spec.noise == "proportional" and has_offset)
+    )
+    if not is_modelled:
+        is_log = spec.noise == "proportional"
+        if spec.noise is None and sigma is None:
+            is_log = bool((data.penetration > 0).all())
+        return Plain(is_log, sigma)
+    # With given deviations of the loads alone, single readings have no scatter but that.
+    is_given = sigma is not None or (
+        "load_std" in data.columns and spec.group is None
+        and not spec.drift and spec.load_error is None
+    )  # fmt: skip
+    return NoiseModel(
+        noise=spec.noise or (None if is_given else "both"),
+        over="group" if spec.group is not None else None,
+        drift=bool(spec.drift),
+        load_error=spec.load_error or 0.0,
+        has_offset=has_offset,
+    )

@@ -7,6 +7,7 @@ gives others). Eq 6 then follows the cases over the clearance.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -39,9 +40,7 @@ class Cases(NamedTuple):
 
     def K_star_given(self, n: FloatArray) -> FloatArray:
         """Return K* of the cases with the exponent held at one for each clearance, shape (m,)."""
-        return as_floats(
-            np.exp(self.mean_s - n[:, None] * self.mean_j) * self.grid.dR[:, None]
-        )
+        return as_floats(np.exp(self.mean_s - n[:, None] * self.mean_j) * self.grid.dR[:, None])
 
 
 def fit_cases(grid: Axes) -> Cases:
@@ -92,8 +91,6 @@ def exponents_over_clearance(cases: Cases, n_exponent: float | None = None) -> d
     InputError
         With fewer than two clearances below the switch of Y, or none above.
     """
-    from scipy.optimize import least_squares  # slow to import
-
     count = np.isfinite(cases.n).sum(axis=1)
     dR, count = cases.grid.dR[count > 0], count[count > 0]
     n, weight = np.nanmean(cases.n[np.isfinite(cases.n).any(axis=1)], axis=1), np.sqrt(count)
@@ -112,8 +109,7 @@ def exponents_over_clearance(cases: Cases, n_exponent: float | None = None) -> d
         return best, terms @ best - weight * n
 
     start = [_PRINTED.Y_log_exponent] + ([_PRINTED.n_exponent] if n_exponent is None else [])
-    tight = {"xtol": 1e-12, "ftol": 1e-12, "gtol": 1e-12}
-    x = least_squares(lambda x: linear(x)[1], start, x_scale=0.05, **tight).x
+    x = _least_squares(lambda x: linear(x)[1], start)
     scale, slope, offset = linear(x)[0].tolist()
     return {
         "Y_log_scale": scale,
@@ -252,8 +248,6 @@ def in_sequence(
 
 def _logarithmic_branch(dR: FloatArray, n: FloatArray, of_dR: float) -> tuple[float, float]:
     """Return Y_log_scale and Y_log_exponent that fit exponents of cases best."""
-    from scipy.optimize import least_squares  # slow to import
-
     count, n = np.isfinite(n).sum(axis=1), np.nanmean(n, axis=1)
     weight, log_log, reach = np.sqrt(count), np.log(np.log(1000 * dR)), dR**of_dR
 
@@ -262,6 +256,16 @@ def _logarithmic_branch(dR: FloatArray, n: FloatArray, of_dR: float) -> tuple[fl
         scale = float(term @ (weight * n) / (term @ term))
         return scale, scale * term - weight * n
 
-    tight = {"xtol": 1e-12, "ftol": 1e-12, "gtol": 1e-12}
-    x = least_squares(lambda x: linear(x)[1], [_PRINTED.Y_log_exponent], x_scale=0.05, **tight).x
+    start = [_PRINTED.Y_log_exponent]
+    x = _least_squares(lambda x: linear(x)[1], start)
     return linear(x)[0], float(x[0])
+
+
+def _least_squares(residuals: Callable[[FloatArray], FloatArray], start: list[float]) -> FloatArray:
+    """Minimise a sum of squares over exponents, to the last digits."""
+    from scipy.optimize import least_squares  # slow to import
+
+    tight = 1e-12
+    return as_floats(
+        least_squares(residuals, start, x_scale=0.05, xtol=tight, ftol=tight, gtol=tight).x
+    )

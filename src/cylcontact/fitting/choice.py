@@ -31,25 +31,20 @@ import numpy as np
 
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.datasets.measurements import Constants, Indices
-from cylcontact.fitting.checks import (
-    COMPLIANCE,
-    LEVEL,
-    data_warnings,
-    describes,
-    uncertainty_of,
-)
+from cylcontact.fitting.campaign import Campaign, MeasuredTable, read_table
+from cylcontact.fitting.findings import COMPLIANCE, LEVEL, describes, estimates_of, warnings_of
 from cylcontact.fitting.law_models import RIG_NAMES, fittable_laws, is_user_law
+from cylcontact.fitting.measure import fit_table
 from cylcontact.fitting.noise import Covariance
-from cylcontact.fitting.readings import Optimum
+from cylcontact.fitting.readings import Optimum, fit_with_noise
 from cylcontact.fitting.search import descend, polish
-from cylcontact.fitting.tables import Table, TableCampaign, fit_table, read_table
 from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Workers, call, collect
 from cylcontact.support.plain_text import advice, brief, item
 from cylcontact.support.progress import Progress, silent
-from cylcontact.support.text_tables import Table as Cells
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -114,7 +109,7 @@ class Choice:
 
     Attributes
     ----------
-    data : Table
+    data : MeasuredTable
         The measurements.
     laws : tuple of RankedLaw
         In the order of AICc.
@@ -128,7 +123,7 @@ class Choice:
         Whether the best law describes the readings at all; if not, none does.
     """
 
-    data: Table
+    data: MeasuredTable
     laws: tuple[RankedLaw, ...]
     left_out: dict[str, str]
     parts: str
@@ -245,7 +240,7 @@ class Choice:
         count = len(self.data.measurements)
         title = f"{brief(self.data.name)}: {len(self.laws)} laws fitted to {count:,} measurements"
         read = (item(line, "", _WIDTH) for line in self.data.measurements.read)
-        return "\n".join([*read, title, "", str(Cells(head, rows)), *items])
+        return "\n".join([*read, title, "", str(TextTable(head, rows)), *items])
 
     def _conclusion(self) -> str:
         undecided = self.undecided
@@ -306,7 +301,7 @@ def laws_for(contact: Contact, pairs: int) -> list[str]:
 
 
 def choose_law(
-    table: Table, names: Iterable[str] = (), progress: Progress = silent, jobs: Workers = 1
+    table: MeasuredTable, names: Iterable[str] = (), progress: Progress = silent, jobs: Workers = 1
 ) -> Choice:
     """Fit all laws that apply to measurements, and rank them."""
     data, spec = table.measurements, table.spec
@@ -344,12 +339,11 @@ def choose_law(
         errors = as_floats([squares[part].mean() for part in parts])
         ranked.append(RankedLaw(name, fitted[name], aicc[name], errors, sizes))
     with on_one_thread():
-        uncertainty = uncertainty_of(best, spec.level or LEVEL)
-    warnings = tuple(data_warnings(uncertainty))
-    return Choice(table, tuple(ranked), left_out, words, warnings, describes(uncertainty))
+        warnings = tuple(warnings_of(best, estimates_of(best, spec.level or LEVEL)[0]))
+    return Choice(table, tuple(ranked), left_out, words, warnings, describes(best))
 
 
-def _fit_or_reason(table: Table, name: str, is_named: bool) -> Optimum | str:
+def _fit_or_reason(table: MeasuredTable, name: str, is_named: bool) -> Optimum | str:
     """Return the fit of a law, or why it is left out."""
     try:
         with on_one_thread():
@@ -373,7 +367,7 @@ def _fit_or_reason(table: Table, name: str, is_named: bool) -> Optimum | str:
 
 
 def _require_some(
-    fitted: Mapping[str, object], left_out: dict[str, str], table: Table, remedy: str
+    fitted: Mapping[str, object], left_out: dict[str, str], table: MeasuredTable, remedy: str
 ) -> None:
     """Refuse measurements to which no law is left, with the reason of the first."""
     if not fitted:
@@ -382,7 +376,7 @@ def _require_some(
         raise InputError(table.source, "", None, rule, remedy)
 
 
-def _campaign(table: Table, law: str, starts: int | None = None) -> TableCampaign:
+def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Campaign:
     """Return the campaign of a law with offset and, in an unknown housing, compliance free.
 
     The housing is only for laws that know it, and a law of one's own has a stiffness like others.
@@ -410,8 +404,8 @@ def _parts(optimum: Optimum, seed: int) -> tuple[list[Indices], str]:
     return [np.sort(part) for part in np.array_split(order, number)], f"{number} parts of the rows"
 
 
-def _fitted(campaign: TableCampaign) -> Optimum:
-    fit = campaign.fit()
+def _fitted(campaign: Campaign) -> Optimum:
+    fit = fit_with_noise(campaign)
     starts = fit.starts(campaign.nominal, _STARTS, campaign.spec.seed)
     ends, values = descend(fit, starts)
     return Optimum(fit, fit.minimise(ends[values.argmin()])[0])

@@ -2,51 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cylcontact.datasets.grid import Grid
 from cylcontact.fitting.calibration import calibrate, space_of
-from cylcontact.fitting.data_fit import DataFit
-from cylcontact.fitting.results import FitResult, LawFit, Rows, label_of
+from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.measure import fit_table
+from cylcontact.fitting.readings import fit_with_noise
+from cylcontact.fitting.results import FitResult, Rows, or_blank
 from cylcontact.fitting.space import Space
-from cylcontact.fitting.tables import TableCampaign, campaign_of, fit_table
+from cylcontact.fitting.stored import read_result
 from cylcontact.support.parallel import Workers
 from cylcontact.support.plain_text import brief, item
 from cylcontact.support.progress import Progress
-from cylcontact.support.text_tables import Table
-
-# The rows below the coefficients where results are compared, with their labels in text, their
-# formats and numbers. Those of the published coefficients are computed on the data of each fit.
-NUMBERS: dict[str, tuple[str, str, Callable[[FitResult], float | None]]] = {
-    "objective": ("  fitted", ".5g", lambda r: r.objective.value),
-    "published objective": (
-        *("  published", ".5g"),
-        lambda r: r.published.objective if r.published else None,
-    ),
-    "lower bound": ("  lower bound", ".5g", lambda r: getattr(r, "bound", None)),
-    "largest difference, %": (
-        "largest difference, %",
-        ".4g",
-        lambda r: r.max_abs_diff_percent.fitted,
-    ),
-    "published largest difference, %": (
-        *("  published", ".5g"),
-        lambda r: r.max_abs_diff_percent.published,
-    ),
-    "samples": ("samples", ",d", lambda r: r.counts.samples),
-    "masked": ("  masked", ",d", lambda r: r.counts.masked),
-}
+from cylcontact.support.text_tables import TextTable
 
 # The axes of grids, with symbols and units.
-_AXES = {
-    **{"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")},
-}
+_AXES = {"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")}
 
 
 def compare(results: Sequence[FitResult]) -> str:
-    """Return results side by side: a table for those of one kind, then the verdicts.
+    """Return results side by side: a table for those of one kind, then their warnings and notes.
 
     Parameters
     ----------
@@ -55,115 +34,84 @@ def compare(results: Sequence[FitResult]) -> str:
 
     Returns
     -------
-    Report
-        Results of one kind are of the same law, contact and search (`by_search`). A table has a
-        column for the published coefficients and one for each result, and the samples of each
-        beneath. That of a single result gives its difference from the published coefficients.
+    str
+        Results of one kind are of the same law and contact, with the same coefficients fixed and
+        tied. A table has a column for the published coefficients and one for each result, and the
+        samples of each beneath. That of a single result gives its difference from the published.
     """
-    parts: list[str] = [_side_by_side_text(group) for group in by_search(results)]
+    parts = [_side_by_side(group) for group in _by_kind(results)]
     for result in results:
-        parts.append("\n".join([f"{brief(result.name)}:", *map(item, result.verdicts)]))
+        sentences = [*result.warnings, *result.notes]
+        parts.append("\n".join([f"{brief(result.name)}:", *map(item, sentences)]))
     return "\n\n".join(parts)
 
 
-def by_search(results: Iterable[FitResult]) -> list[list[FitResult]]:
-    """Return the results in groups of the same law, contact, fixed and tied coefficients."""
+def _by_kind(results: Iterable[FitResult]) -> list[list[FitResult]]:
     groups: dict[tuple[str, ...], list[FitResult]] = {}
     for result in results:
-        kind = (result.law, result.contact, *labels(result).values())
-        groups.setdefault(kind, []).append(result)
+        groups.setdefault((result.law, result.contact, *_labels(result)), []).append(result)
     return list(groups.values())
 
 
-def labels(result: FitResult) -> dict[str, str]:
-    """Return the label of each coefficient in tables: its name, its tie, whether it was fixed."""
-    of_ties = {name: f"{name} = {expression}" for name, expression in result.ties.items()}
-    of_fixed = {name: f"{name} (fixed)" for name in result.fixed}
-    return {name: (of_ties | of_fixed).get(name, name) for name in result.coefficients}
+def _labels(result: FitResult) -> list[str]:
+    """Return the label of each coefficient: its name and unit, its tie, whether it was fixed."""
+    labels = []
+    for name, estimate in result.estimates.items():
+        said = {"fixed": " (fixed)"}.get(estimate.verdict, "")
+        said = f" {estimate.verdict}" if estimate.verdict.startswith("=") else said
+        labels.append(", ".join(filter(None, (name + said, estimate.unit))))
+    return labels
 
 
-def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
-    """Return results of one law and contact side by side, for the renderings of such a table."""
-    # Some results of a group may be of data for which nothing was published.
-    published = next((r.published.coefficients for r in results if r.published), None)
-    coefficients = [_coefficients(result) for result in results]
-    rows: dict[str, list[str | None]] = {
-        label: [
-            f"{published[name]:g}" if published else None,
-            *(texts[name] for texts in coefficients),
-        ]
-        for name, label in labels(results[0]).items()
-    }
-    for row, (_, form, number) in NUMBERS.items():
-        values = map(number, results)
-        rows[row] = ["", *(None if v is None else format(v, form) for v in values)]
-    if len(results) == 1:
-        _add_differences(rows, results[0])
-    return rows
-
-
-def _coefficients(result: FitResult) -> dict[str, str]:
-    """Return the coefficients as texts, with standard errors where there are any."""
-    errors = result.to_frame()["standard_error"]
-    return {
-        name: f"{value:.5g} ± {errors[name]:.2g}" if errors[name] > 0 else f"{value:.5g}"
-        for name, value in result.coefficients.items()
-    }
-
-
-def _add_differences(rows: dict[str, list[str | None]], result: FitResult) -> None:
-    """Move the numbers of the published coefficients to their column, and add the differences."""
-    for row in ("objective", "largest difference, %"):
-        rows[row][0] = rows.pop(f"published {row}")[1]
-    differences = {}
-    if result.published is not None:
-        published = result.published.coefficients | {"objective": result.published.objective}
-        fitted = result.coefficients | {"objective": result.objective.value}
-        differences = {
-            label: f"{100 * (fitted[name] / published[name] - 1):+.1f}"
-            for name, label in (labels(result) | {"objective": "objective"}).items()
-            if published[name] and name not in result.fixed
-        }
-    for row, cells in rows.items():
-        cells.append(differences.get(row, ""))
-
-
-def _side_by_side_text(results: list[FitResult]) -> str:
-    first = results[0]
-    of_coefficients = labels(first)
-    of_units = {
-        name: ", ".join(filter(None, (label, first.units.get(name))))
-        for name, label in of_coefficients.items()
-    }
-    names = {row: label for row, (label, *_) in NUMBERS.items()}
-    names |= {label: of_units[name] for name, label in of_coefficients.items()}
+def _side_by_side(results: list[FitResult]) -> str:
+    first, published = results[0], next((r.published for r in results if r.published), None)
+    rows: Rows = []
+    for label, name in zip(_labels(first), first.estimates, strict=True):
+        paper = f"{published.coefficients[name]:g}" if published else "-"
+        rows.append((label, paper, *(_with_error(r, name) for r in results)))
+    rows += [(label, "", *cells) for label, cells in _numbers(results)]
+    rows = [(*row[:2], *(cell or "-" for cell in row[2:])) for row in rows]
     columns = [f"{first.law}, {first.contact}", "published", *(r.name for r in results)]
-    if len(results) == 1:
-        names["objective"] = label_of(first.objective.name, first.objective_unit)
+    if len(results) == 1 and published:
         columns.append("difference, %")
-    rows: Rows = [
-        (names.get(row, row), *("-" if c is None else c for c in cells))
-        for row, cells in side_by_side(results).items()
-    ]
-    if len(results) > 1:
-        objectives = (
-            "objective",
-            "",
-            *(label_of(r.objective.name, r.objective_unit) for r in results),
-        )
-        rows.insert(len(first.coefficients), objectives)
-    return "\n".join([str(Table(columns, rows)), *map(_samples_text, results)])
+        values = zip(first.coefficients.values(), published.coefficients.values(), strict=True)
+        differences = [f"{100 * (x / y - 1):+.1f}" if y else "" for x, y in values]
+        differences += ["", f"{100 * (first.objective.value / published.objective - 1):+.1f}"]
+        differences += [""] * (len(rows) - len(differences))
+        rows = [(*row, cell) for row, cell in zip(rows, differences, strict=True)]
+    return "\n".join([str(TextTable(columns, rows)), *map(_samples, results)])
 
 
-def _samples_text(result: FitResult) -> str:
-    if isinstance(result, DataFit):
+def _numbers(results: Sequence[FitResult]) -> Iterable[tuple[str, list[str]]]:
+    """Yield the label and the cells of each row beneath the coefficients."""
+    objectives = [result.objective for result in results]
+    published = [result.published for result in results]
+    largest = [result.max_abs_diff_percent for result in results]
+    yield "objective", [", ".join(filter(None, (o.name, o.unit))) for o in objectives]
+    yield "  fitted", [f"{o.value:.5g}" for o in objectives]
+    yield "  published", [or_blank(p.objective if p else None) for p in published]
+    yield "  lower bound", [or_blank(getattr(result, "bound", None)) for result in results]
+    yield "largest difference, %", [or_blank(each.fitted, ".4g") for each in largest]
+    yield "  published", [or_blank(each.published) for each in largest]
+    yield "samples", [f"{result.counts.samples:,d}" for result in results]
+    yield "  masked", [f"{result.counts.masked:,d}" for result in results]
+
+
+def _with_error(result: FitResult, name: str) -> str:
+    estimate = result.estimates[name]
+    error = f" ± {estimate.standard_error:.2g}" if estimate.standard_error else ""
+    return f"{estimate.value:.5g}{error}"
+
+
+def _samples(result: FitResult) -> str:
+    if result.reference == "measurements":
         return f"{brief(result.name)}: {result.counts.samples:,} measurements"
     axes = result.settings["dataset"]["axes"]
-    texts = [_axis_text(*words, axes[name]) for name, words in _AXES.items() if name in axes]
+    texts = [_axis(*words, axes[name]) for name, words in _AXES.items() if name in axes]
     return f"{brief(result.name)}: samples at {', '.join(texts)}"
 
 
-def _axis_text(symbol: str, unit: str, axis: Mapping[str, Any]) -> str:
+def _axis(symbol: str, unit: str, axis: Mapping[str, Any]) -> str:
     values = axis.get("values")
     if values is None:
         low, high, count = axis["min"], axis["max"], f" ({axis['points']} {axis['spacing']})"
@@ -211,14 +159,14 @@ class Check:
 
 def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
     """Redo a fit with the settings in a result file and compare."""
-    committed = FitResult.read(path)
-    campaign = campaign_of(committed.name, committed.settings, str(path))
+    committed = read_result(path)
+    campaign = Campaign.of_settings(committed.name, committed.settings, str(path))
     fresh: FitResult
     space: Space
-    if isinstance(campaign, TableCampaign):
-        space, fresh = campaign.fit(), fit_table(campaign, jobs, progress)
-    else:
+    if isinstance(campaign.data, Grid):
         space, fresh = space_of(campaign, jobs)[0], calibrate(campaign, jobs, progress)
+    else:
+        space, fresh = fit_with_noise(campaign), fit_table(campaign, jobs, progress)
     of_coefficients = Check(
         "objective of the coefficients",
         committed.objective.value,
@@ -236,10 +184,10 @@ def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
         Check("objective", *objective, _OBJECTIVE_TOLERANCE, exact),
         Check("samples", committed.counts.samples, fresh.counts.samples, 0.0),
     ]
-    if isinstance(committed, LawFit) and isinstance(fresh, LawFit) and committed.bound is not None:
-        checks.append(
-            Check("lower bound", committed.bound, fresh.bound or 0.0, _EXACT_TOLERANCE, exact)
-        )
+    bound = getattr(committed, "bound", None)
+    if bound is not None:
+        fresh_bound = getattr(fresh, "bound", None) or 0.0
+        checks.append(Check("lower bound", bound, fresh_bound, _EXACT_TOLERANCE, exact))
     if committed.published and fresh.published:
         published = committed.published.objective, fresh.published.objective
         checks.append(Check("published objective", *published, _EXACT_TOLERANCE, exact))

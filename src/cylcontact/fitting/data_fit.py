@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,19 +16,18 @@ from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.measurements import MeasuredData, Measurements, measurements_of
 from cylcontact.files.spec import parse_spec
 from cylcontact.files.units import column_named, load_in_N_per_mm
-from cylcontact.fitting.checks import verdicts_of, warnings_of
+from cylcontact.fitting.adapters import RigCompliance
+from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.law_models import user_model, with_rig
 from cylcontact.fitting.noise import NoiseModel
-from cylcontact.fitting.readings import Optimum
-from cylcontact.fitting.records import Interval, Uncertainty
-from cylcontact.fitting.results import FitResult, Rows, or_dash
-from cylcontact.fitting.tables import TableCampaign
-from cylcontact.laws.adapters import RigCompliance
+from cylcontact.fitting.readings import Optimum, plain_fit
+from cylcontact.fitting.records import FittedDeviations, RunRecord
+from cylcontact.fitting.results import FitResult, basins
 from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import as_floats
 from cylcontact.support.errors import InputError
-from cylcontact.support.plain_text import advice, brief
-from cylcontact.support.text_tables import Table
+from cylcontact.support.plain_text import brief
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,7 +49,24 @@ class DataFit(FitResult):
     `print(result)` gives the report, and a notebook shows it with its picture.
     """
 
-    uncertainty: Uncertainty
+    kind: Literal["readings"] = "readings"
+    runs: list[RunRecord]
+    level: float
+    # Standard deviation of the residuals, in the unit of the objective; its degrees of freedom.
+    sigma: float
+    degrees_of_freedom: int
+    # The probability of residuals this large where their size is known.
+    chi_square_p: float | None
+    # Of the searched coefficients; empty if they have no covariance.
+    correlation: list[list[float]]
+    # The lines of outliers.
+    outliers: list[int]
+    noise: FittedDeviations | None
+    log_likelihood: float | None
+    # The number of free parameters, deviations of the noise and fixed effects.
+    estimated: int
+    # Share of the variance of the readings that the law describes; with series, within them.
+    r_squared: float | None
 
     round_off: ClassVar[float] = 1e-12
 
@@ -95,11 +112,11 @@ class DataFit(FitResult):
 
     def _optimum(self, law: str | None) -> Optimum:
         source = f"fit result {self.name!r}"
-        campaign = TableCampaign.of_settings(self.name, self.settings, source)
+        campaign = Campaign.of_settings(self.name, self.settings, source)
         if law is not None:
             model = user_model(law, self.contact, source, Path.cwd())
             campaign = replace(campaign, model=with_rig(model, campaign.spec.named))
-        fit, noise = campaign.plain, self.uncertainty.noise
+        fit, noise = plain_fit(campaign), self.noise
         point = fit.point(self.coefficients)
         if isinstance(campaign.noise, NoiseModel) and noise and fit.law(point) is not None:
             fit = fit.with_noise(campaign.noise, point, noise.deviations)
@@ -115,16 +132,6 @@ class DataFit(FitResult):
         settings = self.settings["measurements"]
         return measurements_of(parse_spec(MeasuredData, settings, where), where)
 
-    @property
-    def free(self) -> dict[str, float]:
-        """The coefficients that were searched."""
-        return {name: self.coefficients[name] for name in self.uncertainty.estimates}
-
-    @property
-    def level(self) -> float:
-        """The level of the intervals."""
-        return self.uncertainty.level
-
     def _level(self, level: float | None) -> float:
         """Return a level that was asked for, or that of the fit."""
         level = self.level if level is None else level
@@ -134,34 +141,29 @@ class DataFit(FitResult):
         return level
 
     @property
-    def correlation(self) -> pd.DataFrame:
-        """Correlations of the free coefficients."""
+    def correlations(self) -> pd.DataFrame:
+        """Correlations of the searched coefficients."""
         import pandas as pd
 
-        return pd.DataFrame(self.uncertainty.correlation)
+        return pd.DataFrame(self.correlation, [*self.free], [*self.free], float)
 
     @property
     def aic(self) -> float:
         """Akaike's information criterion, 2k − 2·ln L, k with the deviations of the noise."""
-        return 2 * self._of_uncertainty("estimated") - 2 * self._of_uncertainty("log_likelihood")
+        return 2 * self.estimated - 2 * self._log_likelihood
 
     @property
     def bic(self) -> float:
         """The Bayesian information criterion, k·ln N − 2·ln L."""
-        k, N = self._of_uncertainty("estimated"), self.uncertainty.rows
-        return float(k * np.log(N) - 2 * self._of_uncertainty("log_likelihood"))
+        return float(self.estimated * np.log(self.counts.samples) - 2 * self._log_likelihood)
 
     @property
-    def r_squared(self) -> float:
-        """Share of the variance of the readings that the law describes."""
-        return self._of_uncertainty("r_squared")
-
-    def _of_uncertainty(self, name: str) -> float:
-        value = getattr(self.uncertainty, name)
-        if value is None:
-            rule = "is missing: the data follow the law exactly, or an older version fitted them"
-            raise InputError(f"fit result {self.name!r}", name, None, rule, "fit the data again")
-        return float(value)
+    def _log_likelihood(self) -> float:
+        if self.log_likelihood is None:
+            rule = "is missing: the data follow the law exactly"
+            source = f"fit result {self.name!r}"
+            raise InputError(source, "log_likelihood", None, rule, "fit data with noise")
+        return self.log_likelihood
 
     # --- tables -------------------------------------------------------------------------------
 
@@ -399,20 +401,14 @@ class DataFit(FitResult):
         from cylcontact.fitting import pictures
 
         standardised = self.residual_columns()["standardised"]
-        lines = {outlier.line for outlier in self.uncertainty.outliers}
-        return pictures.plot_residuals(self.optimum.fit.data, standardised, lines, ax)
+        return pictures.plot_residuals(self.optimum.fit.data, standardised, self.outliers, ax)
 
-    def _draw_profile(self, name: str, axes: Axes) -> None:
-        from cylcontact.plots.style import QUIET
-
-        ends = self.uncertainty.estimates[name].profile
-        assert ends is not None
-        values, root, limit = self.optimum.profile(name, ends, self.level)
-        axes.plot(values, root, marker="", linestyle="-")
-        axes.axhline(limit, color=QUIET, linestyle=":", marker="")
-        for end in (ends.low, ends.high):
-            axes.axvline(end, color=QUIET, linestyle="--", marker="", linewidth=0.8)
-        axes.set_ylabel("rise of the objective (std. dev.)")
+    def _profile(self, name: str) -> tuple[Sequence[float], Sequence[float], float, str]:
+        e = self.estimates[name]
+        assert e.low is not None
+        assert e.high is not None
+        values, root, limit = self.optimum.profile(name, e.low, e.high, self.level)
+        return values.tolist(), root.tolist(), limit, "rise of the objective (std. dev.)"
 
     def drawing(self) -> Drawing:
         """Return a figure of the data with the law and its band, the residuals beneath.
@@ -423,7 +419,7 @@ class DataFit(FitResult):
 
         values = ", ".join(f"{name} = {value:.4g}" for name, value in self.free.items())
         caption = (
-            f"{brief(self.name)}: {self.uncertainty.rows} measurements, the {brief(self.law)} law "
+            f"{brief(self.name)}: {self.counts.samples} measurements, the {brief(self.law)} law "
             f"fitted to them ({values}), and the band of {100 * self.level:g} % of new readings; "
             "below, measured less fitted in standard deviations."
         )
@@ -447,77 +443,30 @@ class DataFit(FitResult):
     # --- in words -----------------------------------------------------------------------------
 
     @property
-    def _read(self) -> list[str]:
+    def _interval_heading(self) -> str:  # type: ignore[override]
+        return f"{100 * self.level:g} % interval"
+
+    @property
+    def read_lines(self) -> list[str]:
+        """Lines that say what was read of the table."""
         return self.data.read
-
-    @property
-    def objective_unit(self) -> str:
-        """The unit of the objective, empty if it is relative."""
-        return "std. dev." if self.uncertainty.sigma_known else super().objective_unit
-
-    def _verdict(self, name: str) -> str:
-        estimate = self.uncertainty.estimates.get(name)
-        return "fixed" if estimate is None else estimate.verdict
-
-    def _error(self, name: str) -> float | None:
-        estimate = self.uncertainty.estimates.get(name)
-        return None if estimate is None else estimate.standard_error
-
-    def _ends(self, name: str) -> Interval | None:
-        estimate = self.uncertainty.estimates.get(name)
-        return None if estimate is None else estimate.profile
-
-    @property
-    def headline(self) -> str:
-        """What was fitted to what."""
-        return (
-            f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, fitted to "
-            f"{self.counts.samples:,} measurements, minimising the {self.objective_words}"
-        )
 
     @property
     def status(self) -> str:
         """In a line whether the fit can be taken as it is."""
-        uncertainty, verdicts = self.uncertainty, [self.identification(name) for name in self.free]
+        verdicts = Counter(estimate.verdict for estimate in self.estimates.values())
         parts = [
-            f"{self.basins()[0][1]} of {len(self.runs)} runs agree",
-            f"{verdicts.count('at a bound') or 'none'} at a bound",
-            f"{verdicts.count('poorly') + verdicts.count('not') or 'none'} ill determined",
+            f"{basins(self.runs, self.round_off)[0][1]} of {len(self.runs)} runs agree",
+            f"{verdicts['at a bound'] or 'none'} at a bound",
+            f"{verdicts['poorly'] + verdicts['not'] or 'none'} ill determined",
         ]
-        if uncertainty.r_squared is not None:
-            parts.append(f"R² = {uncertainty.r_squared:.5f}")
-        if uncertainty.log_likelihood is not None:
+        parts += [] if self.r_squared is None else [f"R² = {self.r_squared:.5f}"]
+        if self.log_likelihood is not None:
             parts.append(f"AIC = {self.aic:.1f}, BIC = {self.bic:.1f}")
         return " · ".join(parts)
 
-    @property
-    def warnings(self) -> list[str]:
-        """What makes the result doubtful, with the remedy.
-
-        Tests of the noise that fail, with the option that allows for it, parameters that are at a
-        bound or not determined, and fewer than half of the runs at the best.
-        """
-        disagreement = self._on_disagreement((), "--fix NAME=VALUE")
-        sentences = map(advice, [*warnings_of(self.uncertainty), *disagreement])
-        return [sentence.replace("runs=", "starts=") for sentence in sentences]
-
-    @property
-    def verdicts(self) -> list[str]:
-        """Sentences on the fit, most important first.
-
-        They state how large the noise is, which parameters are determined, which are correlated,
-        which rows are duplicates, what the published constants give, and how many runs agree.
-        """
-        published = []
-        if self.published is not None:
-            published = [
-                f"on these data the law has an objective of {self.published.objective:.4g} with "
-                f"its published constants, and {self.objective.value:.4g} fitted"
-            ]
-        return [*map(advice, [*verdicts_of(self.uncertainty), *published, *self._on_runs()])]
-
     def __str__(self) -> str:
-        series = self.uncertainty.noise.series if self.uncertainty.noise else []
+        series = self.noise.series if self.noise else []
         if len(series) < 2:
             return super().__str__()
         names = list(series[0].effects)
@@ -525,32 +474,8 @@ class DataFit(FitResult):
         for each in series:
             effects = (f"{_EFFECTS[name][1] * each.effects[name]:.3g}" for name in names)
             rows.append((each.name, str(each.rows), *effects))
-        table = Table(("series", "readings", *(_EFFECTS[name][0] for name in names)), rows)
+        table = TextTable(("series", "readings", *(_EFFECTS[name][0] for name in names)), rows)
         return f"{super().__str__()}\n\n{table}"
-
-    def _table(self) -> tuple[tuple[str, ...], Rows]:
-        published = self.published
-        rows: Rows = []
-        # The free ones first: the others are the law's own constants.
-        for name in sorted(self.coefficients, key=lambda name: name not in self.free):
-            error, ends = or_dash(self._error(name), ".2g", ""), self._ends(name)
-            interval = "" if ends is None else f"{ends.low:.5g} … {ends.high:.5g}{ends.cut}"
-            paper = f"{published.coefficients[name]:.5g}" if published else ""
-            value, unit = f"{self.coefficients[name]:.5g}", self.units.get(name, "")
-            rows.append((name, value, unit, error, interval, paper, self.identification(name)))
-        paper = f"{published.objective:.5g}" if published else ""
-        value = f"{self.objective.value:.5g}"
-        rows.append((self.objective_words, value, self.objective_unit, "", "", paper, ""))
-        if min(self.settings["measurements"]["numbers"]["penetration"]) > 0:
-            # Of readings about zero a relative difference says nothing.
-            worst = self.max_abs_diff_percent
-            fitted, paper = or_dash(worst.fitted, ".4g"), or_dash(worst.published)
-            rows.append(("largest difference", fitted, "%", "", "", paper, ""))
-        interval = f"{100 * self.level:g} % interval"
-        columns = ("", "fitted", "unit", "std. error", interval, "published", "determined")
-        if published:
-            return columns, rows
-        return (*columns[:5], columns[6]), [(*row[:5], row[6]) for row in rows]
 
 
 def _pair_of(data: Measurements) -> CylinderPair:

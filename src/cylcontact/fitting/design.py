@@ -114,7 +114,7 @@ def design(
     """Return the best further readings; `DataFit.design` describes the arguments."""
     if optimum.covariance is None:
         rule, remedy = "are not identifiable one by one", "fix one of them, and fit again"
-        raise InputError("design", "parameters", optimum.blind, rule, remedy)
+        raise InputError("design", "parameters", optimum.unidentifiable, rule, remedy)
     names = optimum.fit.names
     if parameter is not None and parameter not in names:
         raise InputError(

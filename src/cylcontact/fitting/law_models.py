@@ -1,13 +1,12 @@
 """The models by which laws are fitted: those of the package, and what a test rig adds.
 
-`cylcontact laws --list` has the parameters of each law with their bounds. A campaign may add three
+`cylcontact laws` has the parameters of each law with their bounds. A campaign may add three
 to any law: `offset`, the reading at first touch in mm; `compliance`, the extra displacement per
-unit load in mm per N/mm (`laws.adapters.RigCompliance`); and `stiffness_factor`, which multiplies
-the load.
+unit load in mm per N/mm (`fitting.adapters.RigCompliance`); and `stiffness_factor`, which
+multiplies the load.
 
-A fit to measurements holds the constants that give a law its shape, which are known, and frees the
-offset and one parameter of stiffness: the law's own if it has one, such as Johnson's `kappa`, else
-the factor. A power law, whose constants nobody knows, is fitted with all of them free.
+By default a fit to measurements searches the offset and `stiffness_factor`; the constants that give
+a law its shape stay fixed. A power law, which has no constants of its own, searches all.
 """
 
 from __future__ import annotations
@@ -19,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.bodies.pair import Contact
-from cylcontact.fitting.parameters import LawModel, Parameter, package_models
-from cylcontact.laws import LAWS, ContactLaw, contacts_of, refuse_gone
-from cylcontact.laws.adapters import RigCompliance, ScaledLaw
+from cylcontact.fitting.adapters import RigCompliance, ScaledLaw
+from cylcontact.fitting.parameters import STIFFNESS_FACTOR, LawModel, Parameter, package_models
+from cylcontact.laws import LAWS, ContactLaw, contacts_of
 from cylcontact.laws.conformal.housings import Housing
 from cylcontact.laws.housing_spec import HousingSpec, in_housing
 from cylcontact.laws.law import Coefficients
@@ -31,7 +30,7 @@ from cylcontact.support.errors import InputError
 MODELS: dict[tuple[str, Contact], LawModel] = {(m.law, m.contact): m for m in package_models()}
 
 _RIG = (
-    Parameter("stiffness_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="multiplies the load"),
+    STIFFNESS_FACTOR,
     Parameter("offset", -1.0, 1.0, 0.0, shift=True, unit="mm", meaning="reading at first touch"),
     Parameter(
         "compliance",
@@ -80,7 +79,6 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
     """Return the model of a law of the package."""
     if (law, contact) in MODELS:
         return MODELS[law, contact]
-    refuse_gone(law, source, "law")
     plain = {name: contacts_of(name) for name in LAWS}
     if contact in plain.get(law, ()):
         return _without_constants(law, contact, LAWS[law]())
@@ -105,16 +103,21 @@ def fittable_laws(contact: Contact) -> list[str]:
     return [*dict.fromkeys([*plain, *(name for name, place in MODELS if place == contact)])]
 
 
-def units_of(law: str, contact: Contact) -> dict[str, str]:
-    """Return the units of the parameters of a law and of the rig, by name."""
-    model = MODELS.get((law, contact))
-    parameters = (*(model.parameters if model else ()), *_RIG)
-    return {parameter.name: parameter.unit for parameter in parameters}
+def listing(contact: Contact) -> str:
+    """Return what a fit searches of each law, in a line for each parameter."""
+    lines = ["parameters that a fit searches, and its bounds unless a campaign gives others:"]
+    for model in MODELS.values():
+        if model.contact == contact and model.parameters:
+            lines.append(f"  {model.law}")
+            for each in model.parameters:
+                bounds = f"{each.low:g} to {each.high:g}"
+                bounds = bounds if each.value is None else f"fixed at {each.value:g}"
+                lines.append(f"    {each.name:<18} {bounds:<16} {each.unit:<11} {each.meaning}")
+    return "\n".join(lines)
 
 
 def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
     """Return the model of a law that can be fitted on a grid."""
-    refuse_gone(law, source, "law")
     model = MODELS.get((law, contact))
     if model is None or not model.on_grid:
         known = " or ".join(sorted({model.law for model in MODELS.values() if model.on_grid}))

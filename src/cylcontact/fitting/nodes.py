@@ -20,7 +20,7 @@ from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.search import descend
 from cylcontact.fitting.space import Space, central_differences
-from cylcontact.laws import Johnson
+from cylcontact.laws import PUBLISHED, Johnson
 from cylcontact.support.arrays import FloatArray, as_floats
 
 # The number of nodes. At the ends of a distribution with fewer points, fewer are needed.
@@ -201,28 +201,20 @@ class OnNodes(Space):
         """Return those of each parameter, whose scales differ by orders of magnitude."""
         return np.diagonal(A, axis1=1, axis2=2)
 
-    def fitted(self, starts: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
-        """Return the coefficients of the lowest minimum on each grid, (G, all), and the objective.
+    def fitted(self) -> tuple[FloatArray, FloatArray]:
+        """Return the coefficients of the minimum on each grid, (G, all), and its objective.
 
-        Parameters
-        ----------
-        starts : sequence of arrays, shape (k,)
-            The free parameters to begin with.
+        The descents begin at the published coefficients: with Eq 6d there is one minimum.
         """
         grids = np.arange(len(self.nodes.dR), dtype=float)
-        best, values = np.empty((0, 0)), np.full(grids.size, np.inf)
-        held = np.zeros((grids.size, len(self.free)), dtype=bool)
-        held[:, -1] = True
+        start = self.point({**PUBLISHED[self.model.contact].__dict__, "grid": 0.0})
+        points, held = np.tile(start, (grids.size, 1)), np.zeros((grids.size, start.size), bool)
+        points[:, -1], held[:, -1] = grids, True
+        values = np.empty(0)
         powers = _POWERS if self.deviation.weight == "ends" else (1,)
-        for start in starts:
-            points = np.column_stack([np.tile(start, (grids.size, 1)), grids])
-            for power in powers:
-                space = replace(self, power=power)
-                points, reached = descend(space, points, _PRECISION, held)
-            lower = reached < values
-            best = np.where(lower[:, None], points, best) if best.size else points
-            values = np.where(lower, reached, values)
-        return self.complete(best)[:, :-1], values ** (1 / powers[-1])
+        for power in powers:
+            points, values = descend(replace(self, power=power), points, _PRECISION, held)
+        return self.complete(points)[:, :-1], as_floats(values ** (1 / powers[-1]))
 
 
 # Bounds of a study, which cut no optimum off: those of a campaign are narrower.
@@ -236,16 +228,6 @@ _WIDE = {
     "Y_offset": (0.3, 3.0),
     "n_exponent": (-0.5, 0.5),
 }
-# Where descents begin, besides the published values.
-_STARTS: dict[Contact, list[dict[str, float]]] = {
-    "internal": [
-        {"a": 0.5, "b": 0.2, "Y_log_scale": 1.55, "Y_log_exponent": -0.19, "Y_slope": 0.004,
-         "Y_offset": 1.11, "n_exponent": -0.01},
-        {"a": 1.2, "b": 0.2, "Y_log_scale": 1.2, "Y_log_exponent": 0.0, "Y_slope": 0.02,
-         "Y_offset": 1.2, "n_exponent": -0.07},
-    ],
-    "external": [{"a": 0.3, "b": 3.0, "n": 1.08}],
-}  # fmt: skip
 
 
 def fit_many(
@@ -270,7 +252,8 @@ def fit_many(
     Returns
     -------
     dict
-        By the names of the two: the coefficients, shape (G, 7) or (G, 3), and the objectives (G,).
+        By the names of the two: the coefficients in their order, shape (G, 8) or (G, 3), and the
+        objectives (G,).
     """
     found = {}
     nodes: dict[str, Nodes] = {}
@@ -279,10 +262,7 @@ def fit_many(
         if deviation.weight not in nodes:
             nodes[deviation.weight] = nodes_of(grids, deviation.weight)
         space = OnNodes.of(contact, _free(contact, **tables), deviation, nodes[deviation.weight])
-        starts = [MODELS["enhanced", contact].published, *_STARTS[contact]]
-        points = [space.point({**start, "grid": 0.0})[:-1] for start in starts if start]
-        coefficients, values = space.fitted(points)
-        found[name, objective] = coefficients[:, : len(_STARTS[contact][0])], values
+        found[name, objective] = space.fitted()
     return found
 
 

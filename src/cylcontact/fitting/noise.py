@@ -36,26 +36,16 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import FloatArray, as_floats
-from cylcontact.support.errors import InputError
-
-if TYPE_CHECKING:
-    from cylcontact.fitting.specs import MeasuredSpec
 
 NOISES = ("constant", "proportional", "both")
 LOG, ABSOLUTE, STANDARDISED = "rms-log-penetration", "rms-penetration", "rms-standardised"
-# Objectives of 1.0.0rc1, with what to use instead. Kept for one release.
-_GONE = dict.fromkeys(
-    ("rms-load", "rms-log-load"),
-    "leave it out: penetrations are compared; a column load_std, or --load-error, gives the errors "
-    "of loads",
-)
 # With fewer series than this, their effects are fixed.
 FEWEST_RANDOM = 5
 # Deviations relative to the penetration; the others are in mm.
@@ -178,56 +168,6 @@ class NoiseModel:
             series=series,
             position=positions(series, columns.get("time")),
         )
-
-
-def noise_of(
-    spec: MeasuredSpec, data: Measurements, has_offset: bool, source: str
-) -> Plain | NoiseModel:
-    """Return the noise that a campaign states, or the usual one for its data."""
-    sigma = data.columns.get("penetration_std")
-    keys = {"group": spec.group, "drift": spec.drift or None, "load_error": spec.load_error}
-    chosen = [key for key, value in keys.items() if value is not None]
-    # Scatter in proportion to the penetration is not in proportion to a reading with an offset.
-    if spec.noise == "both" or (spec.noise == "proportional" and has_offset):
-        chosen.append("noise")
-    if not chosen and "load_std" not in data.columns:
-        return _plain_of(spec, data, sigma, source)
-    if spec.objective not in (None, STANDARDISED):
-        key = chosen[0] if chosen else "load_std"
-        rule, remedy = f"conflicts with {key}, which needs {STANDARDISED}", "keep one of them"
-        raise InputError(source, "objective", spec.objective, rule, remedy)
-    if spec.noise is not None and sigma is not None:
-        rule = "conflicts with the column penetration_std, which gives the noise"
-        raise InputError(source, "noise", spec.noise, rule, "keep one of them")
-    return NoiseModel(
-        noise=spec.noise or ("both" if chosen and sigma is None else None),
-        over="group" if spec.group is not None else None,
-        drift=bool(spec.drift),
-        load_error=spec.load_error or 0.0,
-        has_offset=has_offset,
-    )
-
-
-def _plain_of(
-    spec: MeasuredSpec, data: Measurements, sigma: FloatArray | None, source: str
-) -> Plain:
-    given, noise = spec.objective, spec.noise
-    key, rule, remedy = "objective", "", "keep one of them"
-    if noise is not None and (given or sigma is not None):
-        key, said = "noise", "objective" if given else "penetration_std"
-        rule = f"conflicts with {said}, which says the same"
-    elif given in _GONE:
-        rule, remedy = "is gone", _GONE[given]
-    elif given not in (None, LOG, ABSOLUTE):
-        rule, remedy = "is not an objective for measurements", f"choose {LOG}, {ABSOLUTE}"
-    elif given == LOG and sigma is not None:
-        rule = "leaves the column penetration_std unused"
-        remedy = f"choose {ABSOLUTE}, or list the column under ignore"
-    if rule:
-        raise InputError(source, key, getattr(spec, key), rule, remedy)
-    if given is None and noise is None:
-        return Plain(sigma is None and bool((data.penetration > 0).all()), sigma)
-    return Plain(given == LOG or noise == "proportional", sigma)
 
 
 def positions(series: Indices, time: FloatArray | None) -> FloatArray:

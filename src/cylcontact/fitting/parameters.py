@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cylcontact.bodies.pair import CONTACTS, Contact
+from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.laws import (
     LAWS,
     Enhanced,
@@ -21,11 +22,10 @@ from cylcontact.laws import (
     PowerClearance,
     PowerLaw,
 )
-from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN, internal_exponent
 from cylcontact.laws.law import Coefficients, ContactLaw
 from cylcontact.laws.power import of_clearance
-from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.arrays import FloatArray, as_floats, require
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,12 @@ class Parameter:
         return not self.fixed and self.tie is None
 
 
+# Multiplies the load of a law, as E* does.
+STIFFNESS_FACTOR = Parameter(
+    "stiffness_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="multiplies the load, as E* does"
+)
+
+
 @dataclass(frozen=True)
 class LawModel:
     """A law with named parameters, as it is fitted."""
@@ -74,8 +80,8 @@ class LawModel:
     # shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
     # from moments and has a lower bound.
     power_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
-    # The same with ln K* for K*, and the derivatives of both by the parameters, shape (P, k, m). The
-    # clearances may differ between candidates, shape (P, m).
+    # The same with ln K* for K*, and the derivatives of both by the parameters, shape (P, k, m).
+    # The clearances may differ between candidates, shape (P, m).
     slope_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, ...]] | None = None
     # Whether it can be fitted on a grid, where a sample has ΔR and f/E* only, and whether its
     # nominal values are those of the law's source, not of this project.
@@ -85,6 +91,8 @@ class LawModel:
     # which the law itself excludes.
     dR_min: float = 0.0
     dR_max: float = math.inf
+    # Which form of the law has these parameters, for one that could be written in several.
+    formula: str = ""
     digest: str = ""  # the hash of the file of a user's own law
 
     @property
@@ -104,11 +112,13 @@ class LawModel:
         return np.array([[values[name] for name in self.names] for values in coefficients])
 
 
+# The form of the enhanced law for internal contact.
+_EQ_6D = "Eq 6d as printed"
+
 # --- the laws of the package --------------------------------------------------------------------
 
-# Constants whose zero is arbitrary, and those that set how stiff the contact is.
+# Constants whose zero is arbitrary.
 _SHIFTS = {"c", "p", "n1", "q", "n2", "Y_log_exponent", "Y_slope", "Y_offset", "n_exponent"}
-_STIFFNESSES = {"kappa", "factor", "modulus_factor"}
 
 
 def parameters_of_fields(kind: Any, *names: str) -> tuple[Parameter, ...]:
@@ -118,7 +128,6 @@ def parameters_of_fields(kind: Any, *names: str) -> tuple[Parameter, ...]:
             each.name,
             nominal=None if isinstance(kind, type) else getattr(kind, each.name),
             shift=each.name in _SHIFTS,
-            stiffness=each.name in _STIFFNESSES,
             **each.metadata,
         )
         for each in fields(kind)
@@ -127,28 +136,35 @@ def parameters_of_fields(kind: Any, *names: str) -> tuple[Parameter, ...]:
 
 
 def _of_logarithmic(law: LogarithmicLaw, contact: Contact) -> LawModel:
-    """Return a law by κ, c and a factor of Λ, which acts through ln F + c alone and is fixed."""
+    """Return a law by a factor S of its load, c and a factor of Λ.
+
+    The latter acts through ln F + c alone, and is fixed. S is a factor of E*, which κ and c take:
+    κ/S and c + ln S.
+    """
 
     def build(values: Coefficients) -> ContactLaw:
-        c = values["c"] + math.log(values["Lambda_factor"])
-        return replace(law, kappa=values["kappa"], c=c)
+        S, of_Lambda = values["stiffness_factor"], values["Lambda_factor"]
+        for key, value in (("stiffness_factor", S), ("Lambda_factor", of_Lambda)):
+            require(value > 0, law.name, key, value, "must be positive", "move its bounds")
+        return replace(law, kappa=law.kappa / S, c=values["c"] + math.log(S * of_Lambda))
 
     factor = Parameter("Lambda_factor", 1e-3, 1e3, 1.0, value=1.0, meaning="factor of Λ")
-    return LawModel(law.name, contact, (*parameters_of_fields(law), factor), build)
+    parameters = (STIFFNESS_FACTOR, *parameters_of_fields(law, "c"), factor)
+    return LawModel(law.name, contact, parameters, build)
 
 
 def _scaled(law: ContactLaw) -> LawModel:
-    """Return a law between f/(E*·ΔR) and δ/ΔR, by factors of E* and ΔR.
+    """Return a law between f/(E*·ΔR) and δ/ΔR, by factors of its load and of ΔR.
 
     The second is fixed by default: at small loads it is not identifiable beside the first.
     """
 
     def build(values: Coefficients) -> ContactLaw:
         clearance = values["clearance_factor"]
-        return ScaledLaw(law, values["modulus_factor"] * clearance, clearance)
+        return ScaledLaw(law, values["stiffness_factor"] * clearance, clearance)
 
     parameters = (
-        Parameter("modulus_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="factor of E*"),
+        STIFFNESS_FACTOR,
         Parameter("clearance_factor", 0.05, 20.0, nominal=1.0, value=1.0, meaning="factor of ΔR"),
     )
     return LawModel(law.name, "internal", parameters, build)
@@ -164,14 +180,13 @@ def _of_coefficients(law: Any, contact: Contact, **more: Any) -> LawModel:
 
 
 def _lankarani(contact: Contact) -> LawModel:
-    """Return the law of Lankarani and Nikravesh by a factor of its load and the exponent."""
+    """Return the law of Lankarani and Nikravesh by the exponent."""
 
     def build(values: Coefficients) -> ContactLaw:
-        return ScaledLaw(LankaraniNikravesh(n=values["n"]), load_factor=values["factor"])
+        return LankaraniNikravesh(n=values["n"])
 
     law = LankaraniNikravesh()
-    factor = Parameter("factor", 1e-2, 1e2, 1.0, stiffness=True, meaning="factor of the law's load")
-    return LawModel(law.name, contact, (factor, *parameters_of_fields(law)), build)
+    return LawModel(law.name, contact, parameters_of_fields(law), build)
 
 
 def _power_law(values: Coefficients) -> ContactLaw:
@@ -216,7 +231,7 @@ def package_models() -> Iterator[LawModel]:
             yield _scaled(law)
     inside = {"dR_min": INTERNAL_DR_MIN, "dR_max": INTERNAL_DR_MAX}
     forms = {"power_form": _enhanced, "slope_form": _enhanced_slopes}
-    yield _of_coefficients(Enhanced, "internal", **forms, **inside)
+    yield _of_coefficients(Enhanced, "internal", formula=_EQ_6D, **forms, **inside)
     forms["slope_form"] = _external_slopes
     yield _of_coefficients(Enhanced, "external", **forms)
     for contact in CONTACTS:

@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cylcontact.datasets.measurements import Indices, Measurements
+from cylcontact.fitting.drawing import Curve, draw_curves, draw_readings, draw_residuals
 from cylcontact.fitting.readings import Optimum
 from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.figure import Drawing, new_figure
-from cylcontact.plots.measured import Curve, draw_curves, draw_readings, draw_residuals
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.plain_text import as_label, brief
 

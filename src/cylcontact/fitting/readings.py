@@ -28,11 +28,14 @@ from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.measurements import Indices, Measurements
+from cylcontact.fitting.adapters import RigCompliance, ScaledLaw
+from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.noise import Covariance, Degrees, Likelihood, NoiseModel, Plain, estimate
-from cylcontact.fitting.records import Interval
 from cylcontact.fitting.search import EXACT, descend
 from cylcontact.fitting.space import Space, law_of
+from cylcontact.fitting.specs import MeasuredSpec
 from cylcontact.laws.law import Coefficients, ContactLaw
+from cylcontact.laws.user import UserLaw
 from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.support.errors import InputError
 
@@ -63,6 +66,10 @@ _REFIT = 1e-12
 _AT_BOUND = 1e-9
 # Half-widths of the interval on either side of the optimum in a profile, and the values there.
 _REACH, _POINTS = 1.6, 21
+# Points evaluated before data are refused as outside a law's domain.
+_TRIALS = 256
+# Penetrations at which a function of the user's own is evaluated.
+_LOOKS = 101
 # In place of a predicted reading of 0 mm, to which an error is relative.
 _NO_DEPTH = 1e-12
 
@@ -218,7 +225,105 @@ def singular(source: str) -> InputError:
     return InputError(source, "readings", None, rule, remedy)
 
 
+# --- the fit of a campaign ------------------------------------------------------------------------
+
+
+def plain_fit(campaign: Campaign) -> Fit:
+    """Return the fit of a campaign on measurements by plain least squares."""
+    data, noise = measurements_in(campaign), campaign.noise
+    if not isinstance(noise, Plain):
+        noise = Plain(is_log=False, given=data.columns.get("penetration_std"))
+    return Fit(campaign.model, campaign.parameters, data, noise)
+
+
+def fit_with_noise(campaign: Campaign) -> Fit:
+    """Return the fit of a campaign on measurements, with its noise estimated.
+
+    Raises
+    ------
+    InputError
+        If the law is undefined for some row at all coefficients tried.
+    """
+    plain, spec = plain_fit(campaign), campaign.spec
+    assert isinstance(spec, MeasuredSpec)
+    _require_defined(campaign, plain)
+    if not isinstance(campaign.noise, NoiseModel):
+        return plain
+    starts = plain.starts(campaign.nominal, spec.starts, spec.seed)
+    point, _ = min(map(plain.minimise, starts), key=lambda end: end[1])
+    return plain.estimating(campaign.noise, point)
+
+
+def measurements_in(campaign: Campaign) -> Measurements:
+    """Return the measurements that a campaign is on; refuse one on a grid."""
+    if not isinstance(campaign.data, Measurements):
+        rule = "is a campaign on a grid, not on measurements"
+        raise InputError(campaign.source, "", None, rule, "fit it with calibrate")
+    return campaign.data
+
+
+def _require_defined(campaign: Campaign, fit: Fit) -> None:
+    """Refuse data that no coefficients within the bounds can describe, and name the row."""
+    data = fit.data
+    points = fit.scatter(np.random.default_rng(0), _TRIALS)
+    if campaign.nominal is not None:
+        points = np.vstack([campaign.nominal, points])
+    defined = np.zeros(len(data), dtype=int)
+    for point in points:
+        inside = np.isfinite(fit.raw(point[None, :])[0])
+        if inside.all():
+            return
+        defined += inside
+    require_increasing(fit, points[0])  # says more of a law of one's own
+    row = int(np.argmin(defined))
+    tried = f"{len(points) - defined[row]} of {len(points)} sets of" if defined[row] else "all"
+    where = f"{campaign.source}, {data.data.row_word} {data.line(row)}"
+    names = ("load", "penetration", "dR")
+    values = [float(data.columns[name][row]) for name in names]
+    law = campaign.model.law
+    rule = f"lies outside the domain of {law} at {tried} coefficients tried within the bounds"
+    remedy = "move the bounds, remove the row, or choose a law that reaches that far"
+    raise InputError(where, ", ".join(names), values, rule, remedy)
+
+
+def require_increasing(fit: Fit, point: FloatArray) -> None:
+    """Refuse a function of the user's own that is no contact law at some free parameters."""
+    law, data = fit.model.build(fit.coefficients(point)), fit.data
+    if isinstance(law, RigCompliance):
+        law = law.base
+    function = law.base if isinstance(law, ScaledLaw) else law
+    if not isinstance(function, UserLaw):
+        return
+    at = ", ".join(f"{name} = {value:.6g}" for name, value in function.values.items())
+    with np.errstate(all="ignore"):
+        deepest = np.fmax(data.penetration, law.penetration(data.load, data.pair))
+    deepest = np.where(deepest > 0, deepest, np.abs(data.penetration).max())
+    before = np.full(len(data), -np.inf)
+    for share in np.linspace(0.0, 1.0, _LOOKS):
+        loads = function.load(share * deepest, data.pair)
+        wrong = np.flatnonzero((loads <= before) | ((loads < 0) & (share > 0)))
+        if wrong.size:
+            row = int(wrong[0])
+            what = "decreases with" if loads[row] < before[row] else "does not grow with"
+            if loads[row] < 0:
+                what = f"is negative, {loads[row]:.6g} N/mm, at"
+            rule = f"{what} the penetration at {share * deepest[row]:.6g} mm, with {at}"
+            remedy = "the load of a contact grows from 0; correct the function, or move the bounds"
+            raise InputError(function.name, "load", None, rule, remedy)
+        before = np.where(np.isfinite(loads), loads, before)
+
+
 # --- the fit at its best ------------------------------------------------------------------------
+
+
+class Interval(NamedTuple):
+    """The ends of an interval, whether a bound cuts them off, and the lowest ratio on the way."""
+
+    low: float
+    high: float
+    low_is_bound: bool
+    high_is_bound: bool
+    lowest: float  # (S(θ) − S)/τ; below 0 there is a better optimum
 
 
 class Band(NamedTuple):
@@ -363,7 +468,7 @@ class Optimum:
         return as_floats(half @ half.T / np.outer(size, size)), []
 
     @property
-    def blind(self) -> list[str]:
+    def unidentifiable(self) -> list[str]:
         """The parameters of which only a combination is identifiable."""
         return [self.fit.names[k] for k in self._inverse[1]]
 
@@ -442,13 +547,7 @@ class Optimum:
         limit = float(np.sqrt(self.threshold(level, name)))
         low, low_is_bound, below = self._edge(name, parameter.low, limit)
         high, high_is_bound, above = self._edge(name, parameter.high, limit)
-        return Interval(
-            low=low,
-            high=high,
-            low_is_bound=low_is_bound,
-            high_is_bound=high_is_bound,
-            lowest=min(0.0, below, above),
-        )
+        return Interval(low, high, low_is_bound, high_is_bound, min(0.0, below, above))
 
     def _edge(self, name: str, bound: float, limit: float) -> tuple[float, bool, float]:
         """Return an interval's end, whether it is the bound, and the lowest ratio on the way."""
@@ -497,7 +596,7 @@ class Optimum:
         )
 
     def profile(
-        self, name: str, ends: Interval, level: float
+        self, name: str, low: float, high: float, level: float
     ) -> tuple[FloatArray, FloatArray, float]:
         """Return values of a parameter, √((S(θ) − S)/τ) there, and its value at the level's ends.
 
@@ -505,8 +604,8 @@ class Optimum:
         nearer the best.
         """
         best, parameter = self.best[name], self.fit.free[self.fit.names.index(name)]
-        low = max(parameter.low, best - _REACH * (best - ends.low))
-        high = min(parameter.high, best + _REACH * (ends.high - best))
+        low = max(parameter.low, best - _REACH * (best - low))
+        high = min(parameter.high, best + _REACH * (high - best))
         values = np.union1d(np.linspace(low, high, _POINTS), [best])
         rise, middle = np.empty(values.size), int(np.searchsorted(values, best))
         for order in (range(middle, values.size), range(middle - 1, -1, -1)):
@@ -539,7 +638,7 @@ class Optimum:
         if self.covariance is None:
             rule = "are not identifiable one by one, so that there is no band"
             remedy = "fix one of them (--fix NAME=VALUE), and fit again"
-            blamed = self.blind or list(self.best)
+            blamed = self.unidentifiable or list(self.best)
             raise InputError("prediction", "parameters", blamed, rule, remedy)
         centre, slopes = self.slopes_of(evaluate)
         variance = ((slopes @ self.covariance) * slopes).sum(axis=1)

@@ -1,4 +1,4 @@
-"""What a result holds: runs, objectives, intervals, estimates, and what the residuals show."""
+"""What a result holds: coefficients with intervals and verdicts, runs, profiles, and series."""
 
 from __future__ import annotations
 
@@ -6,18 +6,70 @@ from pydantic import Field
 
 from cylcontact.files.spec import Spec
 
-# Half-widths of an interval, relative to the value, up to which a parameter is well or fairly
-# determined.
-WELL, FAIRLY = 0.02, 0.10
-# The rise of the objective at the ends of the profile of a coefficient.
+# Half-widths of an interval, relative to the value, up to which a parameter is well, fairly or
+# poorly determined.
+WELL, FAIRLY, POORLY = 0.02, 0.10, 1.0
+# A value this close to a bound, relative to the interval, is at the bound.
+_AT_BOUND = 1e-6
+# The rise of the objective at the ends of the interval of a fit to a law.
 TOLERANCE = 0.01
+# Runs whose objectives are this close, relatively, ended in the same basin.
+SAME_BASIN = 1e-3
+
+
+class Estimate(Spec):
+    """A coefficient, with its interval if it was searched.
+
+    The interval is the profile's; a bound of the search may cut it off. There is none if the data
+    do not determine the coefficient. The verdict is well, fairly, poorly, not, or at a bound; for
+    one that was not searched it is fixed, or the expression that sets it, such as "= a/10".
+    """
+
+    value: float
+    unit: str = ""
+    verdict: str = "-"
+    low: float | None = None
+    high: float | None = None
+    low_is_bound: bool = False
+    high_is_bound: bool = False
+    standard_error: float | None = None
+    # The relative rise of the objective with the coefficient at its published value.
+    penalty: float | None = None
+
+    @property
+    def interval(self) -> str:
+        """The interval as text, and whether a bound cuts it off; empty without one."""
+        if self.low is None or self.high is None:
+            return ""
+        cut = ", bound" if self.low_is_bound or self.high_is_bound else ""
+        return f"{self.low:.5g} … {self.high:.5g}{cut}"
+
+
+def with_verdict(estimate: Estimate, per_unit: float) -> Estimate:
+    """Return an estimate with the verdict on its interval; `per_unit` makes widths relative."""
+    return estimate.model_copy(update={"verdict": _verdict(estimate, per_unit)})
+
+
+def _verdict(estimate: Estimate, per_unit: float) -> str:
+    low, high = estimate.low, estimate.high
+    if low is None or high is None:
+        return "not"
+    cut, margin = (estimate.low_is_bound, estimate.high_is_bound), _AT_BOUND * (high - low) / 2
+    if (cut[0] and estimate.value - low <= margin) or (cut[1] and high - estimate.value <= margin):
+        return "at a bound"
+    if any(cut):
+        return "not" if all(cut) else "poorly"
+    limits = {"well": WELL, "fairly": FAIRLY, "poorly": POORLY}
+    share = per_unit * (high - low) / 2
+    return next((verdict for verdict, limit in limits.items() if share <= limit), "not")
 
 
 class ObjectiveValue(Spec):
-    """An objective's name and value."""
+    """An objective's name and value, and its unit if it has one."""
 
     name: str
     value: float
+    unit: str = ""
 
 
 class Published(Spec):
@@ -42,85 +94,34 @@ class SampleCounts(Spec):
 
 
 class RunRecord(Spec):
-    """A run: its search, and the polish after it; only the seconds differ between repeats."""
+    """A run, a descent from one start; only the seconds differ between repeats."""
 
     index: int
     seed: int
-    # The budget of a search; None for a descent.
-    population: int | None
-    objective_before_polish: float
-    # None in old results.
-    coefficients_before_polish: dict[str, float] | None
     objective: float
     coefficients: dict[str, float]
-    evaluations: int | None  # None for a descent
     seconds: float
 
 
-class Ends(Spec):
-    """The ends of an interval of a parameter, and whether a bound of the search cuts them off."""
+class SearchRecord(RunRecord):
+    """A genetic search with its budget and its best, and the descents after it."""
 
-    low: float
-    high: float
-    low_is_bound: bool
-    high_is_bound: bool
-
-    def is_at_bound(self, value: float) -> bool:
-        """Return whether a value is at an end that is a bound of the search."""
-        margin = 1e-6 * (self.high - self.low) / 2
-        return (self.low_is_bound and value - self.low <= margin) or (
-            self.high_is_bound and self.high - value <= margin
-        )
-
-    @property
-    def cut(self) -> str:
-        """What an interval in words ends with if a bound cuts it off."""
-        return ", bound" if self.low_is_bound or self.high_is_bound else ""
+    population: int
+    evaluations: int
+    objective_before_polish: float
+    coefficients_before_polish: dict[str, float]
 
 
-class Interval(Ends):
-    """An interval of a parameter of a fit to readings."""
-
-    # The lowest (S(θ) − S)/τ on the way; below 0 there is a better optimum.
-    lowest: float = 0.0
+def same_basin(record: RunRecord, objective: float, exact: float = 1e-12) -> bool:
+    """Return whether a run reached an objective, to 0.1 % and round-off."""
+    return record.objective <= objective * (1 + SAME_BASIN) + exact
 
 
-class Profile(Ends):
-    """The best attainable objective as a function of one coefficient; its ends are at 1 %."""
+class Profile(Spec):
+    """The best attainable objective as a function of one coefficient."""
 
     values: list[float]
     objective: list[float]
-    objective_at_published: float | None
-
-    @property
-    def interval(self) -> str:
-        """The 1 % interval, and whether a bound cuts it off."""
-        return f"{self.low:.4g} … {self.high:.4g}{self.cut}"
-
-    def verdict(self, value: float) -> str:
-        """Return "well", "fairly", "poorly" or "at a bound" for a coefficient at `value`."""
-        half_width = (self.high - self.low) / 2
-        if self.is_at_bound(value):
-            return "at a bound"
-        if self.low_is_bound or self.high_is_bound or half_width > FAIRLY * abs(value):
-            return "poorly"
-        return "well" if half_width <= WELL * abs(value) else "fairly"
-
-
-class Estimate(Spec):
-    """A free parameter with its standard error, and intervals by covariance and by profile."""
-
-    value: float
-    # None where the data do not determine it.
-    standard_error: float | None
-    low: float | None
-    high: float | None
-    profile: Interval | None
-    verdict: str
-    # Of the standard error; None if the size of the noise is known.
-    degrees_of_freedom: float | None = None
-    # Of a parameter of stiffness: its value for the pair as given.
-    nominal: float | None = None
 
 
 class SeriesEffect(Spec):
@@ -136,68 +137,4 @@ class FittedDeviations(Spec):
 
     deviations: dict[str, float]
     random: bool
-    series: list[SeriesEffect]
-
-
-class Outlier(Spec):
-    """A row far from the fitted law: measured less fitted, in robust standard deviations."""
-
-    line: int
-    deviations: float
-
-
-class Finding(Spec):
-    """A test of the noise that fails: series, pairs, drift, sequence or spread."""
-
-    test: str
-    # The probability of such residuals if the noise were as assumed.
-    p: float
-    says: str
-    remedy: str
-
-    @property
-    def sentence(self) -> str:
-        """What the residuals show, how unlikely that is, and what to do."""
-        return f"{self.says} (p = {self.p:.2g}): {self.remedy}"
-
-
-class Uncertainty(Spec):
-    """The uncertainty of the coefficients from the noise of measurements."""
-
-    level: float
-    rows: int
-    degrees_of_freedom: int
-    residual_sigma: float
-    residual_unit: str
-    sigma_known: bool
-    # The probability of residuals this large where their size is known.
-    chi_square_p: float | None
-    estimates: dict[str, Estimate]
-    correlation: dict[str, dict[str, float]]
-    # Parameters of which only a combination is identifiable.
-    only_together: list[str]
-    duplicates: list[list[int]]
-    outliers: list[Outlier]
-    notes: list[str]
-    noise: FittedDeviations | None = None
-    log_likelihood: float | None = None
-    # The number of free parameters, deviations of the noise and fixed effects.
-    estimated: int | None = None
-    # Of the variance of the readings; with series, of that within them.
-    r_squared: float | None = None
-    # The residuals over the readings, and over the scatter from one reading to the next.
-    missed: float | None = None
-    missed_over_scatter: float | None = None
-    # Whether the readings of the penetration fall as the load rises.
-    falls: bool = False
-    findings: list[Finding] = Field([])
-    without_outliers: dict[str, float] = Field({})
-
-
-# Runs whose objectives are this close, relatively, ended in the same basin.
-SAME_BASIN = 1e-3
-
-
-def same_basin(record: RunRecord, objective: float, exact: float = 1e-12) -> bool:
-    """Return whether a run reached an objective, to 0.1 % and round-off."""
-    return record.objective <= objective * (1 + SAME_BASIN) + exact
+    series: list[SeriesEffect] = Field([])

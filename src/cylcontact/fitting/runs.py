@@ -5,14 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from cylcontact.files.journal import Journal, call_for, run_recorded
 from cylcontact.files.spec import parse_spec
 from cylcontact.fitting.readings import Fit
-from cylcontact.fitting.records import Published, RunRecord
+from cylcontact.fitting.records import Published, RunRecord, SearchRecord
 from cylcontact.fitting.search import genetic_search, polish
 from cylcontact.fitting.space import Space
 from cylcontact.fitting.specs import GeneticSpec
@@ -21,9 +21,11 @@ from cylcontact.support.errors import InputError
 from cylcontact.support.parallel import Call, Workers, call
 from cylcontact.support.progress import Progress
 
+_Record = TypeVar("_Record", bound=RunRecord)
+
 
 def searches(space: Space, genetic: GeneticSpec, seed: int, source: str = "campaign") -> list[Call]:
-    """Return the runs of a campaign as calls, each of which returns its RunRecord."""
+    """Return the runs of a campaign as calls, each of which returns its SearchRecord."""
     children = np.random.SeedSequence(seed).spawn(genetic.runs)
     seeds = [int(child.generate_state(1)[0]) for child in children]
     return [call(run_search, space, genetic, index, own, source) for index, own in enumerate(seeds)]
@@ -31,7 +33,7 @@ def searches(space: Space, genetic: GeneticSpec, seed: int, source: str = "campa
 
 def run_search(
     space: Space, genetic: GeneticSpec, index: int, seed: int, source: str = "campaign"
-) -> RunRecord:
+) -> SearchRecord:
     """Search and descend on one thread, so that the result depends on the arguments alone."""
     started = time.perf_counter()
     with on_one_thread():
@@ -41,8 +43,13 @@ def run_search(
         rule = f"run {index} found no coefficients for which the law is defined"
         remedy = "narrow the bounds, or raise population and generations"
         raise InputError(source, "genetic.population", genetic.population, rule, remedy)
-    budget = {"population": genetic.population, "evaluations": best.evaluations}
-    return _record(space, (best.point, best.value), end, started, index, seed, **budget)
+    return SearchRecord(
+        **_of_run(space, end, started, index, seed),
+        population=genetic.population,
+        evaluations=best.evaluations,
+        objective_before_polish=best.value,
+        coefficients_before_polish=space.coefficients(best.point),
+    )
 
 
 def descend_from(fit: Fit, start: FloatArray, index: int, seed: int) -> RunRecord:
@@ -50,43 +57,34 @@ def descend_from(fit: Fit, start: FloatArray, index: int, seed: int) -> RunRecor
     started = time.perf_counter()
     with on_one_thread():  # matrices this small are slower on several threads
         end = fit.minimise(start)
-    budget = {"population": None, "evaluations": None}
-    return _record(fit, (start, fit.value(start)), end, started, index, seed, **budget)
+    return RunRecord(**_of_run(fit, end, started, index, seed))
 
 
-def _record(
-    space: Space,
-    before: tuple[FloatArray, float],
-    end: tuple[FloatArray, float],
-    started: float,
-    index: int,
-    seed: int,
-    **budget: Any,
-) -> RunRecord:
-    return RunRecord(
-        index=index,
-        seed=seed,
-        objective_before_polish=before[1],
-        coefficients_before_polish=space.coefficients(before[0]),
-        objective=end[1],
-        coefficients=space.coefficients(end[0]),
-        seconds=round(time.perf_counter() - started, 3),
-        **budget,
-    )
+def _of_run(
+    space: Space, end: tuple[FloatArray, float], started: float, index: int, seed: int
+) -> dict[str, Any]:
+    return {
+        "index": index,
+        "seed": seed,
+        "objective": end[1],
+        "coefficients": space.coefficients(end[0]),
+        "seconds": round(time.perf_counter() - started, 3),
+    }
 
 
 def run_all(
     calls: Sequence[Call],
+    kind: type[_Record],
     jobs: Workers,
     progress: Progress,
     journal: Journal | None = None,
     resume: bool = False,
-) -> list[RunRecord]:
+) -> list[_Record]:
     """Execute the runs that the journal lacks, record each, and return all in order."""
     source = str(journal.path) if journal else ""
 
-    def recorded(entry: Any) -> tuple[int, RunRecord]:
-        record = parse_spec(RunRecord, entry, source)
+    def recorded(entry: Any) -> tuple[int, _Record]:
+        record = parse_spec(kind, entry, source)
         return record.index, record
 
     records = run_recorded(
@@ -101,7 +99,7 @@ def run_all(
     return list(records.values())
 
 
-def best_of(records: Sequence[RunRecord]) -> RunRecord:
+def best_of(records: Sequence[_Record]) -> _Record:
     """Return the run of the lowest objective, the first of several."""
     return min(records, key=lambda record: (record.objective, record.index))
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import AfterValidator, Field, model_validator
 
 from cylcontact.bodies.pair import Contact
-from cylcontact.datasets.readings import TableSpec
+from cylcontact.datasets.reading import TableSpec
 from cylcontact.files.spec import Spec, broken
 from cylcontact.fitting.noise import NOISES
 from cylcontact.fitting.parameters import LawModel, Parameter
@@ -103,7 +103,6 @@ class MeasuredSpec(ParametersSpec, TableSpec):
     )
     contact: Contact = Field(description='"internal" or "external"')
     law: str = Field(description="the law to fit, or module:function for one of your own")
-    objective: str | None = Field(None, description="an objective for measurements")
     noise: _Noise | None = Field(
         None, description=f"how the scatter of the readings grows, one of {', '.join(NOISES)}"
     )
@@ -169,7 +168,8 @@ def parameters_of(
 def _parameter(parameter: Parameter, spec: ParametersSpec) -> Parameter:
     name = parameter.name
     if name in spec.ties:
-        return Parameter(name, tie=spec.ties[name], shift=parameter.shift)
+        tie = spec.ties[name]
+        return replace(parameter, low=math.nan, high=math.nan, value=None, tie=tie)
     if name in spec.fixed:
         return replace(parameter, low=math.nan, high=math.nan, value=spec.fixed[name])
     if name in spec.bounds:

@@ -43,7 +43,9 @@ def friction_load(
     coefficient : array_like
         Friction coefficient c_f ≥ 0.
     v0, v1 : float
-        The speeds of Eq 15 in mm/s, 0 ≤ v0 < v1.
+        The speeds of Eq 15 in mm/s, 0 ≤ v0 < v1. With v0 above 0 nothing holds at rest; with
+        v0 = 0 a load below the friction limit creeps, at v1 times the share of the limit that it
+        asks for.
 
     Returns
     -------

@@ -1,24 +1,48 @@
-"""The force element: a journal in a bearing with clearance, in the plane and in space."""
+"""Joints: the check of one under a load, and the force element in the plane and in space."""
 
-from cylcontact.joint.clearance import (
-    ClearanceJoint,
-    JointState,
-    JointWrench,
-    joint_from,
-    read_joint,
-)
-from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cylcontact.joint.check import JointCheck, Numbers, check_joint
+    from cylcontact.joint.clearance import (
+        ClearanceJoint,
+        JointState,
+        JointWrench,
+        joint_from,
+        read_joint,
+    )
+    from cylcontact.joint.loaded import LoadedJoint
+    from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
 
 __all__ = [
     "ClearanceJoint",
+    "JointCheck",
     "JointState",
     "JointWrench",
+    "LoadedJoint",
+    "Numbers",
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
+    "check_joint",
     "joint_from",
     "read_joint",
 ]
+# Loaded on first use: a check of a joint needs no compiler.
+_NAMES = {
+    "check": ("JointCheck", "Numbers", "check_joint"),
+    "clearance": ("ClearanceJoint", "JointState", "JointWrench", "joint_from", "read_joint"),
+    "loaded": ("LoadedJoint",),
+    "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
+}
+_MODULES = {name: module for module, names in _NAMES.items() for name in names}
+
+
+def __getattr__(name: str) -> object:
+    if name in _MODULES:
+        return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

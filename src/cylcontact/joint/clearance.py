@@ -18,14 +18,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, Strict, model_validator
 
-from cylcontact.bodies.fits import Fit
+from cylcontact.bodies.iso286 import IsoFit
 from cylcontact.bodies.material import own_table
 from cylcontact.bodies.material_spec import MaterialSpec
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
 from cylcontact.impact import FACTORS, IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.joint import contact
-from cylcontact.laws import LAWS, ContactLaw, Housing, refuse_gone
+from cylcontact.laws import LAWS, ContactLaw, Housing
 from cylcontact.laws.housing_spec import HousingSpec, in_housing
 from cylcontact.laws.kernels import Kernel, kernel, kernel_load, kernel_stiffness
 from cylcontact.laws.user import user_law
@@ -65,11 +65,21 @@ class DissipationSpec(Spec):
         return self
 
 
+# Assumed: a larger friction coefficient is a slip of the pen.
+MOST_FRICTION = 2.0
+
+
 class FrictionSpec(Spec):
     """The friction."""
 
-    coefficient: float = Field(ge=0, description="the friction coefficient")
-    v0: float = Field(ge=0, description="the speed in mm/s up to which there is no friction")
+    coefficient: float = Field(
+        ge=0, le=MOST_FRICTION, description="the friction coefficient, at most 2"
+    )
+    v0: float = Field(
+        ge=0,
+        description="the speed in mm/s up to which there is no friction; above 0 there is no "
+        "static friction at all",
+    )
     v1: float = Field(gt=0, description="the speed in mm/s from which there is all of it")
 
     @model_validator(mode="after")
@@ -89,7 +99,7 @@ class ClearanceJointSpec(Spec):
     clearance: float | None = Field(
         None, gt=0, description="the radial clearance in mm, in place of the pin's radius"
     )
-    fit: str | None = Field(
+    iso: str | None = Field(
         None, description='a fit of ISO 286, "20H7/g6", in place of radii and clearance'
     )
     length: float = Field(gt=0, description="the axial length in mm")
@@ -110,10 +120,10 @@ class ClearanceJointSpec(Spec):
                 f"begin with one of A to Z, and take up to {_LONGEST_NAME} characters",
             )  # fmt: skip
         hole, pin, clearance = self.bearing.R, self.pin.R, self.clearance
-        if self.fit is not None:
+        if self.iso is not None:
             for key, value in {"bearing.R": hole, "pin.R": pin, "clearance": clearance}.items():
                 if value is not None:
-                    raise broken(key, value, f"is given by the fit {self.fit}", "remove one")
+                    raise broken(key, value, f"is given by the fit {self.iso}", "remove one")
             return self
         if hole is None:
             raise broken("bearing.R", None, "is required", "add the radius in mm")
@@ -161,7 +171,8 @@ class JointWrench(NamedTuple):
         By damping and friction, not negative.
     flag : int or array of int
         1 if the elastic load is above first yield, plus 2 where the law's tangent has taken over,
-        plus 32 if the penetration is above a tenth of the hole's radius: the pin has left its hole.
+        plus 32 if the penetration is above a tenth of the hole's radius: the pin has left its hole,
+        plus 128 if the force or a moment is not a number.
     """
 
     force_bearing: FloatArray
@@ -267,9 +278,8 @@ class ClearanceJoint:
 
     @cached_property
     def first_yield(self) -> float:
-        """The elastic force in N at first yield; inf unless both yield stresses are known."""
-        bodies = self.pair.material_i, self.pair.material_j
-        if any(body.yield_stress is None for body in bodies):
+        """The elastic force in N at first yield; inf unless all yield stresses are known."""
+        if not self.can_yield:
             return float("inf")
         load = float(yield_load(self.pair, housing=self.housing))
         return load * self.pair.contact_length("the joint")
@@ -286,8 +296,10 @@ class ClearanceJoint:
 
     @property
     def can_yield(self) -> bool:
-        """Whether both yield stresses are known."""
-        return self.first_yield < float("inf")
+        """Whether all yield stresses are known, those of the housing's rings too."""
+        rings = () if self.housing is None else self.housing.layers
+        bodies = self.pair.material_i, self.pair.material_j, *(body for body, _ in rings)
+        return all(body.yield_stress is not None for body in bodies)
 
     def record(self, beyond: Beyond = "tangent") -> Any:
         """Return the joint as compiled functions take it, of the type `contact.JOINT`."""
@@ -477,9 +489,9 @@ def build_joint(
         for key, body in (("bearing", spec.bearing), ("pin", spec.pin))
     )
     R_i, radial = spec.bearing.R or 0.0, spec.clearance or 0.0
-    if spec.fit is not None:
-        fit = Fit.read(spec.fit, source, "fit")
-        fit.require_clearance(source)
+    if spec.iso is not None:
+        fit = IsoFit.read(spec.iso, source, "iso")
+        fit.require_clearance(source, "iso")
         pair = CylinderPair.internal(*fit.middle, length=spec.length, pin=pin, hole=hole)
     elif spec.pin.R is not None:
         pair = CylinderPair.internal(R_i, spec.pin.R, length=spec.length, pin=pin, hole=hole)
@@ -489,8 +501,7 @@ def build_joint(
         )
     origin = ""
     if law is None and spec.housing is not None:
-        housing = spec.housing.with_numbers(own, source)
-        law, origin = _in_housing(spec.law, housing, source)
+        law, origin = _in_housing(spec.law, spec.housing, own, source)
     elif law is None:
         law, origin = named_law(spec.law, source)
     damping = spec.dissipation
@@ -505,13 +516,15 @@ def build_joint(
     return ClearanceJoint(*about, *friction, *points, origin, data)
 
 
-def _in_housing(what: str, spec: HousingSpec, source: str) -> tuple[ContactLaw, str]:
+def _in_housing(
+    what: str, spec: HousingSpec, own: Path | None, source: str
+) -> tuple[ContactLaw, str]:
     """Return a law in the housing of a joint, and in words what it is."""
     require(
         spec.clamp == "rim", source, "housing.clamp", spec.clamp,
-        "has a direction, and a joint turns", "a joint takes a rim that is clamped all around",
+        "has a direction, but a joint rotates", "a joint takes a rim that is clamped all around",
     )  # fmt: skip
-    housing = spec.housing
+    housing = spec.built(own, source)
     law = in_housing(what, housing, source)
     origin = f"in a housing of R_o = {spec.R_o:g} mm, its whole rim clamped"
     for material, radius in housing.layers:
@@ -523,7 +536,6 @@ def named_law(what: str, source: str) -> tuple[ContactLaw, str]:
     """Return the law with a name, or of a fit result, and the origin of its coefficients."""
     if what in LAWS:
         return LAWS[what](), ""
-    refuse_gone(what, source, "law")
     if ":" in what:
         return user_law(what, Path(source).parent, Path.cwd()), "a function of the user's own"
     if Path(what).suffix != ".json":
@@ -531,13 +543,13 @@ def named_law(what: str, source: str) -> tuple[ContactLaw, str]:
             source, "law", what, "is neither a law nor a fit result",
             f"choose {', '.join(LAWS)}, module:function of your own, or the path of a result",
         )  # fmt: skip
-    from cylcontact.fitting.results import FitResult
+    from cylcontact.fitting import read_result
 
     path = next((path for path in (Path(source).parent / what, Path(what)) if path.is_file()), None)
     if path is None:
         rule = "is neither beside this file nor in the working folder"
         raise InputError(source, "law", what, rule, "give the path of a fit's result")
-    result = FitResult.read(path)
+    result = read_result(path)
     rule, remedy = "is a fit to external contact", "name a fit for a pin in a hole"
     require(result.contact == "internal", source, "law", what, rule, remedy)
     return result.to_law(what), f"fit result '{result.name}', fitted to {result.reference}"

@@ -47,7 +47,7 @@ JOINT = np.dtype(
         *((name, np.float64) for name in ("chi", "friction", "v0", "v1", "rate_floor")),
         *((name, np.float64) for name in ("clearance", "R_bearing", "R_pin", "length")),
         *((name, np.float64) for name in ("last_penetration", "last_load", "last_slope")),
-        *((name, np.float64) for name in ("stop_penetration", "allowed_penetration")),
+        ("stop_penetration", np.float64),
         # The law's kind, and the centres of hole and pin in the axes of their bodies.
         ("kernel", np.int64),
         *((name, np.float64) for name in ("x_i", "y_i", "x_j", "y_j")),
@@ -72,8 +72,8 @@ Wrench = Annotated[Any, WRENCH]
 Law = FloatArray
 Body = Annotated[FloatArray, 6]
 
-# The bits of a wrench's flag; those between are of a joint in space.
-YIELDS, BEYOND_LAW, LEFT_HOLE = 1, 2, 32
+# The bits of a wrench's flag; a joint in space has others too.
+YIELDS, BEYOND_LAW, LEFT_HOLE, NOT_A_NUMBER = 1, 2, 32, 128
 # Assumed: a penetration above this share of the hole's radius means that the pin has left its hole.
 # Strains are then of the same size, far above those of any elastic contact.
 DEEPEST_SHARE = 0.1
@@ -184,19 +184,30 @@ def relative_motion(motion: Motion, joint: Joint) -> Relative:
 
 @called
 def arms_of(bearing: Body, pin: Body, joint: Joint) -> Arms:
-    """Return the arms of both bodies."""
-    c_i, s_i = math.cos(bearing[2]), math.sin(bearing[2])
-    c_j, s_j = math.cos(pin[2]), math.sin(pin[2])
-    return Arms(
-        c_i * joint.x_i - s_i * joint.y_i, s_i * joint.x_i + c_i * joint.y_i,
-        c_j * joint.x_j - s_j * joint.y_j, s_j * joint.x_j + c_j * joint.y_j,
-    )  # fmt: skip
+    """Return the arms of both bodies; a centre at the reference point takes no sines."""
+    x_i = joint.x_i
+    y_i = joint.y_i
+    if abs(joint.x_i) + abs(joint.y_i) > 0.0:
+        c_i = math.cos(bearing[2])
+        s_i = math.sin(bearing[2])
+        x_i = c_i * joint.x_i - s_i * joint.y_i
+        y_i = s_i * joint.x_i + c_i * joint.y_i
+    x_j = joint.x_j
+    y_j = joint.y_j
+    if abs(joint.x_j) + abs(joint.y_j) > 0.0:
+        c_j = math.cos(pin[2])
+        s_j = math.sin(pin[2])
+        x_j = c_j * joint.x_j - s_j * joint.y_j
+        y_j = s_j * joint.x_j + c_j * joint.y_j
+    return Arms(x_i, y_i, x_j, y_j)
 
 
 @called
 def motion_of(bearing: Body, pin: Body, arms: Arms, joint: Joint) -> Motion:
     """Return the motion of the joint from x, y, angle and rates of its bodies."""
-    e_x = joint.metres * (bearing[0] - pin[0]) + arms.x_i - arms.x_j
+    # An angle that is not a number makes the motion none, also without arms.
+    still = 0.0 * (bearing[2] - pin[2])
+    e_x = joint.metres * (bearing[0] - pin[0]) + arms.x_i - arms.x_j + still
     e_y = joint.metres * (bearing[1] - pin[1]) + arms.y_i - arms.y_j
     u_x = joint.metres * (bearing[3] - pin[3]) - bearing[5] * arms.y_i + pin[5] * arms.y_j
     u_y = joint.metres * (bearing[4] - pin[4]) + bearing[5] * arms.x_i - pin[5] * arms.x_j
@@ -244,6 +255,9 @@ def evaluate(
         wrench.flag += BEYOND_LAW
     if m.delta > DEEPEST_SHARE * joint.R_bearing:
         wrench.flag += LEFT_HOLE
+    # A force or a moment that is not finite makes this NaN.
+    if not abs(0.0 * (f_x + f_y + moment_i + moment_j)) <= 0.0:
+        wrench.flag += NOT_A_NUMBER
 
 
 @called

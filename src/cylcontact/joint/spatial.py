@@ -39,6 +39,10 @@ _Interval = Annotated[tuple[float, float], Strict(False)]
 # which gives (0.098, 0.42) and (0.155, 1.03).
 EDGES = {"flush": (0.105, 0.45), "overhang": (0.17, 1.0), "none": (0.0, 1.0)}
 
+# Assumed: a flush pin reaches this many half lengths of its hole, so that its ends, which a tilt of
+# 0.1 draws in by 1 - cos, stay outside.
+FLUSH_REACH = 1.005
+
 # Assumed: up to this ratio of their plane-strain moduli materials are alike.
 LIKE = 1.1
 
@@ -64,7 +68,9 @@ class SpatialPinSpec(SpatialBodySpec):
     """The pin."""
 
     ends: _Interval | None = Field(
-        None, description="its ends in mm along its axis from its point; beyond the hole if absent"
+        None,
+        description="its ends in mm along its axis from its point; if absent, a flush pin is as "
+        "long as its hole, and any other has no end",
     )
     crown: float = Field(0.0, ge=0, description="the drop of a parabolic crown at the ends in mm")
 
@@ -167,7 +173,11 @@ class SpatialWrench(NamedTuple):
         2 beyond the end of the law, 4 if less than a quarter of the length touches and the rims
         have no stiffness, 8 if the tilt is above 0.1, 16 if the constants of a named [edge], which
         are for like materials, carry load at a rim and the moduli differ by more than a tenth, 32
-        if a rim's penetration is above a tenth of the hole's radius: the pin has left its hole.
+        if the penetration of a rim or a face is above a tenth of the hole's radius: the pin has
+        left its hole, 64 if pin and hole share less than 99 % of the length that they share in the
+        middle: the pin has slid out, 128 if the motion is not a number, 256 if the law is for a
+        housing and one rim is less than 90 % as deep as the other or less than 90 % of the length
+        touches: each slice then bends the housing by itself, but a housing bends as a whole.
     """
 
     force_bearing: FloatArray
@@ -269,7 +279,8 @@ class SpatialJoint:
         planar, spec, thrust = self.planar, self.spec, self.spec.thrust
         R_i, R_j = (float(R) for R in planar.pair.radii("the joint"))
         half, (c, b) = 0.5 * spec.length, spec.edge.constants
-        low, high = spec.pin.ends or (-np.inf, np.inf)
+        reach = FLUSH_REACH * half if spec.edge.kind == "flush" else np.inf
+        low, high = spec.pin.ends or (-reach, reach)
         record = np.zeros(1, spatial_forces.SPATIAL)[0]
         record["point_b"], record["point_p"] = spec.bearing.point, spec.pin.point
         record["x_b"], record["y_b"], record["z_b"] = _frame(spec.bearing.axis)
@@ -286,6 +297,7 @@ class SpatialJoint:
         stiff = 0.4 * float(planar.pair.E_star) * (2 * R_i * R_j / planar.radial) ** 0.5
         record["edge"], record["edge_width"] = c * stiff, b * R_i
         first, second = map(float, planar.pair.moduli)
+        record["housed"] = planar.housing is not None
         record["unlike"] = spec.edge.kind is not None and not 1 / LIKE < first / second < LIKE
         if thrust is not None:
             factor = hysteresis_factor(spec.dissipation.factor)

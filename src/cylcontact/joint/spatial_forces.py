@@ -44,7 +44,14 @@ from typing import Annotated, Any
 import numpy as np
 
 from cylcontact.joint import contact
-from cylcontact.joint.contact import BEYOND_LAW, DEEPEST_SHARE, LEFT_HOLE, YIELDS, bounded_ratio
+from cylcontact.joint.contact import (
+    BEYOND_LAW,
+    DEEPEST_SHARE,
+    LEFT_HOLE,
+    NOT_A_NUMBER,
+    YIELDS,
+    bounded_ratio,
+)
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.numba_cache import called, inlined
 
@@ -60,7 +67,7 @@ SPATIAL = np.dtype(
     [
         *_numbers("point_b x_b y_b z_b point_p axis_p", 3),
         *_numbers("in_mm half R_hole R_pin clearance pin_low pin_high crown crown_at crown_half"),
-        *_numbers("chi rate_floor friction v0 v1 edge edge_width unlike"),
+        *_numbers("chi rate_floor friction v0 v1 edge edge_width unlike housed"),
         *_numbers("face_gap face_radius face_stiffness face_chi"),
         *_numbers("last_penetration last_load last_slope yields"),
         ("kernel", np.int64),
@@ -69,9 +76,9 @@ SPATIAL = np.dtype(
 WORK = np.dtype(
     [
         *_numbers("x y z arm_b arm_p axis lever away moving turning c a V W force moment", 3),
-        *_numbers("psi psi_rate K", 2),
-        *_numbers("low high tip_low tip_high deepest_at arm r n_x n_y g across drop"),
-        *_numbers("G_x G_y P_x P_y delta slope rate deepest rim_load"),
+        *_numbers("psi psi_rate K deepest_at", 2),
+        *_numbers("low high tip_low tip_high crown_at arm r n_x n_y g across drop"),
+        *_numbers("G_x G_y P_x P_y delta slope rate deepest rim_load start start_energy"),
         *_numbers("onset penetration penetration_rate", 4),
     ]
 )
@@ -93,11 +100,16 @@ Body = Annotated[FloatArray, 13]
 Vector = Annotated[FloatArray, 3]
 Law = FloatArray
 
-# The bits of a flag; `contact` has 1, 2 and 32.
-RIM_MISSING, OUTSIDE, UNLIKE = 4, 8, 16
+# The bits of a flag; `contact` has 1, 2, 32 and 128.
+RIM_MISSING, OUTSIDE, UNLIKE, SLID_OUT, UNEVEN_HOUSING = 4, 8, 16, 64, 256
 # Assumed: the least share of the length for which slices without the rim's stiffness are near
 # three-dimensional elasticity, the largest tan of the tilt, and the axes' least cosine.
 LEAST_SHARE, MOST_TILT, LEAST_COSINE = 0.25, 0.1, 0.1
+# Assumed: below this share of the length that they share in the middle, the pin has slid out.
+LEAST_SHARED = 0.99
+# Assumed: a housing is loaded unevenly if one rim is less deep than this share of the other, or if
+# less than this share of the length touches.
+EVEN_SHARE = 0.9
 
 
 def _graded(nodes: int) -> tuple[FloatArray, FloatArray]:
@@ -112,8 +124,8 @@ PART, PART_WEIGHT = np.concatenate([_graded(8), _graded(10)], axis=1)
 DEPTH, DEPTH_WEIGHT = _graded(20)
 _u, _weight = np.polynomial.legendre.leggauss(8)
 FACE_PART, FACE_WEIGHT = np.concatenate([1 + _u, -1 - _u]) / 2, np.tile(_weight, 2) / 2
-# Along a crowned pin.
-SAMPLES = 17
+# Along a half of a crowned pin, from the middle to the rim.
+HALF_SAMPLES = 9
 TINY = 1e-300
 
 
@@ -195,7 +207,9 @@ def move(bearing: Body, pin: Body, w: Work, joint: Joint) -> None:
     resolve(w.turning, w.x, w.y, w.z, w.W)
     w.tip_low = joint.pin_low
     w.tip_high = joint.pin_high
+    w.crown_at = joint.crown_at
     if w.a[2] < 0.0:
+        w.crown_at = -joint.crown_at
         w.tip_low = -joint.pin_high
         w.tip_high = -joint.pin_low
         for k in range(3):
@@ -225,7 +239,7 @@ def section(z: float, w: Work, joint: Joint) -> None:
     q = math.sqrt(1.0 + g * g)
     tilted = joint.R_pin * g / q
     bend = tilted * across * per
-    off = (arm - joint.crown_at) / joint.crown_half
+    off = (arm - w.crown_at) / joint.crown_half
     w.arm = arm
     w.r = r
     w.n_x = n_x
@@ -256,24 +270,25 @@ def reach(w: Work, joint: Joint) -> None:
         w.penetration_rate[side] = 0.0
     if w.low < w.high:
         spin_z = cross(w.W, 0, w.a, 2)
-        if joint.crown > 0.0:
-            seek(w, joint)
+        # An end inside the hole moves along it.
+        low_rate = w.V[2] + w.tip_low * spin_z if abs(w.low) < joint.half else 0.0
+        high_rate = w.V[2] + w.tip_high * spin_z if abs(w.high) < joint.half else 0.0
         for side in range(2):
             z = w.high if side == 0 else w.low
-            tip = w.tip_high if side == 0 else w.tip_low
             section(z, w, joint)
             w.penetration[side] = w.delta
             w.penetration_rate[side] = w.rate
             if abs(z) < joint.half:
-                w.penetration_rate[side] += w.slope * (w.V[2] + tip * spin_z)
+                w.penetration_rate[side] += w.slope * (high_rate if side == 0 else low_rate)
             if joint.crown > 0.0:
-                middle = 0.5 * (w.low + w.high)
-                upper = w.deepest_at > middle
-                z = w.deepest_at if upper == (side == 0) else middle
-                section(z, w, joint)
+                seek(side, w, joint)
+                section(w.deepest_at[side], w, joint)
                 if w.delta > w.penetration[side]:
                     w.penetration[side] = w.delta
                     w.penetration_rate[side] = w.rate
+                    # At the middle the slope is not zero, and the middle moves with the ends.
+                    if abs(w.deepest_at[side] - 0.5 * (w.low + w.high)) <= 0.0:
+                        w.penetration_rate[side] += w.slope * 0.5 * (low_rate + high_rate)
     if joint.face_stiffness > 0.0:
         reach_faces(w, joint)
 
@@ -296,24 +311,49 @@ def reach_faces(w: Work, joint: Joint) -> None:
 
 
 @called
-def seek(w: Work, joint: Joint) -> None:
-    """Write where along a crowned pin the penetration is largest, by samples and a parabola."""
-    step = (w.high - w.low) / (SAMPLES - 1)
+def seek(side: int, w: Work, joint: Joint) -> None:
+    """Write where a half of a crowned pin, the upper or the lower one, penetrates most."""
+    middle = 0.5 * (w.low + w.high)
+    rim = w.high if side == 0 else w.low
+    step = (rim - middle) / (HALF_SAMPLES - 1)
     best = 0
     most = -math.inf
-    for k in range(SAMPLES):
-        section(w.low + k * step, w, joint)
+    for k in range(HALF_SAMPLES):
+        section(middle + k * step, w, joint)
         if w.delta > most:
             most = w.delta
             best = k
-    w.deepest_at = w.low + best * step
-    if best > 0 and best < SAMPLES - 1:
-        section(w.deepest_at - step, w, joint)
-        left = w.delta
-        section(w.deepest_at + step, w, joint)
-        curved = 2.0 * most - left - w.delta
-        if curved > 0.0:
-            w.deepest_at += 0.5 * step * (w.delta - left) / curved
+    # At the rim itself, whose place has a rate of its own.
+    z = middle + best * step if best < HALF_SAMPLES - 1 else rim
+    section(z, w, joint)
+    slope = w.slope
+    # The penetration rises towards the next sample on that side, where it is less.
+    other = best + 1 if slope * step > 0.0 else best - 1
+    if other >= 0 and other < HALF_SAMPLES:
+        last = middle + other * step
+        section(last, w, joint)
+        if slope * w.slope < 0.0:
+            z = summit(z, last, w, joint)
+    w.deepest_at[side] = z
+
+
+@called
+def summit(z: float, last: float, w: Work, joint: Joint) -> float:
+    """Return where the slope of the penetration is zero between two places, by secants."""
+    low = min(z, last)
+    high = max(z, last)
+    section(last, w, joint)
+    before = w.slope
+    for _k in range(12):
+        section(z, w, joint)
+        slope = w.slope
+        if abs(slope - before) <= 0.0:
+            break
+        following = z - slope * (z - last) / (slope - before)
+        last = z
+        before = slope
+        z = min(max(following, low), high)
+    return z
 
 
 @inlined
@@ -388,7 +428,7 @@ def onset_at(z: float, w: Work, joint: Joint) -> float:
 def press_piece(
     start: float, stop: float, energy: float, wrench: Wrench, w: Work, joint: Joint, law: Law
 ) -> None:
-    """Add the wall from `start`, where a section has that energy, to `stop`."""
+    """Add the wall from `start`, where a section has that energy, to `stop`, without a kink."""
     length = stop - start
     first = 8 if joint.crown > 0.0 else 0
     nodes = 10 if joint.crown > 0.0 else 8
@@ -409,6 +449,22 @@ def press_piece(
 
 
 @called
+def press_rising(
+    start: float, stop: float, energy: float, wrench: Wrench, w: Work, joint: Joint, law: Law
+) -> None:
+    """Add the wall along which the penetration rises; the law may end in between."""
+    turn = start
+    section(start, w, joint)
+    within = w.delta < joint.last_penetration
+    section(stop, w, joint)
+    if within and w.delta > joint.last_penetration:
+        turn = crossing(start, stop, joint.last_penetration, w, joint)
+        press_piece(start, turn, energy, wrench, w, joint, law)
+        energy = energy_at(joint.last_penetration, joint, law)
+    press_piece(turn, stop, energy, wrench, w, joint, law)
+
+
+@called
 def press_straight(wrench: Wrench, w: Work, joint: Joint, law: Law) -> None:
     """Add the wall of a pin without crown: the penetration grows with |e| alone."""
     square = w.psi[0] * w.psi[0] + w.psi[1] * w.psi[1]
@@ -421,8 +477,8 @@ def press_straight(wrench: Wrench, w: Work, joint: Joint, law: Law) -> None:
     section(nearest, w, joint)
     if w.delta > 0.0:
         energy = energy_at(w.delta, joint, law)
-        press_piece(nearest, w.high, energy, wrench, w, joint, law)
-        press_piece(nearest, w.low, energy, wrench, w, joint, law)
+        press_rising(nearest, w.high, energy, wrench, w, joint, law)
+        press_rising(nearest, w.low, energy, wrench, w, joint, law)
     elif square > 0.0:
         across = x * w.psi[1] - y * w.psi[0]
         least = across * across / square
@@ -434,9 +490,9 @@ def press_straight(wrench: Wrench, w: Work, joint: Joint, law: Law) -> None:
         upper = max(far / square, inside)
         lower = min(far / square, inside)
         if w.penetration[0] > 0.0:
-            press_piece(max(upper, nearest), w.high, 0.0, wrench, w, joint, law)
+            press_rising(max(upper, nearest), w.high, 0.0, wrench, w, joint, law)
         if w.penetration[1] > 0.0:
-            press_piece(min(lower, nearest), w.low, 0.0, wrench, w, joint, law)
+            press_rising(min(lower, nearest), w.low, 0.0, wrench, w, joint, law)
 
 
 @called
@@ -458,67 +514,85 @@ def free_distance(square: float, least: float, joint: Joint) -> float:
 
 
 @called
-def first_touch(free: float, touching: float, w: Work, joint: Joint) -> float:
-    """Return where the penetration changes its sign, by the Illinois method."""
-    section(free, w, joint)
-    below = w.delta
-    section(touching, w, joint)
-    above = w.delta
-    z = touching
+def crossing(below: float, above: float, level: float, w: Work, joint: Joint) -> float:
+    """Return where the penetration passes a level, by the Illinois method."""
+    section(below, w, joint)
+    less = w.delta - level
+    section(above, w, joint)
+    more = w.delta - level
+    z = above
     last = 0
     for _k in range(60):
         before = z
-        z = touching - above * (touching - free) / (above - below)
+        z = above - more * (above - below) / (more - less)
         section(z, w, joint)
-        if w.delta > 0.0:
-            touching = z
-            above = w.delta
+        if w.delta > level:
+            above = z
+            more = w.delta - level
             if last == 1:
-                below *= 0.5
+                less *= 0.5
             last = 1
         else:
-            free = z
-            below = w.delta
+            below = z
+            less = w.delta - level
             if last == 2:
-                above *= 0.5
+                more *= 0.5
             last = 2
-        if abs(z - before) < 1e-14 * joint.half or abs(w.delta) <= 0.0:
+        if abs(z - before) < 1e-14 * joint.half or abs(w.delta - level) <= 0.0:
             break
     return z
 
 
 @called
+def press_until(
+    stop: float, energy: float, wrench: Wrench, w: Work, joint: Joint, law: Law
+) -> None:
+    """Add the wall from the last end of a part to this one, in two halves graded to both."""
+    middle = 0.5 * (w.start + stop)
+    press_piece(w.start, middle, w.start_energy, wrench, w, joint, law)
+    press_piece(stop, middle, energy, wrench, w, joint, law)
+    w.start = stop
+    w.start_energy = energy
+
+
+@called
 def press_crowned(wrench: Wrench, w: Work, joint: Joint, law: Law) -> None:
-    """Add the wall of a crowned pin: each part that touches in two halves, graded to its ends."""
-    step = (w.high - w.low) / (SAMPLES - 1)
-    place = int(min(max((w.deepest_at - w.low) / step, 0.0) + 0.5, SAMPLES - 1.0))
-    start = w.low
-    energy = 0.0
-    before = w.low
-    inside = False
-    for k in range(SAMPLES + 1):
-        z = w.deepest_at if k == place else min(w.low + k * step, w.high)
-        section(z, w, joint)
-        touches = w.delta > 0.0 and k < SAMPLES
-        if touches and not inside:
-            start = z
-            energy = 0.0
-            if k == 0:
-                energy = energy_at(w.delta, joint, law)
-            else:
-                start = first_touch(before, z, w, joint)
-        if inside and not touches:
-            stop = z
-            last = 0.0
-            if k == SAMPLES:
-                last = energy_at(w.delta, joint, law)
-            else:
-                stop = first_touch(z, before, w, joint)
-            middle = 0.5 * (start + stop)
-            press_piece(start, middle, energy, wrench, w, joint, law)
-            press_piece(stop, middle, last, wrench, w, joint, law)
-        inside = touches
+    """Add the wall of a crowned pin, in parts between first touches and ends of the law."""
+    last = joint.last_penetration
+    step = 0.5 * (w.high - w.low) / (HALF_SAMPLES - 1)
+    # The samples that the deepest places replace; the ends stay.
+    upper = int(min((w.deepest_at[0] - w.low) / step + 0.5, 2.0 * HALF_SAMPLES - 3.0))
+    lower = int(max((w.deepest_at[1] - w.low) / step + 0.5, 1.0))
+    z = w.low
+    section(z, w, joint)
+    delta = w.delta
+    w.start = z
+    w.start_energy = energy_at(delta, joint, law)
+    for k in range(1, 2 * HALF_SAMPLES - 1):
         before = z
+        shallow = delta
+        z = min(w.low + k * step, w.high)
+        if k == lower:
+            z = w.deepest_at[1]
+        if k == upper:
+            z = w.deepest_at[0]
+        section(z, w, joint)
+        delta = w.delta
+        if shallow <= 0.0 and delta > 0.0:
+            start = crossing(before, z, 0.0, w, joint)
+            w.start = start
+            w.start_energy = 0.0
+        if shallow <= last and delta > last:
+            turn = crossing(before, z, last, w, joint)
+            press_until(turn, energy_at(last, joint, law), wrench, w, joint, law)
+        if shallow > last and delta <= last:
+            turn = crossing(z, before, last, w, joint)
+            press_until(turn, energy_at(last, joint, law), wrench, w, joint, law)
+        if shallow > 0.0 and delta <= 0.0:
+            stop = crossing(z, before, 0.0, w, joint)
+            press_until(stop, 0.0, wrench, w, joint, law)
+    if delta > 0.0:
+        press_until(z, energy_at(delta, joint, law), wrench, w, joint, law)
 
 
 @called
@@ -609,10 +683,9 @@ def finish(wrench: Wrench, w: Work, joint: Joint) -> None:
         ) / joint.in_mm
     wrench.dissipated_power /= joint.in_mm
     wrench.elastic_energy /= joint.in_mm
+    flag_depth(wrench, w, joint)
     if w.deepest > joint.yields or (w.rim_load > 0.0 and joint.yields < math.inf):
         wrench.flag += YIELDS
-    if max(w.penetration[0], w.penetration[1]) > joint.last_penetration:
-        wrench.flag += BEYOND_LAW
     little = wrench.touched < LEAST_SHARE * 2.0 * joint.half
     if little and wrench.touched > 0.0 and joint.edge <= 0.0:
         wrench.flag += RIM_MISSING
@@ -620,9 +693,24 @@ def finish(wrench: Wrench, w: Work, joint: Joint) -> None:
         wrench.flag += OUTSIDE
     if w.rim_load > 0.0 and joint.unlike > 0.0:
         wrench.flag += UNLIKE
-    if max(w.penetration[0], w.penetration[1]) > DEEPEST_SHARE * joint.R_hole:
-        wrench.flag += LEFT_HOLE
     wrench.touched /= joint.in_mm
+
+
+@called
+def flag_depth(wrench: Wrench, w: Work, joint: Joint) -> None:
+    """Flag what the penetrations of rims and faces are too large or too unlike for."""
+    deepest = max(w.penetration[0], w.penetration[1])
+    shallow = min(w.penetration[0], w.penetration[1])
+    if deepest > joint.last_penetration:
+        wrench.flag += BEYOND_LAW
+    even = shallow >= EVEN_SHARE * deepest and wrench.touched >= EVEN_SHARE * (w.high - w.low)
+    if joint.housed > 0.0 and deepest > 0.0 and not even:
+        wrench.flag += UNEVEN_HOUSING
+    if joint.face_stiffness > 0.0:
+        face = max(w.penetration[2], w.penetration[3])
+        deepest = max(deepest, face)
+    if deepest > DEEPEST_SHARE * joint.R_hole:
+        wrench.flag += LEFT_HOLE
 
 
 @called
@@ -648,17 +736,32 @@ def reset(wrench: Wrench, w: Work) -> None:
 
 @called
 def invalidate(wrench: Wrench, w: Work) -> None:
-    """Write NaN as the wrench of a motion that is not a number."""
+    """Write NaN as the wrench of a motion that is not a number, and flag what is none."""
     motion = 0.0
     for k in range(3):
         motion += w.c[k] + w.axis[k] + w.V[k] + w.W[k]
     if not abs(motion) < math.inf:
+        wrench.flag += NOT_A_NUMBER
         wrench.normal_force = math.nan
         for k in range(3):
             wrench.force_pin[k] = math.nan
             wrench.force_bearing[k] = math.nan
             wrench.moment_pin[k] = math.nan
             wrench.moment_bearing[k] = math.nan
+
+
+@called
+def begin(state: State, w: Work, joint: Joint) -> bool:
+    """Write the impact rates of the contacts; return whether there is one."""
+    touching = False
+    for side in range(4):
+        w.onset[side] = 0.0
+        if w.penetration[side] > 0.0:
+            touching = True
+            w.onset[side] = state.impact_rate[side] * joint.in_mm
+            if w.onset[side] <= 0.0:
+                w.onset[side] = max(w.penetration_rate[side], joint.rate_floor)
+    return touching
 
 
 @called
@@ -675,14 +778,7 @@ def evaluate(
     reset(wrench, w)
     move(bearing, pin, w, joint)
     reach(w, joint)
-    touching = False
-    for side in range(4):
-        w.onset[side] = 0.0
-        if w.penetration[side] > 0.0:
-            touching = True
-            w.onset[side] = state.impact_rate[side] * joint.in_mm
-            if w.onset[side] <= 0.0:
-                w.onset[side] = max(w.penetration_rate[side], joint.rate_floor)
+    touching = begin(state, w, joint)
     if w.a[2] < LEAST_COSINE:
         wrench.flag = OUTSIDE
         wrench.normal_force = math.nan
@@ -697,6 +793,9 @@ def evaluate(
         if joint.face_stiffness > 0.0:
             press_faces(wrench, w, joint)
         finish(wrench, w, joint)
+    shared = min(joint.half, joint.pin_high) - max(-joint.half, joint.pin_low)
+    if w.high - w.low < LEAST_SHARED * shared:
+        wrench.flag += SLID_OUT
     invalidate(wrench, w)
     for side in range(4):
         wrench.penetration[side] = w.penetration[side] / joint.in_mm

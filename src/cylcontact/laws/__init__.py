@@ -1,6 +1,6 @@
 """Contact laws: load per unit length against penetration, all with the same five methods."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from cylcontact.bodies.pair import Contact
@@ -48,42 +48,8 @@ __all__ = [
 ]
 
 
-# What 1.0.0rc1 had and this release has not, with what to use instead; kept for one release.
-GONE: Mapping[str, str] = {
-    "parametric": "use conformal, which is exact and faster",
-    "explicit-pair": "use conformal, which is exact and faster",
-    "winkler": "use conformal, or a law of your own: def load(penetration, E_star, dR): ...",
-    "palmgren": "write it as a law of your own: def load(penetration, E_star, dR): ...",
-    "iso-16281": "write it as a law of your own: def load(penetration, E_star, dR): ...",
-}
-_GONE_FROM_PYTHON: Mapping[str, str] = {
-    **dict.fromkeys(("Parametric", "ParametricCoefficients"), "use laws.Conformal"),
-    **dict.fromkeys(("ExplicitPair", "ExplicitPairCoefficients"), "use laws.Conformal"),
-    **dict.fromkeys(("Winkler", "Palmgren", "Iso16281"), "write it as a law of your own"),
-    "explicit_penetration": "use laws.Explicit().penetration or laws.Conformal().penetration",
-    "LAW_TYPES": "use laws.LAWS, and laws.FITTED for those without default constants",
-    **{
-        "".join(part.capitalize() for part in name.split("-")): f'use laws.LAWS["{name}"]()'
-        for name in RELATIVES
-    },
-    "Block": "give the depth in mm at which the plane is held, laws.Johnson(datum=depth)",
-}
-
-
 def __dir__() -> list[str]:
     return __all__
-
-
-def __getattr__(name: str) -> Any:
-    if name in _GONE_FROM_PYTHON:
-        raise AttributeError(f"laws.{name} is gone: {_GONE_FROM_PYTHON[name]}")
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def refuse_gone(name: str, source: str, key: str) -> None:
-    """Raise `InputError` for the name of a law that is gone."""
-    if name in GONE:
-        raise InputError(source, key, name, "is gone", GONE[name])
 
 
 def _always(law: ContactLaw) -> Callable[[], ContactLaw]:
@@ -125,7 +91,6 @@ def reference_law(name: str) -> ContactLaw:
     >>> reference_law("johnson")
     Johnson()
     """
-    refuse_gone(name, "reference law", "name")
     if name not in REFERENCES:
         rule = "is not a law that a grid can sample"
         remedy = f"choose among {', '.join(REFERENCES)}"

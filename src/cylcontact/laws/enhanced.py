@@ -172,7 +172,7 @@ class Enhanced(PowerShaped):
         if not isinstance(own, InternalCoefficients) or abs(own.jump) < _LEAST_JUMP:
             return ""
         return (
-            f"The branches of Y do not meet at dR = {own.Y_switch:g} mm: from there on the "
+            f"the branches of Y do not meet at dR = {own.Y_switch:g} mm: from there on the "
             f"penetration of steel under {_LOAD:g} N/mm is {abs(100 * own.jump):.1f} % "
             f"{'larger' if own.jump > 0 else 'smaller'}"
         )

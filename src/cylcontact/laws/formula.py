@@ -59,7 +59,6 @@ class Formula:
     # For exported files, in ASCII: the law on one line, and what its users should know.
     equation: str = ""
     remark: str = ""
-    in_arrays: Callable[..., Any] | None = None  # the load, where that is faster by hand
 
     @cached_property
     def asked(self) -> dict[str, float | None]:

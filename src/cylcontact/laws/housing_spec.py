@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Strict, model_validator
 
-from cylcontact.bodies.material_spec import MaterialSpec
+from cylcontact.bodies.material_spec import MaterialSpec, numbers_of
 from cylcontact.files.spec import Spec, broken
-from cylcontact.laws import Conformal, Housing, Sector, refuse_gone
+from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.support.arrays import require
 
 
@@ -30,8 +30,9 @@ class HousingSpec(Spec):
     angle: float | None = Field(
         None, ge=10, le=350, description="the angle of the clamped sector, 10 to 350 degrees"
     )
-    side: Literal["near", "far"] | None = Field(
-        None, description='"near" if the pin is pressed towards the sector, "far" if away from it'
+    side: Literal["pushed", "pulled"] | None = Field(
+        None,
+        description='"pushed" if the pin is pressed towards the sector, "pulled" if away from it',
     )
     shank: float | None = Field(
         None, ge=0.5, description="half the width of a lug's shank over R_o, by default 1"
@@ -60,20 +61,19 @@ class HousingSpec(Spec):
     def with_numbers(
         self, own: Path | None, source: str, key: str = "housing.layers"
     ) -> HousingSpec:
-        """Return the same with E, ν and the yield stress of materials that are named."""
-        layers = []
-        for layer in self.layers or ():
-            material = layer.named("", own, source, key)
-            of_material = {"nu": material.nu, "yield_stress": material.yield_stress}
-            E = 1e-3 * float(material.E)
-            layers.append(layer.model_copy(update={"material": None, "E": E, **of_material}))
+        """Return the same with the numbers of materials that are named."""
+        layers = [
+            layer.model_copy(
+                update={"material": None} | numbers_of(layer.named("", own, source, key))
+            )
+            for layer in self.layers or ()
+        ]
         return self.model_copy(update={"layers": tuple(layers) or None})
 
-    @property
-    def housing(self) -> Housing:
-        """The housing itself, if its layers have numbers."""
+    def built(self, own: Path | None, source: str, key: str = "housing.layers") -> Housing:
+        """Return the housing itself, with the materials of its layers."""
         layers = [
-            (layer.named(f"layer {k}", None, "housing", "layers"), layer.R_i)
+            (layer.named(f"layer {k}", own, source, key), layer.R_i)
             for k, layer in enumerate(self.layers or (), start=1)
         ]
         if self.clamp == "lug":
@@ -83,6 +83,11 @@ class HousingSpec(Spec):
             return Housing(self.R_o, layers=layers)
         return Housing(self.R_o, clamp=Sector(self.angle, self.side), layers=layers)
 
+    @property
+    def housing(self) -> Housing:
+        """The housing itself, if its layers have numbers."""
+        return self.built(None, "housing")
+
 
 def takes_housing(law: str) -> bool:
     """Return whether a law of this name takes a housing."""
@@ -91,6 +96,5 @@ def takes_housing(law: str) -> bool:
 
 def in_housing(law: str, housing: Housing, source: str, key: str = "law") -> Conformal:
     """Return the law of a name in a housing."""
-    refuse_gone(law, source, key)
     require(takes_housing(law), source, key, law, "takes no housing", "choose conformal")
     return Conformal(housing)

@@ -85,22 +85,34 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     return Kernel(TABLE, table, float(table[0]))
 
 
+lambert.compiled_shares()  # so that compiled code can call the functions of numbers
+
+
 @overload(lambert.branch_distance, strict=False)
 def _branch_distance(p: Any) -> Any:
-    return _of_number
+    return _distance_of_number
 
 
-_inner = called(lambert.inner_distance)
+@overload(lambert.branch_share, strict=False)
+def _branch_share(p: Any) -> Any:
+    return _share_of_number
 
 
 @called
-def _of_number(p: float) -> float:
-    """Return `branch_distance` of a number."""
-    if p > 0 and p < 1:
-        return _inner(p)
+def _distance_of_number(p: float) -> float:
+    """Return `branch_distance` of a number: a root is NaN for p > 1."""
     if p == 0:
         return math.inf
-    return 0.0 if p == 1 else math.nan
+    r = math.sqrt(0 - math.log(p))
+    return lambert.numerator(r) / lambert.denominator(r)
+
+
+@called
+def _share_of_number(p: float) -> float:
+    """Return `branch_share` of a number."""
+    if p == 0:
+        return 0.0
+    return lambert.share_at(p, math.sqrt(-math.log(p)))
 
 
 _power, _power_slope, _power_energy = map(merged, (power.load, power.stiffness, power.energy))

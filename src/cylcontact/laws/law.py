@@ -232,9 +232,8 @@ class Law:
         """Return the load and the stiffness at a pair, as functions of the penetration."""
         numbers, formula = self.numbers_at(pair), self.formula_for(pair.contact)
         shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
-        load = formula.in_arrays or formula.load
         return AtPair(
-            lambda penetration: load(penetration, *numbers),
+            lambda penetration: formula.load(penetration, *numbers),
             lambda penetration: formula.slope(penetration, *numbers),
             as_floats(np.broadcast_to(formula.last(*numbers), shape)),
             is_single=not (shape or any(np.ndim(number) for number in numbers)),

@@ -37,7 +37,7 @@ _EQUATION = (
 _REMARK = (
     "For bodies of equal elastic constants{}. f = f_max*p/(1 + w) with p the penetration in "
     "units of the largest and w = -1 - W(-p/e), W the lower branch of Lambert's function: "
-    "a start in closed form and one step of fourth order, no iteration."
+    "w = r*P(r)/Q(r) with r = sqrt(-ln p), right to 8.4e-17 before rounding, no iteration."
 )
 _OF_OTHERS = (
     "; for others c has (w_i - w_j)*ln(R_i/R_j) more, w_k = E_star*(1 - nu_k^2)/E_k, which an "
@@ -54,15 +54,7 @@ class Ends(NamedTuple):
 
 def load(penetration, f_max, deepest):
     """Return f = f_max·p/(1 + w)."""
-    p = penetration / deepest
-    return f_max * (p / (1 + branch_distance(p)))
-
-
-def load_in_arrays(penetration, f_max, deepest):
-    """Return the same with a division less."""
-    f = branch_share(penetration / deepest)
-    f *= f_max
-    return f
+    return f_max * branch_share(penetration / deepest)
 
 
 def stiffness(penetration, f_max, deepest):
@@ -109,7 +101,7 @@ def of_length(E_star, dR, R_i, R_j, length, kappa, c) -> Ends:
 
 def _formula(numbers: Any, of_others: str = "") -> Formula:
     remark = _REMARK.format(of_others)
-    return Formula(load, stiffness, numbers, energy, deepest_at, _EQUATION, remark, load_in_arrays)
+    return Formula(load, stiffness, numbers, energy, deepest_at, _EQUATION, remark)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,19 +11,21 @@ from cylcontact.limits.loads import (
     yield_load,
     yield_warning,
 )
-from cylcontact.limits.temperature import at_temperature, bore_expansion
+from cylcontact.limits.rings import AtRest, at_rest, at_temperature, loose_temperatures
 from cylcontact.limits.yield_search import FirstYield
 
 __all__ = [
+    "AtRest",
     "FirstYield",
+    "at_rest",
     "at_temperature",
-    "bore_expansion",
     "elastic_limit_clearance",
     "first_yield",
     "hertz_half_width",
     "hertz_pressure",
     "hertz_stress",
     "johnson_limit_load",
+    "loose_temperatures",
     "stress_at_johnson_limit",
     "yield_load",
     "yield_warning",

@@ -125,7 +125,7 @@ class HousingStress:
         ring, sector = self.kernel.rings[k], self.kernel.sector
         if sector is not None and ring is self.kernel.rings[-1]:
             end = np.radians(sector.angle / 2)
-            away = ring.outer * np.abs(theta - (end if sector.side == "near" else np.pi - end))
+            away = ring.outer * np.abs(theta - (end if sector.side == "pushed" else np.pi - end))
             beyond = r > (ring.inner + ring.outer) / 2
             out = beyond[:, None] & (away < ring.outer - ring.inner)
             total, difference = np.where(out, 0.0, total), np.where(out, 0.0, difference)

@@ -174,7 +174,7 @@ def first_yield(
 
     >>> from cylcontact.laws import Housing, Sector
     >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=steel)
-    >>> print(first_yield(pair, housing=Housing(20.0, Sector(60, side="far"))))
+    >>> print(first_yield(pair, housing=Housing(20.0, Sector(60, side="pulled"))))
     1,428 N/mm (von Mises, in the hole, at its surface, 93° from the load)
     """
     rule = "must be 'von Mises', 'Tresca' or, for the load alone, 'Hertz'"

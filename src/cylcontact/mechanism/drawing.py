@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,11 +12,9 @@ from cylcontact.plots.figure import StyledFigure, new_figure, panel_title
 from cylcontact.plots.style import figure_style
 from cylcontact.support.arrays import require
 
-if TYPE_CHECKING:
-    from cylcontact.mechanism.trajectory import Trajectory
-
 # Points of a path in a revolution.
 POINTS = 3000
+Trajectory = Any  # `trajectory` imports this module
 
 
 def drawn(run: Trajectory, revolutions: float) -> StyledFigure:

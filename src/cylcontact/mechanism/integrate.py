@@ -393,10 +393,6 @@ def _examine(h: float, at: Start, new: FloatArray, m: Model, now: Now) -> tuple[
             _step(length, at, new, m)
             now.evaluations += STAGES - 1
         return _NOTHING, length, 0.0
-    allowed = m.joint.allowed_penetration
-    if event == _TOUCH and allowed > 0.0 and after.delta > 0.0:
-        now.step = 0.5 * h
-        return (_TOUCH if after.delta <= allowed else _RETRY), h, 0.0
     if not starts_inside:
         now.step = 0.25 * h
         return (_RETRY if h > _SHORTEST else event), h, 0.0

@@ -50,14 +50,10 @@ class Settings:
     """Settings of a run; see `simulate`."""
 
     beyond: Beyond = "stop"
-    allowed_penetration: float | None = None
 
     def __post_init__(self) -> None:
         rule, remedy = "is not known", f"choose {listed(BEYOND)}"
         require(self.beyond in BEYOND, "simulate", "beyond", self.beyond, rule, remedy)
-        depth, remedy = self.allowed_penetration, "give it in m, or leave it out"
-        good = depth is None or 0 < depth < np.inf
-        require(good, "simulate", "allowed_penetration", depth, "must be positive", remedy)
 
 
 @dataclass(frozen=True)
@@ -136,7 +132,6 @@ class Run:
     def __post_init__(self) -> None:
         joint = self.mechanism.joint
         self.joint = joint.record(self.settings.beyond)
-        self.joint["allowed_penetration"] = self.settings.allowed_penetration or 0.0
         self.values = np.zeros(RATES)
         self.values[:COORDINATES] = self.mechanism.start
         work = np.zeros((integrate.STAGES + 1, RATES)), np.zeros(COORDINATES)

@@ -34,7 +34,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from cylcontact.bodies.fits import Fit
+from cylcontact.bodies.iso286 import IsoFit
 from cylcontact.bodies.material import own_table
 from cylcontact.bodies.pair import unusual_lengths
 from cylcontact.files.spec import Spec, parse_spec, read_toml
@@ -301,8 +301,8 @@ def _change(data: dict[str, Any], key: str, value: Any, source: str) -> None:
     bearing, pin = joint.get("bearing"), joint.get("pin")
     if key == "clearance" and isinstance(bearing, dict) and isinstance(pin, dict):
         pin.pop("R", None)
-        if "fit" in joint:
-            bearing["R"] = Fit.read(str(joint.pop("fit")), source, "joint.fit").middle[0]
+        if "iso" in joint:
+            bearing["R"] = IsoFit.read(str(joint.pop("iso")), source, "joint.iso").middle[0]
     *tables, last = _OF_JOINT[key]
     table = joint.setdefault(tables[0], {}) if tables else joint
     if isinstance(table, dict):

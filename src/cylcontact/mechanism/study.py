@@ -12,8 +12,8 @@ import numpy as np
 
 from cylcontact.mechanism.run import Settings, concatenate, revolutions_of
 from cylcontact.mechanism.slider_crank import SliderCrank
-from cylcontact.mechanism.statistics import Statistics, numbers_of
-from cylcontact.mechanism.trajectory import Trajectory
+from cylcontact.mechanism.statistics import Statistics
+from cylcontact.mechanism.trajectory import Trajectory, numbers_of
 from cylcontact.support.arrays import require
 from cylcontact.support.choices import Beyond
 from cylcontact.support.errors import InputError
@@ -48,7 +48,6 @@ def long_run(
     revolutions: int = 1000,
     first: int | None = None,
     beyond: Beyond = "stop",
-    allowed_penetration: float | None = None,
     progress: Progress = silent,
 ) -> Statistics:
     """Simulate many revolutions, and return their statistics.
@@ -58,7 +57,7 @@ def long_run(
 
     Parameters
     ----------
-    mechanism, beyond, allowed_penetration, progress
+    mechanism, beyond, progress
         As in `simulate`.
     revolutions : int
         The number of revolutions.
@@ -86,7 +85,7 @@ def long_run(
     """
     import pandas as pd
 
-    settings = Settings(beyond, allowed_penetration)
+    settings = Settings(beyond)
     first = first_of(revolutions) if first is None else first
     rule, remedy = f"leaves none of {revolutions} revolutions", "start earlier, or simulate more"
     require(0 <= first < max(revolutions, 1), "long_run", "first", first, rule, remedy)
@@ -199,8 +198,9 @@ def sweep(
         A row for each case: `law`, `clearance_mm`, `restitution`, `friction`; the first and the
         last revolution that count, from 1; the mean of every quantity of `Statistics.interval` and
         half its 95 % interval (`_half_width`); the `period`; the δ̇⁽⁻⁾ of a contact that lasts
-        (`carried_m_per_s`); and `message`, on a law that was continued or, where the numbers are
-        missing, why the run has stopped.
+        (`carried_m_per_s`); the largest error of the energy balance since the start
+        (`energy_error_J`) at the `tolerance` of the integrator; and `message`, on a law that was
+        continued or, where the numbers are missing, why the run has stopped.
 
     Examples
     --------
@@ -236,5 +236,10 @@ def _row(
     row |= {"first_revolution": statistics.first + 1, "last_revolution": revolutions}
     for name, numbers in statistics.interval().iterrows():
         row |= {str(name): numbers["mean"], f"{name}_half_width": numbers["half_width"]}
-    end = {"period": statistics.period, "carried_m_per_s": statistics.carried}
-    return row | end | {"message": statistics.continuation}
+    return row | {
+        "period": statistics.period,
+        "carried_m_per_s": statistics.carried,
+        "energy_error_J": float(statistics.revolutions["energy_error_J"].abs().max()),
+        "tolerance": mechanism.spec.tolerance,
+        "message": statistics.continuation,
+    }

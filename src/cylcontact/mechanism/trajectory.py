@@ -13,8 +13,8 @@ from cylcontact.joint import contact
 from cylcontact.mechanism.motion import Motion
 from cylcontact.mechanism.run import Settings, Steps, concatenate, revolutions_of
 from cylcontact.mechanism.slider_crank import COORDINATES, DRIVE, JOINT_LEDGERS, SliderCrank
-from cylcontact.mechanism.statistics import Statistics, changes, numbers_of
-from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
+from cylcontact.mechanism.statistics import FORCE_PERCENTILES, SECTION, Statistics
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray, as_floats
 from cylcontact.support.choices import Beyond
 from cylcontact.support.html_repr import table_html
 from cylcontact.support.numba_cache import called, compiled
@@ -362,7 +362,6 @@ def simulate(
     mechanism: SliderCrank,
     revolutions: int | None = None,
     beyond: Beyond = "stop",
-    allowed_penetration: float | None = None,
     progress: Progress = silent,
 ) -> Trajectory:
     """Simulate a slider-crank and keep every step.
@@ -376,9 +375,6 @@ def simulate(
     beyond : {"stop", "tangent"}
         At the end of a contact law: stop with an error, or continue along its tangent at nine
         tenths of the largest penetration.
-    allowed_penetration : float, optional
-        The paper's control of the step, for comparison: the onset of a contact is not located, but
-        the step halved until the penetration at the onset is at most this, in m.
     progress : callable, optional
         Called with a stage, the number of revolutions done and their total.
 
@@ -399,10 +395,89 @@ def simulate(
     >>> print(f"{run.penetration.max() * 1e6:.1f} µm")
     10.3 µm
     """
-    settings = Settings(beyond, allowed_penetration)
+    settings = Settings(beyond)
     total = mechanism.spec.revolutions if revolutions is None else revolutions
     parts = list(revolutions_of(mechanism, settings, total, progress))
     return Trajectory(mechanism, settings, concatenate(parts))
+
+
+# --- numbers of a revolution --------------------------------------------------------------------
+
+
+def numbers_of(run: Trajectory, origin: float) -> dict[str, Any]:
+    """Return the row of `Statistics.revolutions` for one revolution, and the step before it.
+
+    `origin` is the `energy` at the start of the whole run in J.
+    """
+    touching, dt, values = run.in_contact, np.diff(run.time), run.steps.values
+    # A step has the mode of its last row; the second row of an onset has dt = 0.
+    inside, moving = touching[1:], dt > 0
+    contact_time, flight_time = float(dt[inside].sum()), float(dt[~inside].sum())
+    contact_steps = int(np.count_nonzero(inside & moving))
+    steps, evaluations, seconds = run.steps.counts[0]
+    within = run.force_within
+    drive, *spent = (float(number) for number in values[-1, DRIVE:] - values[0, DRIVE:])
+    lost, rubbed, depth, impulse = spent
+    percentiles = _percentiles(dt[inside], within[inside])
+    begins, _ = changes(touching)
+    under_way = np.append(0, begins) if touching[0] else begins
+    deepest = np.where(touching, run.penetration, -np.inf)
+    deepest = np.maximum.reduceat(deepest, under_way) if under_way.size else np.empty(0)
+    joint, limit = run._compiled[0], run.mechanism.joint.first_yield
+    tangent = run.settings.beyond == "tangent"
+    law_end = float(joint["last_penetration"]) * 1e-3 if tangent else np.inf
+    loads = run.elastic_forces(deepest)
+    end = (*run.eccentricity[-1] * 1e6, *run.eccentricity_rate[-1], bool(touching[-1]))
+    return {
+        "contact_fraction": contact_time / (contact_time + flight_time),
+        "impacts": begins.size,
+        "mean_penetration_um": _ratio(depth, contact_time) * 1e6,
+        "max_penetration_um": float(run.penetration[touching].max(initial=0.0)) * 1e6,
+        "mean_force_N": _ratio(impulse, contact_time),
+        **{f"force_p{p}_N": x for p, x in zip(FORCE_PERCENTILES, percentiles, strict=True)},
+        "max_force_N": float(max(run.normal_force.max(initial=0.0), within.max(initial=0.0))),
+        "normal_dissipation_J": lost,
+        "friction_dissipation_J": rubbed,
+        "mean_step_contact_us": _ratio(contact_time, contact_steps) * 1e6,
+        "mean_step_flight_us": _ratio(flight_time, steps - contact_steps) * 1e6,
+        "contact_time_s": contact_time,
+        "flight_time_s": flight_time,
+        "penetration_integral_um_s": depth * 1e6,
+        "impulse_N_s": impulse,
+        "contact_steps": contact_steps,
+        "impact_rate_m_per_s": float(run.impact_rate[-1]),
+        "contacts": under_way.size,
+        "above_yield": int(np.count_nonzero(loads > limit)),
+        "beyond_law": int(np.count_nonzero(deepest > law_end)),
+        "max_load_N_per_mm": float(loads.max(initial=0.0)) / float(joint["length"]),
+        **dict(zip(SECTION, end, strict=True)),
+        "drive_work_J": drive,
+        "steps": int(steps),
+        "evaluations": int(evaluations),
+        "seconds": float(seconds),
+        "kinetic_energy_J": float(run.kinetic_energy.max()),
+        "energy_error_J": float(run.energy[-1]) - origin,
+    }
+
+
+def _ratio(numerator: float, denominator: float) -> float:
+    return numerator / denominator if denominator > 0 else float("nan")
+
+
+def _percentiles(dt: FloatArray, values: FloatArray) -> list[float]:
+    """Return percentiles over the time of steps, with `values` in equal parts; NaN without any."""
+    if not dt.sum() > 0:
+        return [float("nan")] * len(FORCE_PERCENTILES)
+    weight, sample = np.repeat(dt, values.shape[1]), values.ravel()
+    order = np.argsort(sample, kind="stable")
+    share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
+    return [float(np.interp(percent / 100, share, sample[order])) for percent in FORCE_PERCENTILES]
+
+
+def changes(in_contact: BoolArray) -> tuple[IndexArray, IndexArray]:
+    """Return the rows at which contacts begin and those at which they end."""
+    step = np.diff(in_contact.astype(np.int8))
+    return np.flatnonzero(step == 1) + 1, np.flatnonzero(step == -1)
 
 
 # --- compiled, over rows ------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.laws import LAWS, ContactLaw, refuse_gone
+from cylcontact.laws import LAWS, ContactLaw
 from cylcontact.plots.figure import new_figure
 from cylcontact.plots.style import figure_style
 from cylcontact.support.arrays import FloatArray, require
@@ -65,7 +65,6 @@ def as_law(law: AnyLaw, source: str, key: str) -> ContactLaw:
     Johnson()
     """
     if isinstance(law, str):
-        refuse_gone(law, source, key)
         if law not in LAWS:
             rule = "is not a law with coefficients of its own"
             raise InputError(source, key, law, rule, f"choose {', '.join(LAWS)}, or give a law")

@@ -42,6 +42,9 @@ _UNDATED: dict[Format, dict[str, None]] = {
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
     "svg": {"Date": None, "Creator": None},
 }
+# How the numbers of a figure are written as CSV. Seven significant digits are more than a figure
+# can show, and fewer than round-off affects.
+NUMBERS: Any = {"index": False, "float_format": "%.7g", "lineterminator": "\n"}
 # Widths in mm of a legend's sample and of a letter of its text.
 _SAMPLE, _LETTER = 13.0, 1.25
 # More labels than this crowd a logarithmic axis.

@@ -1,8 +1,9 @@
 """Claims of a paper, compared with computed numbers.
 
 A claim is a function in a folder's `reports/claims.py`. Its docstring says what is claimed. It
-yields the readings of the claim, the most literal first: how it is read, our number, and whether
-the claim holds so.
+yields the interpretations of the claim, the most literal first: how its words are understood, our
+number, and whether the claim holds so. None in place of the last says that the number is no
+evidence, because it follows from a choice of ours.
 
     @claim("3.4", "< 8 %", "differences lower than 8 %")
     def below_8_percent():
@@ -13,6 +14,7 @@ the claim holds so.
 
 from __future__ import annotations
 
+import json
 import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -28,44 +30,51 @@ __all__ = [
     "FAILS",
     "HOLDS",
     "Claim",
-    "Reading",
+    "Interpretation",
     "claim",
     "claims_of",
+    "to_json",
     "to_table",
     "to_text",
 ]
 
-Reading = tuple[str, str, bool]
-HOLDS, DEPENDS, FAILS = "holds", "depends on the reading", "does not hold"
+Interpretation = tuple[str, str, bool | None]
+HOLDS, DEPENDS, FAILS = "holds", "depends on the interpretation", "does not hold"
+_SIGNS = {True: "+", False: "-", None: "o"}
+_KEY = "+ the claim holds in this interpretation, - it does not, o no evidence for or against it"
 _WIDTH = 100
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of a paper: its section, the printed value, a quotation, and our readings of it."""
+    """A claim of a paper: its section, the printed value, a quotation, and its interpretations."""
 
     section: str
     printed: str
     quotation: str
     statement: str
-    readings: tuple[Reading, ...]
+    interpretations: tuple[Interpretation, ...]
 
     @property
     def verdict(self) -> str:
-        """Whether the claim holds in all readings, in some, or in none."""
-        results = {bool(holds) for *_, holds in self.readings}
+        """Whether the claim holds in all interpretations, in some, or in none."""
+        results = {holds for *_, holds in self.interpretations if holds is not None}
         return DEPENDS if len(results) == 2 else HOLDS if results == {True} else FAILS
 
 
 def claim(
     section: str, printed: str, quotation: str
-) -> Callable[[Callable[[], Iterator[Reading]]], Callable[[], Claim]]:
+) -> Callable[[Callable[[], Iterator[Interpretation]]], Callable[[], Claim]]:
     """Return a decorator that makes a claim of a function."""
 
-    def decorate(function: Callable[[], Iterator[Reading]]) -> Callable[[], Claim]:
+    def decorate(function: Callable[[], Iterator[Interpretation]]) -> Callable[[], Claim]:
         def judge() -> Claim:
             statement = " ".join((function.__doc__ or "").split())
-            return Claim(section, printed, quotation, statement, tuple(function()))
+            results = tuple(
+                (how, ours, None if holds is None else bool(holds))  # NumPy's are not JSON's
+                for how, ours, holds in function()
+            )
+            return Claim(section, printed, quotation, statement, results)
 
         judge.is_claim = True  # type: ignore[attr-defined]
         return judge
@@ -97,7 +106,7 @@ def claims_of(root: Path) -> list[Claim]:
 
 
 def to_table(claims: list[Claim]) -> pd.DataFrame:
-    """Return a row for each reading."""
+    """Return a row for each interpretation; `holds` is empty where it is no evidence."""
     return pd.DataFrame(
         [
             {
@@ -106,18 +115,41 @@ def to_table(claims: list[Claim]) -> pd.DataFrame:
                 "printed": each.printed,
                 "quotation": each.quotation,
                 "verdict": each.verdict,
-                "reading": how,
+                "interpretation": how,
                 "ours": ours,
-                "holds": bool(holds),
+                "holds": holds,
             }
             for each in claims
-            for how, ours, holds in each.readings
+            for how, ours, holds in each.interpretations
         ]
     )
 
 
+def to_json(claims: list[Claim]) -> str:
+    """Return the claims as JSON, each with its verdict and interpretations."""
+    rows = [
+        {
+            "section": each.section,
+            "claim": each.statement,
+            "printed": each.printed,
+            "quotation": each.quotation,
+            "verdict": each.verdict,
+            "interpretations": [
+                {
+                    "interpretation": how,
+                    "ours": ours,
+                    "holds": holds,
+                }
+                for how, ours, holds in each.interpretations
+            ],
+        }
+        for each in claims
+    ]
+    return json.dumps(rows, ensure_ascii=False, indent=1)
+
+
 def to_text(claims: list[Claim]) -> str:
-    """Return the claims by verdict, each with its readings."""
+    """Return the claims by verdict, each with its interpretations."""
     lines = []
     for verdict in (HOLDS, DEPENDS, FAILS):
         chosen = [each for each in claims if each.verdict == verdict]
@@ -125,11 +157,11 @@ def to_text(claims: list[Claim]) -> str:
         for each in chosen:
             text = f"{each.section}  {each.statement} [{each.printed}]"
             lines += textwrap.wrap(text, _WIDTH, initial_indent="  ", subsequent_indent="       ")
-            for how, ours, holds in each.readings:
-                sign = "+" if holds else "-"
+            for how, ours, holds in each.interpretations:
+                sign = _SIGNS[holds]
                 text = f"{sign} {how}: {ours}"
                 lines += textwrap.wrap(
                     text, _WIDTH, initial_indent=" " * 7, subsequent_indent=" " * 9
                 )
         lines.append("")
-    return "\n".join([*lines, "+ the claim holds in this reading, - it does not"])
+    return "\n".join([*lines, _KEY])

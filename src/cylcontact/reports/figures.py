@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from cylcontact.files.writing import replacing_all, require_apart, require_writable
-from cylcontact.plots.figure import save
+from cylcontact.plots.figure import NUMBERS, save
 from cylcontact.plots.style import figure_style
 from cylcontact.support.choices import Format
 from cylcontact.support.errors import InputError
@@ -37,8 +37,6 @@ __all__ = ["caption", "draw", "recipes", "report_module", "write_figures"]
 Recipe = Callable[..., "tuple[Figure, pd.DataFrame]"]
 # What a folder's `reports` is called when it is imported: it hides no other package `reports`.
 _PACKAGE = "_cylcontact_reports"
-# Seven significant digits: more than a figure can show, fewer than round-off affects.
-NUMBERS: Any = {"index": False, "float_format": "%.7g", "lineterminator": "\n"}
 
 
 def report_module(root: Path, name: str) -> ModuleType:

@@ -116,16 +116,16 @@ def _figure(text: Path) -> str:
 
 
 def _claims(claims: Sequence[Claim]) -> str:
-    """Return the claims, each with its readings to unfold."""
-    parts = []
+    """Return the claims, each with its interpretations to unfold."""
+    signs, parts = {True: "✓", False: "✗", None: "○"}, []
     for each in claims:
-        readings = "".join(
-            f"<li>{'✓' if holds else '✗'} {escape(how)}: {escape(ours)}</li>"
-            for how, ours, holds in each.readings
+        rows = "".join(
+            f"<li>{signs[holds]} {escape(how)}: {escape(ours)}</li>"
+            for how, ours, holds in each.interpretations
         )
         title = f"{each.section} {each.statement} ({each.printed})"
         parts.append(
             f"<details><summary><b>{each.verdict}:</b> {escape(title)}</summary>"
-            f"<p>“{escape(each.quotation)}”</p><ul>{readings}</ul></details>"
+            f"<p>“{escape(each.quotation)}”</p><ul>{rows}</ul></details>"
         )
     return "\n".join(parts)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.support.plain_text import brief
@@ -79,12 +78,3 @@ def require(
     every: Any = holds
     if not (every.all() if getattr(every, "ndim", 0) else every):
         raise InputError(source, key, value, rule, remedy)
-
-
-def refuse_gone_name(module: str, name: str, successors: Mapping[str, str]) -> None:
-    """Raise `ImportError` for a name that a module no longer has, with what to use instead.
-
-    Of an `AttributeError`, `from module import name` would not show the text.
-    """
-    if name in successors:
-        raise ImportError(f"{module}.{name} is gone: {successors[name]}")

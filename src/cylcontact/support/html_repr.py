@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 # An array of more numbers than this is shown as a range.
 _MOST_NUMBERS = 4
@@ -27,7 +27,7 @@ def table_html(title: str, rows: Mapping[str, object]) -> str:
     </tbody></table>
     """
     cells = [(name, _cell(value)) for name, value in rows.items()]
-    return Table(["", ""], cells, title)._repr_html_()
+    return TextTable(["", ""], cells, title)._repr_html_()
 
 
 def summary_of(law: Any) -> str:

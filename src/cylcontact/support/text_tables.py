@@ -11,7 +11,7 @@ from cylcontact.support.plain_text import brief
 _WIDTH, _COLUMN_WIDTH = 100, 24
 
 
-class Table:
+class TextTable:
     """Cells under headings, as aligned text for a terminal and as HTML for a notebook."""
 
     def __init__(
@@ -23,10 +23,10 @@ class Table:
 
     def __str__(self) -> str:
         from rich.console import Console
-        from rich.table import Table as Aligned
+        from rich.table import Table
         from rich.text import Text
 
-        table = Aligned(box=None, pad_edge=False, header_style="")
+        table = Table(box=None, pad_edge=False, header_style="")
         for index, column in enumerate(self.columns):
             table.add_column(Text(column), justify="right" if index else "left", no_wrap=True)
         for row in self.rows:

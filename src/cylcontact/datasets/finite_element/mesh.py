@@ -45,15 +45,15 @@ _MOST_CELLS = 5000
 
 
 def _clamp(clamp: object) -> object:
-    """Return the sector that a text such as "far:60" names, and all else as it is."""
+    """Return the sector that a text such as "pulled:60" names, and all else as it is."""
     side, colon, angle = clamp.partition(":") if isinstance(clamp, str) else ("", "", "")
     if not colon:
         return clamp
     try:
         return Sector(float(angle), side)  # type: ignore[arg-type]
     except ValueError:
-        rule = "must be a sector near or far of 10 to 350 degrees"
-        raise broken("", clamp, rule, 'write e.g. "far:60"') from None
+        rule = "must be a sector, pushed or pulled, of 10 to 350 degrees"
+        raise broken("", clamp, rule, 'write e.g. "pulled:60"') from None
 
 
 _Clamp = Annotated[Literal["upper half", "rim"] | Sector, BeforeValidator(_clamp)]
@@ -76,7 +76,8 @@ class SetupKeys(Spec):
         0.25, gt=0.1, le=1, description="the loaded disc's radius over the pin's, above 0.1"
     )
     clamp: _Clamp = Field(
-        "upper half", description='"upper half", "rim", or a sector such as "near:60" or "far:60"'
+        "upper half",
+        description='"upper half", "rim", or a sector such as "pushed:60" or "pulled:60"',
     )
     cells: int = Field(
         16,
@@ -113,7 +114,7 @@ class Setup(SetupKeys):
         Radius of that disc over the radius of the pin.
     clamp : {"upper half", "rim"} or Sector
         The part of the plate's outer boundary that is fixed: the half that the pin is pushed
-        towards, or as in a `Housing` all of it or a sector, "far:60" for short. A sector ends at
+        towards, or as in a `Housing` all of it or a sector, "pulled:60" for short. A sector ends at
         the node next to its angle; the cells are graded to its end, unless that is in front of
         where contact may extend.
     cells : int
@@ -187,7 +188,7 @@ class Setup(SetupKeys):
         if not isinstance(self.clamp, Sector):
             return None
         half = np.radians(self.clamp.angle) / 2
-        return float(half if self.clamp.side == "near" else np.pi - half)
+        return float(half if self.clamp.side == "pushed" else np.pi - half)
 
     def half_width(self, dR: float, load: float) -> float:
         """Return the half-width of the contact in mm by the reference law, to grade the mesh."""

@@ -286,7 +286,7 @@ def clamped_nodes(setup: Setup, mesh: Mesh) -> IndexArray:
     x, y = mesh.plate.points[held].T
     if isinstance(setup.clamp, Sector):
         end = int(np.abs(np.arctan2(x, y) - setup.clamp_end).argmin())
-        return held[: end + 1] if setup.clamp.side == "near" else held[end:]
+        return held[: end + 1] if setup.clamp.side == "pushed" else held[end:]
     return held[y >= 0] if setup.clamp == "upper half" else held
 
 

@@ -78,13 +78,13 @@ class Ring(NamedTuple):
 class Sector:
     """The clamped part of a rim: `angle` degrees centred on the load's side or opposite to it.
 
-    The shank of a rod eye is near when the rod is pushed, and far when it is pulled.
+    A rod eye is pushed or pulled by its shank, whose angle this is.
 
     Parameters
     ----------
     angle : float
         The whole angle of the sector in degrees, from 10 to 350.
-    side : {"near", "far"}
+    side : {"pushed", "pulled"}
         Whether the pin is pressed towards the sector's middle or away from it.
 
     Raises
@@ -94,25 +94,25 @@ class Sector:
 
     Examples
     --------
-    >>> Sector(60, side="far")
-    Sector(angle=60, side='far')
+    >>> Sector(60, side="pulled")
+    Sector(angle=60, side='pulled')
     """
 
     angle: float
-    side: Literal["near", "far"] = "near"
+    side: Literal["pushed", "pulled"] = "pushed"
     shank: float | None = field(default=None, init=False, repr=False, compare=False)  # of a lug
 
     def __post_init__(self) -> None:
         rule, remedy = "must be from 10 to 350 degrees", 'or write clamp="rim" for all of the rim'
         inside = is_number(self.angle) and 10 <= self.angle <= 350
         require(inside, "Sector", "angle", self.angle, rule, remedy)
-        rule = "must be 'near' or 'far'"
-        remedy = "near if the pin is pressed towards the clamp, far if away from it"
-        require(self.side in ("near", "far"), "Sector", "side", self.side, rule, remedy)
+        rule = "must be 'pushed' or 'pulled'"
+        remedy = "pushed if the pin is pressed towards the clamp, pulled if away from it"
+        require(self.side in ("pushed", "pulled"), "Sector", "side", self.side, rule, remedy)
 
     @classmethod
     def lug(cls, shank: float = 1.0) -> Sector:
-        """Return the far sector that stands for the shank of a lug, which its pin pulls.
+        """Return the pulled sector that stands for the shank of a lug, which its pin pulls.
 
         It is the widest one with which first yield is nowhere above that of the lug, a round eye
         on a straight shank, by finite elements (datasets/finite_element/lug.csv) for R_o/R from 1.3
@@ -134,12 +134,12 @@ class Sector:
         Examples
         --------
         >>> Sector.lug(), Sector.lug(shank=0.5)
-        (Sector(angle=110, side='far'), Sector(angle=60, side='far'))
+        (Sector(angle=110, side='pulled'), Sector(angle=60, side='pulled'))
         """
         rule, remedy = "must be at least 0.5", "for a narrower shank give a Sector"
         inside = is_number(shank) and shank >= min(_LUGS)
         require(inside, "Sector.lug", "shank", shank, rule, remedy)
-        sector = cls(_LUGS[max(each for each in _LUGS if each <= shank)][0], "far")
+        sector = cls(_LUGS[max(each for each in _LUGS if each <= shank)][0], "pulled")
         object.__setattr__(sector, "shank", shank)
         return sector
 
@@ -197,7 +197,7 @@ class Housing:
     >>> from cylcontact import CylinderPair, Material, laws
     >>> steel, bronze = Material("steel", 207e3, 0.3), Material("bronze", 110e3, 0.34)
     >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.95, material=bronze, material_j=steel)
-    >>> for clamp in ("rim", Sector(60, side="far")):
+    >>> for clamp in ("rim", Sector(60, side="pulled")):
     ...     law = laws.Conformal(Housing(R_o=20.0, clamp=clamp))
     ...     print(f"{1e3 * law.penetration(1000.0, pair):.2f} µm")
     10.17 µm
@@ -228,7 +228,7 @@ class Housing:
             sound = pairs and positive and radii == sorted(set(radii))
             require(sound, "Housing", key, self.layers or self.R_o, rule, remedy)
         known = isinstance(self.clamp, Sector) or self.clamp == "rim"
-        rule, remedy = "must be 'rim' or a Sector", 'e.g. clamp=laws.Sector(60, side="far")'
+        rule, remedy = "must be 'rim' or a Sector", 'e.g. clamp=laws.Sector(60, side="pulled")'
         require(known, "Housing", "clamp", self.clamp, rule, remedy)
 
     def __str__(self) -> str:
@@ -242,10 +242,10 @@ class Housing:
         if isinstance(self.clamp, Sector) and self.clamp.shank is not None:
             low = _LUGS[max(each for each in _LUGS if each <= self.clamp.shank)][1]
             shank = f"shank {2 * self.clamp.shank * self.R_o:g} mm wide"
-            sector = f"as far:{self.clamp.angle:g}: first yield 0 to {low} % low"
+            sector = f"as pulled:{self.clamp.angle:g}: first yield 0 to {low} % low"
             return f"a pulled lug of R_o = {self.R_o:g} mm, {shank}{rings} ({sector})"
         if isinstance(self.clamp, Sector):
-            side = {"near": "near the contact", "far": "opposite to it"}[self.clamp.side]
+            side = {"pushed": "near the contact", "pulled": "opposite to it"}[self.clamp.side]
             where = f"on {self.clamp.angle:g}° {side}"
         return f"a ring clamped at {self.R_o:g} mm {where}{rings}"
 
@@ -294,10 +294,8 @@ class Housing:
         (_, w_j), (_, kappa_j) = pair.shares, pair.kolosov
         return as_floats(-w_j / (kappa_j + 1))
 
-    def kernels(self, pair: CylinderPair) -> tuple[IndexArray, list[Kernel]]:
-        """Return which of the kernels that follow each element of a pair has, and the kernels."""
-        if self.g is not None:
-            return np.array(0), [_own_kernel(self.g)]
+    def bore(self, pair: CylinderPair) -> FloatArray:
+        """Return R_i in mm of a hole that the rings of this housing can surround."""
         R_i, _ = pair.radii(f"the datum {self!r}")
         inner = min([*(radius for _, radius in self.layers), self.R_o])
         key, given = ("layers" if self.layers else "R_o"), float(inner)
@@ -306,6 +304,13 @@ class Housing:
         require(inner > R_i, "Housing", key, given, rule, remedy)
         rule = f"makes a ring thinner than {100 * (_LEAST_RATIO - 1):.0f} % of the hole's radius"
         require(inner >= _LEAST_RATIO * R_i, "Housing", key, given, rule, "give a thicker one")
+        return R_i
+
+    def kernels(self, pair: CylinderPair) -> tuple[IndexArray, list[Kernel]]:
+        """Return which of the kernels that follow each element of a pair has, and the kernels."""
+        if self.g is not None:
+            return np.array(0), [_own_kernel(self.g)]
+        R_i = self.bore(pair)
         around = [replace(pair, material_i=material) for material, _ in self.layers]
         numbers = [R_i, pair.shares[0]]
         for one in (pair, *around):
@@ -453,7 +458,7 @@ def _modes(sector: Sector) -> tuple[float, FloatArray]:
     F = np.pi - np.radians(sector.angle) / 2
     n, k = np.arange(1, _RIM_HARMONICS + 1), np.arange(1, _MODES + 1)[:, None]
     phi = np.hstack([F / 4 * (k == 1), k * jv(k, n * F) / n])
-    if sector.side == "near":  # the free arc is opposite to the load
+    if sector.side == "pushed":  # the free arc is opposite to the load
         phi[:, 1::2] *= -1
     return F, phi
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, Material
-from cylcontact.bodies.fits import Fit
+from cylcontact.bodies.iso286 import IsoFit
 from cylcontact.files.spec import read_toml
 from cylcontact.joint import joint_from
 from tests.support.spec_files import DROP, changed
@@ -19,7 +19,7 @@ OF_c = (40, 50, 65, 80, 100, 120, 140, 160, 180, 200, 225, 250, 280, 315, 355, 4
 
 def upper(code):
     """The deviation nearest to zero of a pin, µm."""
-    low, high = Fit.read(f"{code[0]}H7/{code[1]}").pin
+    low, high = IsoFit.read(f"{code[0]}H7/{code[1]}").pin
     return 1e3 * min(low, high, key=abs)
 
 
@@ -29,7 +29,7 @@ def upper(code):
      ("20JS7/h6", -5.25, 11.75), ("500H11/c11", 240, 640), ("60H8/e8", 30, 76), ("3H7/g6", 1, 9)],
 )  # fmt: skip
 def test_the_radial_clearance_is_that_of_the_standard(code, low, high):
-    assert [1e3 * value for value in Fit.read(code).clearance] == pytest.approx([low, high])
+    assert [1e3 * value for value in IsoFit.read(code).clearance] == pytest.approx([low, high])
 
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
@@ -41,7 +41,7 @@ def test_grades_follow_from_the_tolerance_unit(size):
     D = np.sqrt(np.prod(size))
     unit = 0.45 * np.cbrt(D) + 0.001 * D
     for grade, factor in zip(range(5, 12), (7, 10, 16, 25, 40, 64, 100), strict=True):
-        low, high = Fit.read(f"{size[1]}H{grade}/h6").hole
+        low, high = IsoFit.read(f"{size[1]}H{grade}/h6").hole
         assert low == 0
         assert 1e3 * high == pytest.approx(factor * unit, rel=0.04, abs=0.75)
 
@@ -55,7 +55,7 @@ def test_deviations_follow_from_the_formulas_of_the_standard(size):
     }  # fmt: skip
     for letter, value in formulas.items():
         assert upper((size[1], f"{letter}6")) == pytest.approx(value, rel=0.045, abs=1.0), letter
-    (_, IT7), (_, IT6) = (Fit.read(f"{size[1]}H{grade}/h6").hole for grade in (7, 6))
+    (_, IT7), (_, IT6) = (IsoFit.read(f"{size[1]}H{grade}/h6").hole for grade in (7, 6))
     # m is their difference as rounded before, so 1 µm of rounding for each.
     assert upper((size[1], "m6")) == pytest.approx(1e3 * (IT7 - IT6), abs=2.01)
 
@@ -66,26 +66,26 @@ def test_c_has_steps_of_its_own(over, to):
 
 
 def test_k_above_grade_7_begins_at_zero_and_j_has_few_grades():
-    assert Fit.read("20H7/k8").pin == (0, 0.033)
-    assert Fit.read("20H7/j6").pin == pytest.approx((-0.004, 0.009))
+    assert IsoFit.read("20H7/k8").pin == (0, 0.033)
+    assert IsoFit.read("20H7/j6").pin == pytest.approx((-0.004, 0.009))
 
 
 def test_a_fit_is_a_pair_from_the_tightest_to_the_loosest():
-    pair = CylinderPair.of_fit("20H7/g6", pin=STEEL, hole=BRONZE, length=15.0)
+    pair = CylinderPair.from_iso("20H7/g6", pin=STEEL, hole=BRONZE, length=15.0)
     assert 2 * pair.R_i == pytest.approx([20, 20.0105, 20.021])
     assert 2 * pair.R_j == pytest.approx([19.993, 19.9865, 19.98])
     assert (pair.material_i, pair.material_j, pair.length) == (BRONZE, STEEL, 15.0)
     # Zero clearance is a limit: laws have a value beside it.
-    assert CylinderPair.of_fit("20H7/h6", STEEL).dR[0] == pytest.approx(1e-6)
+    assert CylinderPair.from_iso("20H7/h6", STEEL).dR[0] == pytest.approx(1e-6)
 
 
 JOINT = changed(
-    read_toml("datasets/joint.toml"), {"bearing.R": DROP, "pin.R": DROP, "fit": "20H7/g6"}
+    read_toml("datasets/joint.toml"), {"bearing.R": DROP, "pin.R": DROP, "iso": "20H7/g6"}
 )
 
 
 def test_a_joint_of_a_fit_is_that_of_the_middle_of_its_band():
     joint = joint_from(JOINT)
     assert joint.radial == pytest.approx(0.012)
-    by_hand = changed(JOINT, {"fit": DROP, "bearing.R": 10.00525, "pin.R": 9.99325})
+    by_hand = changed(JOINT, {"iso": DROP, "bearing.R": 10.00525, "pin.R": 9.99325})
     assert joint.first_yield == pytest.approx(joint_from(by_hand).first_yield)

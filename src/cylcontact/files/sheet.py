@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cylcontact.files import cells as files
-from cylcontact.files.cells import SEPARATORS, Line, Pattern, Sheet, is_number
+from cylcontact.files.cells import SEPARATORS, Line, Pattern, RawSheet, is_number
 from cylcontact.files.reading import read_bytes
 from cylcontact.files.units import LETTER, is_unit, meaning_of
 from cylcontact.support.errors import InputError
@@ -31,8 +31,12 @@ _OLD_EXCEL = b"\xd0\xcf\x11\xe0"
 
 
 @dataclass
-class Table:
-    """A table of N rows: names and units of columns, cells, and what was decided on them."""
+class Sheet:
+    """The cells of a file: N rows, names and units of columns, and what was decided on them.
+
+    `read_sheet` reads one, of measurements, materials or joints. `numbers.quantity` returns a
+    column by its name as numbers in the wanted unit, and `numbers.words` a column of text.
+    """
 
     source: str
     row_word: str
@@ -71,12 +75,12 @@ class _Layout(NamedTuple):
     known: int = 0  # how many names are given by the user, or are of load and penetration
 
 
-def read_table(
+def read_sheet(
     data: Path | str | pd.DataFrame,
     given: Collection[str] = (),
-    sheet: str | None = None,
+    title: str | None = None,
     header: int | None = None,
-) -> Table:
+) -> Sheet:
     """Read a DataFrame, a workbook, a Parquet file or, under any other name, a text.
 
     `given` are names of columns that the table should have; `header` is the line of the names,
@@ -84,7 +88,7 @@ def read_table(
     """
     if not isinstance(data, Path | str):
         content = data.to_csv(index=False, lineterminator="\n").encode()
-        return _table_of_frame("DataFrame", data, content)
+        return _sheet_of_frame("DataFrame", data, content)
     source, suffix = str(data), Path(data).suffix.lower()
     if suffix in (".toml", ".json"):
         raise InputError(source, "", None, "is not a table", "name a table")
@@ -93,44 +97,44 @@ def read_table(
         rule = "is a workbook of Excel before 2007, which is not read"
         raise InputError(source, "", None, rule, "save it as .xlsx")
     if suffix == ".parquet":
-        return _table_of_frame(source, files.frame_of_parquet(source, content), content)
-    table = Table(source, "row" if is_book else "line", hashlib.sha256(content).hexdigest())
+        return _sheet_of_frame(source, files.frame_of_parquet(source, content), content)
+    sheet = Sheet(source, "row" if is_book else "line", hashlib.sha256(content).hexdigest())
     if is_book:
         sheets = files.sheets_of_workbook(source, content)
     else:
-        sheets = [files.sheet_of_text(source, content, table.notes)]
+        sheets = [files.sheet_of_text(source, content, sheet.notes)]
     titles = [part.title for part in sheets if is_book]
-    if sheet is not None and sheet not in titles:
+    if title is not None and title not in titles:
         remedy = f"it has {', '.join(map(repr, titles))}" if titles else "leave it out"
-        raise InputError(source, "sheet", sheet, "is not a sheet with cells", remedy)
+        raise InputError(source, "sheet", title, "is not a sheet with cells", remedy)
     if not any(part.lines for part in sheets):
-        raise table.error("is empty", "give it a line of column names, then rows")
-    wanted = [part for part in sheets if sheet in (None, part.title)]
-    chosen, layout = _best_sheet(table, wanted, len(sheets), set(given), header)
+        raise sheet.error("is empty", "give it a line of column names, then rows")
+    wanted = [part for part in sheets if title in (None, part.title)]
+    chosen, layout = _best_sheet(sheet, wanted, len(sheets), set(given), header)
     if header and layout.names < 0:
         remedy = "give that of the names, 0 for none"
-        raise InputError(source, "header", header, f"is no {table.row_word} with cells", remedy)
-    table.separator = chosen.separator
-    return _filled(table, chosen.lines, layout)
+        raise InputError(source, "header", header, f"is no {sheet.row_word} with cells", remedy)
+    sheet.separator = chosen.separator
+    return _filled(sheet, chosen.lines, layout)
 
 
 def _best_sheet(
-    table: Table, sheets: list[Sheet], count: int, given: set[str], header: int | None
-) -> tuple[Sheet, _Layout]:
+    sheet: Sheet, sheets: list[RawSheet], count: int, given: set[str], header: int | None
+) -> tuple[RawSheet, _Layout]:
     """Return the sheet with a load and a penetration, the first of several."""
-    tried = [(sheet, _layout(sheet.lines, given, header)) for sheet in sheets]
+    tried = [(one, _layout(one.lines, given, header)) for one in sheets]
     chosen, layout = max(tried, key=lambda pair: pair[1].known)
     if count > 1:
         alike = sum(other.known == layout.known > 1 for _, other in tried)
         also = f", the first of {alike} with such columns (--sheet)" if alike > 1 else ""
-        table.notes.append(f"sheet {chosen.title!r} of {count}{also}")
+        sheet.notes.append(f"sheet {chosen.title!r} of {count}{also}")
     return chosen, layout
 
 
-def _table_of_frame(source: str, frame: pd.DataFrame, content: bytes) -> Table:
+def _sheet_of_frame(source: str, frame: pd.DataFrame, content: bytes) -> Sheet:
     lines = [Line(0, [str(name).strip() for name in frame.columns]), *files.lines_of(frame)]
-    table = Table(source, "row", hashlib.sha256(content).hexdigest(), ",")
-    return _filled(table, lines, _layout(lines, set(), 0))
+    sheet = Sheet(source, "row", hashlib.sha256(content).hexdigest(), ",")
+    return _filled(sheet, lines, _layout(lines, set(), 0))
 
 
 # --- names, units and rows ----------------------------------------------------------------------
@@ -196,7 +200,7 @@ def _plain(cell: Any) -> str:
     return text.lstrip("#% ") or text
 
 
-def _filled(table: Table, lines: list[Line], layout: _Layout) -> Table:
+def _filled(sheet: Sheet, lines: list[Line], layout: _Layout) -> Sheet:
     """Return the table with its names, units and rows."""
     below = lines[layout.first :]
     footer = [x.number for x in takewhile(partial(_is_footer, layout.pattern), below[::-1])]
@@ -204,32 +208,32 @@ def _filled(table: Table, lines: list[Line], layout: _Layout) -> Table:
     words = {line.cells[0] for line in below}
     rows = [line for line in below if not _is_comment(line.cells, layout.pattern, words)]
     if not rows:
-        raise table.error("holds no rows", "give it at least one below the names")
+        raise sheet.error("holds no rows", "give it at least one below the names")
     if len(rows) > MAX_ROWS:
         rule, remedy = f"has {len(rows)} rows (at most {MAX_ROWS})", "thin or average them"
-        raise table.error(rule, remedy)
+        raise sheet.error(rule, remedy)
     names = [_plain(cell) for cell in lines[layout.names].cells] if layout.names >= 0 else []
     sizes = [len(line.cells) for line in rows]
     usual = max({*sizes}, key=sizes.count)
     while len(names) > usual and not names[-1]:
         names.pop()
     width = len(names) or usual
-    _require_rectangular(table, rows, names, usual, layout)
-    table.names, table.lines = names, [line.number for line in rows]
+    _require_rectangular(sheet, rows, names, usual, layout)
+    sheet.names, sheet.lines = names, [line.number for line in rows]
     columns = [list(column) for column in zip_longest(*(line.cells for line in rows))]
-    table.columns = columns[:width] + [[None] * len(rows)] * (width - len(columns))
-    table.units = [""] * width
+    sheet.columns = columns[:width] + [[None] * len(rows)] * (width - len(columns))
+    sheet.units = [""] * width
     if layout.units >= 0:
         units = [_plain(cell) for cell in lines[layout.units].cells[:width]]
-        table.units[: len(units)] = units
-        table.notes.append(f"units from {table.row_word} {lines[layout.units].number}")
+        sheet.units[: len(units)] = units
+        sheet.notes.append(f"units from {sheet.row_word} {lines[layout.units].number}")
     heads = {layout.names, layout.units}
     above = [line.number for k, line in enumerate(lines[: layout.first]) if k not in heads]
-    comments = sorted({line.number for line in below} - {*table.lines})
-    table.left_out += [f"{table.numbered(above)} before the rows"] if above else []
-    table.left_out += [f"{table.numbered(comments)} with # in front"] if comments else []
-    table.left_out += [f"{table.numbered(footer[::-1])} below the rows"] if footer else []
-    return table
+    comments = sorted({line.number for line in below} - {*sheet.lines})
+    sheet.left_out += [f"{sheet.numbered(above)} before the rows"] if above else []
+    sheet.left_out += [f"{sheet.numbered(comments)} with # in front"] if comments else []
+    sheet.left_out += [f"{sheet.numbered(footer[::-1])} below the rows"] if footer else []
+    return sheet
 
 
 def _is_footer(pattern: Pattern, line: Line) -> bool:
@@ -257,7 +261,7 @@ def _is_comment(cells: list[Any], pattern: Pattern, words: set[Any]) -> bool:
 
 
 def _require_rectangular(
-    table: Table, rows: list[Line], names: list[str], usual: int, layout: _Layout
+    sheet: Sheet, rows: list[Line], names: list[str], usual: int, layout: _Layout
 ) -> None:
     """Raise `InputError` for the first row with more or fewer cells than there are names."""
     width = len(names) or usual
@@ -267,13 +271,13 @@ def _require_rectangular(
         if least <= len(cells) and not any(cell is not None for cell in cells[width:]):
             continue
         rule = f"has {counted(cells, 'cell')} for {least if len(cells) < least else width} columns"
-        by = f", separated by {SEPARATORS[table.separator]}" if table.separator else ""
-        by += " and points in numbers" if table.separator == "," else ""
+        by = f", separated by {SEPARATORS[sheet.separator]}" if sheet.separator else ""
+        by += " and points in numbers" if sheet.separator == "," else ""
         remedy = f"give every row a cell for each column{by}, begin others with #"
         later = (line.number for line in rows if _may_be_names(line.cells, layout.pattern))
         if after := next((k for k in later if k > number), 0):
             remedy += f", or read the table below with --header {after}"
-        raise InputError(f"{table.source}, {table.row_word} {number}", "", None, rule, remedy)
+        raise InputError(f"{sheet.source}, {sheet.row_word} {number}", "", None, rule, remedy)
 
 
 # --- in words -----------------------------------------------------------------------------------

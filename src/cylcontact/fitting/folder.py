@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from cylcontact.files.writing import replacing_all
-from cylcontact.plots.figure import save
+from cylcontact.plots.figure import NUMBERS, save
 from cylcontact.plots.style import figure_style
-from cylcontact.reports.figures import NUMBERS
 from cylcontact.support.choices import CHOICE_FILES, DESIGN_FILES, FIT_FILES
 
 if TYPE_CHECKING:

@@ -9,12 +9,11 @@ import pandas as pd
 
 from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws import FITTED, LAWS, Conformal, ContactLaw, Housing, Johnson
 from cylcontact.laws.housing_spec import in_housing, takes_housing
 from cylcontact.support.errors import InputError
 from cylcontact.support.html_repr import summary_of
-from cylcontact.support.text_tables import Table
+from cylcontact.support.text_tables import TextTable
 
 __all__ = ["accuracy", "accuracy_text", "comparison", "comparison_text", "listing"]
 
@@ -28,9 +27,11 @@ POINTS = 15  # on each axis, in even steps of the logarithm
 R_I = LENGTH = 10.0  # mm, for the laws that need them
 
 
-def reference(contact: Contact, housing: Housing | None = None) -> ContactLaw:
+def reference(
+    contact: Contact, housing: Housing | None = None, depth: float | None = None
+) -> ContactLaw:
     """Return the law that others are compared with: conformal contact, or Johnson's for rollers."""
-    return Conformal(housing or "johnson") if contact == "internal" else Johnson()
+    return Conformal(housing or "johnson") if contact == "internal" else Johnson(datum=depth)
 
 
 def comparison(
@@ -38,6 +39,7 @@ def comparison(
     load: float,
     own: ContactLaw | None = None,
     housing: Housing | None = None,
+    depth: float | None = None,
 ) -> pd.DataFrame:
     """Evaluate every law for a pair under a load.
 
@@ -51,6 +53,8 @@ def comparison(
         A law of one's own, in the last row.
     housing : Housing, optional
         For the laws that take one.
+    depth : float, optional
+        Of a plane, in mm, for the laws that take one.
 
     Returns
     -------
@@ -65,12 +69,15 @@ def comparison(
     >>> print(f"{table.loc['johnson', 'penetration_um']:.5f} µm")
     1.55935 µm
     """
-    laws = [
-        in_housing(name, housing, "laws") if housing and takes_housing(name) else law()
-        for name, law in LAWS.items()
-    ]
+    laws: list[ContactLaw] = []
+    for name, law in LAWS.items():
+        housed = housing is not None and takes_housing(name)
+        built = in_housing(name, housing, "laws") if housing and housed else law()
+        laws.append(Johnson(datum=depth) if isinstance(built, Johnson) and depth else built)
     table = pd.DataFrame([_row(law, pair, load) for law in (*laws, *([own] if own else []))])
-    exact = 1e3 * float(reference(pair.contact, housing).penetration(load, pair))
+    exact = np.nan
+    if depth is not None or not pair.is_flat:
+        exact = 1e3 * float(reference(pair.contact, housing, depth).penetration(load, pair))
     table.insert(2, "off_percent", 100 * (table["penetration_um"] / exact - 1))
     return table
 
@@ -97,6 +104,7 @@ def comparison_text(
     load: float,
     own: ContactLaw | None = None,
     housing: Housing | None = None,
+    depth: float | None = None,
 ) -> str:
     """Return the comparison of all laws as a table."""
     forms = {
@@ -105,7 +113,7 @@ def comparison_text(
         "stiffness, N/mm²": ("stiffness_N_per_mm2", "{:.5g}"),
         "ends at, N/mm": ("largest_load_N_per_mm", "{:.5g}"),
     }
-    table = comparison(pair, load, own, housing)
+    table = comparison(pair, load, own, housing, depth)
     texts = pd.DataFrame({"law": table["law"]})
     for heading, (column, form) in forms.items():
         cells = [form.format(value) for value in table[column]]
@@ -173,23 +181,15 @@ def accuracy_text(contact: Contact) -> str:
         ]
         for row in accuracy(contact).to_dict("records")
     ]
-    return f"{head}\n\n{Table(['law', 'rms of ln', 'largest, %', 'defined over, %'], rows)}"
+    return f"{head}\n\n{TextTable(['law', 'rms of ln', 'largest, %', 'defined over, %'], rows)}"
 
 
 def listing(contact: Contact) -> str:
-    """Return the laws in a line each, and what a fit searches of them."""
+    """Return the laws in a line each."""
     lines = ["the laws; sources and conventions are in the documentation of each:"]
     width = max(map(len, LAWS))
     known: dict[str, Any] = {name: LAWS[name]() for name in LAWS} | FITTED
     for name, law in known.items():
         if contact in law.contacts:
             lines.append(f"  {name:<{width}}  {summary_of(law)}")
-    lines += ["", "parameters that a fit searches, and its bounds unless a campaign gives others:"]
-    for model in MODELS.values():
-        if model.contact == contact and model.parameters:
-            lines.append(f"  {model.law}")
-            for each in model.parameters:
-                bounds = f"{each.low:g} to {each.high:g}"
-                bounds = bounds if each.value is None else f"fixed at {each.value:g}"
-                lines.append(f"    {each.name:<18} {bounds:<16} {each.unit:<11} {each.meaning}")
     return "\n".join(lines)

@@ -14,9 +14,9 @@ from pydantic import Field
 from cylcontact.datasets.columns import MEASURED, column_at, given_columns, named_columns
 from cylcontact.files.numbers import numbers, seconds, words
 from cylcontact.files.reading import plain_number
+from cylcontact.files.sheet import Sheet, counted, read_sheet
 from cylcontact.files.spec import Spec
-from cylcontact.files.table import Table, counted, read_table
-from cylcontact.files.units import LABELS, Column, symbol
+from cylcontact.files.units import LABELS, Column
 from cylcontact.support.arrays import FloatArray
 from cylcontact.support.choices import Branch, first_of
 from cylcontact.support.errors import InputError
@@ -62,7 +62,7 @@ class Readings:
     `unclear` has the errors for columns that are left out since their unit is not known.
     """
 
-    table: Table
+    sheet: Sheet
     columns: dict[int, Column]
     numbers: dict[str, FloatArray]
     labels: dict[str, list[str]]
@@ -72,25 +72,25 @@ class Readings:
     @property
     def unread(self) -> list[int]:
         """The columns that are not read."""
-        others = ((k, x) for k, x in enumerate(self.table.columns) if k not in self.columns)
-        return [k for k, x in others if self.table.name(k) or any(c is not None for c in x)]
+        others = ((k, x) for k, x in enumerate(self.sheet.columns) if k not in self.columns)
+        return [k for k, x in others if self.sheet.name(k) or any(c is not None for c in x)]
 
     def block(self, rows: Sequence[int]) -> list[str]:
         """Return the lines that say what was read, left out and decided; `rows` are the kept."""
-        table, lines = self.table, [self.table.lines[row] for row in rows]
+        sheet, lines = self.sheet, [self.sheet.lines[row] for row in rows]
         read = []
         for column in sorted(self.columns.values(), key=lambda c: _rank(c.quantity)):
-            unit = f" in {symbol(column.unit)}" if column.unit else ""
+            unit = f" in {column.symbol}" if column.unit else ""
             by = ", divided by the length" if column.is_total else ""
             read.append(f"{column.quantity} from {column.name!r}{unit}{by}")
-        left, unread = list(table.left_out), [repr(table.name(k)) for k in self.unread]
+        left, unread = list(sheet.left_out), [repr(sheet.name(k)) for k in self.unread]
         if unread:
             left.append(f"{counted(unread, 'column')}: {first_of(unread, _LISTED)}")
-        where = f"{Path(table.source).name!r}, {table.numbered(lines)}"
+        where = f"{Path(sheet.source).name!r}, {sheet.numbered(lines)}"
         return [
             f"read {counted(lines, 'row')} of {where}: {'; '.join(read)}",
             *([f"left out: {'; '.join(left)}"] if left else []),
-            *(["; ".join(table.notes)] if table.notes else []),
+            *(["; ".join(sheet.notes)] if sheet.notes else []),
             *(f"! {warning}" for warning in self.warnings),
         ]
 
@@ -99,34 +99,34 @@ def read_readings(data: Path | str | pd.DataFrame, spec: TableSpec) -> Readings:
     """Read the measurements of a table."""
     given = spec.columns or {}
     wanted = {*given.values()} | ({spec.group} if spec.group is not None else set())
-    table = read_table(data, wanted, spec.sheet, spec.header)
-    skipped = {column_at(table, "ignore", name) for name in spec.ignore}
-    columns = given_columns(table, given)
+    sheet = read_sheet(data, wanted, spec.sheet, spec.header)
+    skipped = {column_at(sheet, "ignore", name) for name in spec.ignore}
+    columns = given_columns(sheet, given)
     explicit = {column.quantity for column in columns.values()}
-    group = None if spec.group is None else column_at(table, "group", spec.group)
+    group = None if spec.group is None else column_at(sheet, "group", spec.group)
     if group is not None:
         explicit.add("group")
-    others, unclear = named_columns(table, skipped | {*columns}, explicit)
+    others, unclear = named_columns(sheet, skipped | {*columns}, explicit)
     columns |= others
-    _drop_empty(table, {*columns} | ({group} if group is not None else set()))
+    _drop_empty(sheet, {*columns} | ({group} if group is not None else set()))
     optional = {k for k, c in others.items() if c.quantity in ("time", "group")}
-    readings = Readings(table, columns, {}, {}, unclear)
+    readings = Readings(sheet, columns, {}, {}, unclear)
     for k, column in list(columns.items()):
         try:
             if column.quantity in LABELS:
-                readings.labels[column.quantity] = words(table, k)
+                readings.labels[column.quantity] = words(sheet, k)
             else:
-                values = _values(table, k, column, spec.decimal)
+                values = _values(sheet, k, column, spec.decimal)
                 readings.numbers[column.quantity] = values
         except InputError as error:
             if k not in optional:
                 raise
-            where = error.source.removeprefix(f"{table.source}, ")
-            table.left_out.append(f"the {column.quantity} ({where} {error.rule})")
+            where = error.source.removeprefix(f"{sheet.source}, ")
+            sheet.left_out.append(f"the {column.quantity} ({where} {error.rule})")
             del columns[k]
     if group is not None:
-        readings.labels["group"] = words(table, group)
-        columns.setdefault(group, Column(table.name(group), "group"))
+        readings.labels["group"] = words(sheet, group)
+        columns.setdefault(group, Column(sheet.name(group), "group"))
     if {*MEASURED} <= {*readings.numbers}:
         _turn(readings, spec.sign)
         _keep_loads(readings, spec.loads)
@@ -137,32 +137,32 @@ def _rank(quantity: str) -> int:
     return [*MEASURED, quantity].index(quantity)
 
 
-def _values(table: Table, k: int, column: Column, decimal: str | None) -> FloatArray:
-    clock = seconds(table, k) if column.quantity == "time" else None
+def _values(sheet: Sheet, k: int, column: Column, decimal: str | None) -> FloatArray:
+    clock = seconds(sheet, k) if column.quantity == "time" else None
     if clock is not None:
         return np.array(clock)
-    return np.array([value * column.factor for value in numbers(table, k, decimal)])
+    return np.array([value * column.factor for value in numbers(sheet, k, decimal)])
 
 
 # --- rows ---------------------------------------------------------------------------------------
 
 
-def _drop_empty(table: Table, columns: set[int]) -> None:
+def _drop_empty(sheet: Sheet, columns: set[int]) -> None:
     """Leave out rows without a cell in what is read, as where a longer series is beside it."""
-    cells = zip(*(table.columns[k] for k in columns), strict=True)
+    cells = zip(*(sheet.columns[k] for k in columns), strict=True)
     keeps = [any(cell is not None for cell in row) for row in cells]
     if all(keeps) or not any(keeps):
         return
-    out = [line for line, keep in zip(table.lines, keeps, strict=True) if not keep]
+    out = [line for line, keep in zip(sheet.lines, keeps, strict=True) if not keep]
     rows = f"{counted(out, 'row')} empty in these columns"
-    table.left_out.append(f"{rows} ({table.numbered(out)})")
-    table.lines = [*compress(table.lines, keeps)]
-    table.columns = [[*compress(column, keeps)] for column in table.columns]
+    sheet.left_out.append(f"{rows} ({sheet.numbered(out)})")
+    sheet.lines = [*compress(sheet.lines, keeps)]
+    sheet.columns = [[*compress(column, keeps)] for column in sheet.columns]
 
 
 def _turn(readings: Readings, sign: str | None) -> None:
     """Turn the sign of what is counted the other way: compression and approach are positive."""
-    values, notes = readings.numbers, readings.table.notes
+    values, notes = readings.numbers, readings.sheet.notes
     if sign is not None:
         turned = dict.fromkeys(_TURNED[sign], "")
     else:
@@ -197,29 +197,29 @@ def _correlation_up_to_peak(load: FloatArray, depth: FloatArray) -> float:
 
 def _keep_loads(readings: Readings, text: str | None) -> None:
     """Leave out the rows with loads outside a range LOW:HIGH in the unit of the table."""
-    table = readings.table
+    sheet = readings.sheet
     k, column = next((k, c) for k, c in readings.columns.items() if c.quantity == "load")
-    values, unit = readings.numbers["load"] / column.factor, symbol(column.unit)
-    low, high = _ends(table, text or ":")
+    values, unit = readings.numbers["load"] / column.factor, column.symbol
+    low, high = _ends(sheet, text or ":")
     keeps = (values >= low) & (values <= high)
     below = np.flatnonzero(keeps & (values < 0))
     if below.size:
         more = f", {below.size - 1} more like it" if below.size > 1 else ""
         remedy = f"leave such rows out with --loads 0: (in {unit}{more}), or correct the row"
-        raise table.error("must be positive", remedy, int(below[0]), k)
+        raise sheet.error("must be positive", remedy, int(below[0]), k)
     if not keeps.any():
         remedy = f"give a range in {unit}: its loads are {values.min():.6g} to {values.max():.6g}"
-        raise InputError(table.source, "loads", text, "leaves no row", remedy)
-    out = [*compress(table.lines, ~keeps)]
+        raise InputError(sheet.source, "loads", text, "leaves no row", remedy)
+    out = [*compress(sheet.lines, ~keeps)]
     if out:
         rows = f"{counted(out, 'row')} with loads outside {text} {unit}"
-        table.left_out.append(f"{rows} ({table.numbered(out)})")
-    table.lines = [*compress(table.lines, keeps)]
+        sheet.left_out.append(f"{rows} ({sheet.numbered(out)})")
+    sheet.lines = [*compress(sheet.lines, keeps)]
     readings.numbers = {name: cells[keeps] for name, cells in readings.numbers.items()}
     readings.labels = {name: [*compress(cells, keeps)] for name, cells in readings.labels.items()}
 
 
-def _ends(table: Table, text: str) -> tuple[float, float]:
+def _ends(sheet: Sheet, text: str) -> tuple[float, float]:
     """Return the ends of a range, either of which may be left out."""
     low, colon, high = text.partition(":")
     try:
@@ -228,5 +228,5 @@ def _ends(table: Table, text: str) -> tuple[float, float]:
         ends = (np.nan, np.nan)
     if not (colon and ends[0] < ends[1]):
         rule = "must be a range of loads, the lower end first"
-        raise InputError(table.source, "loads", text, rule, "write e.g. 5:400, 5: or :400")
+        raise InputError(sheet.source, "loads", text, rule, "write e.g. 5:400, 5: or :400")
     return ends

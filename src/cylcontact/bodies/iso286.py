@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import re
 from bisect import bisect_left
 from dataclasses import dataclass
@@ -21,16 +22,55 @@ _SMALLEST, _LARGEST = 3.0, 500.0  # mm
 _GRADES = range(5, 12)
 # Stands for ΔR = 0: the limit of laws, that have no value there.
 _SMALLEST_CLEARANCE = 1e-6  # mm
+# Places between the tightest pair and the loosest, and nodes of the integral over holes.
+_PLACES, _NODES = 1001, 48
 _HOLES = ("C", "D", "E", "F", "G", "H", "JS")
 _PINS = ("c", "d", "e", "f", "g", "h", "j", "js", "k", "m", "n")
 _CODE = re.compile(r"\s*[⌀øØ]?\s*(\d+(?:[.,]\d+)?)\s*([A-Za-z]+)(\d+)\s*[/ ]\s*([A-Za-z]+)(\d+)\s*")
 
 
+@dataclass(frozen=True, eq=False)
+class ClearanceShares:
+    """How the clearances of the pairs of a fit are spread, between the tightest and the loosest.
+
+    Attributes
+    ----------
+    places, cumulated : array
+        Shares of the way from the tightest pair to the loosest, and of pairs up to there.
+    below : float
+        The share of pairs that are left out, because they have no clearance.
+    """
+
+    places: FloatArray
+    cumulated: FloatArray
+    below: float
+
+    def percentile(self, percent: float) -> float:
+        """Return the share of the way at a percentile of the pairs that are not left out."""
+        wanted = self.below + percent / 100 * (1 - self.below)
+        return float(np.interp(wanted, self.cumulated, self.places))
+
+    def weights(self, places: ArrayLike) -> FloatArray:
+        """Return the weights with which answers at some places give the mean over all pairs.
+
+        They are exact for every polynomial of the place with as many coefficients as places.
+        """
+        nodes = as_floats(places)
+        counted = np.maximum(self.cumulated, self.below)
+        middles, parts = (self.places[1:] + self.places[:-1]) / 2, np.diff(counted)
+        parts = parts / parts.sum()
+        # Legendre's polynomials keep the equations well conditioned.
+        degree = nodes.size - 1
+        moments = np.polynomial.legendre.legvander(2 * middles - 1, degree).T @ parts
+        matrix = np.polynomial.legendre.legvander(2 * nodes - 1, degree).T
+        return as_floats(np.linalg.solve(matrix, moments))
+
+
 @dataclass(frozen=True)
-class Fit:
+class IsoFit:
     """A fit of a pin in a hole, with the limits of both diameters.
 
-    Build one with `Fit.read`.
+    Build one with `IsoFit.read`.
 
     Attributes
     ----------
@@ -49,10 +89,10 @@ class Fit:
 
     Examples
     --------
-    >>> fit = Fit.read("20H7/g6")
+    >>> fit = IsoFit.read("20H7/g6")
     >>> print(fit)
     20H7/g6: hole 20 +0.000 +0.021, pin 20 -0.020 -0.007 mm, radial clearance 3.5 to 20.5 µm
-    >>> Fit.read("20H7/k6").kind
+    >>> IsoFit.read("20H7/k6").kind
     'transition'
     """
 
@@ -62,7 +102,7 @@ class Fit:
     pin: tuple[float, float]
 
     @classmethod
-    def read(cls, code: str, source: str = "fit", key: str = "") -> Fit:
+    def read(cls, code: str, source: str = "iso", key: str = "") -> IsoFit:
         """Return the fit of a code.
 
         Parameters
@@ -79,7 +119,10 @@ class Fit:
         """
         match = _CODE.fullmatch(code)
         if match is None:
-            rule, remedy = "is no fit", "write the diameter in mm, the hole and the pin: 20H7/g6"
+            rule, remedy = (
+                "is not an ISO fit",
+                "write the diameter in mm, the hole and the pin: 20H7/g6",
+            )
             raise InputError(source, key, code, rule, remedy)
         size, hole, hole_grade, pin, pin_grade = match.groups()
         nominal = plain_number(size.replace(",", "."))
@@ -125,13 +168,42 @@ class Fit:
         share = as_floats(share)
         return apart(low + share * (high - low), most - share * (most - least))
 
+    def at_clearance(self, dR: ArrayLike) -> FloatArray:
+        """Return the share of the way from the tightest pair to the loosest with this ΔR in mm."""
+        low, high = self.clearance
+        return as_floats((as_floats(dR) - low) / (high - low))
+
+    def shares(self, above: float = -np.inf) -> ClearanceShares:
+        """Return how the clearances of produced pairs are spread, of those above a ΔR in mm.
+
+        Both diameters are normally distributed around the middle of their tolerances, whose limits
+        are 3 standard deviations away; what lies beyond the limits is rejected.
+
+        Examples
+        --------
+        >>> spread = IsoFit.read("20H7/k6").shares(above=0.0)
+        >>> print(f"{100 * spread.below:.1f} % of the pairs have no clearance")
+        31.3 % of the pairs have no clearance
+        """
+        (low, high), (least, most) = self.limits
+        hole, pin = (high - low) / 2, (most - least) / 2
+        places = np.linspace(0, 1, _PLACES)
+        # With h the place of the hole in its tolerance, from −1 to 1, the pin has to be at this
+        # place of its own for a share of the way from the tightest pair to the loosest.
+        h, weights = np.polynomial.legendre.leggauss(_NODES)
+        weights = weights * np.exp(-4.5 * h**2)
+        place = ((2 * places[:, None] - 1) * (hole + pin) - hole * h) / pin
+        below = as_floats(_normal(place) @ weights / weights.sum())
+        start = float(np.interp(self.at_clearance(max(above, self.clearance[0])), places, below))
+        return ClearanceShares(places, below, start)
+
     @property
     def middle(self) -> tuple[float, float]:
         """The radii of hole and pin in mm in the middle of the fit."""
         hole, pin = self.radii(0.5)
         return float(hole), float(pin)
 
-    def require_clearance(self, source: str, key: str = "fit") -> None:
+    def require_clearance(self, source: str, key: str = "iso") -> None:
         """Raise `InputError` unless every pin within the limits fits in every hole."""
         low, high = self.clearance
         rule = f"is an interference fit, {-2e3 * high:.3g} to {-2e3 * low:.3g} µm on the diameter"
@@ -160,6 +232,13 @@ def _micrometres(value: float) -> str:
     ('+0.021', '-0.0075')
     """
     return f"{value:+.3f}" if abs(1e3 * value - round(1e3 * value)) < 1e-6 else f"{value:+.4f}"
+
+
+def _normal(place: FloatArray) -> FloatArray:
+    """Return the share of parts up to a place of their tolerance, from −1 to 1."""
+    of = np.vectorize(math.erf, otypes=[float])
+    edge = math.erf(3 / math.sqrt(2))
+    return as_floats((1 + of(3 * np.clip(place, -1, 1) / math.sqrt(2)) / edge) / 2)
 
 
 def apart(R_i: FloatArray, R_j: FloatArray) -> tuple[FloatArray, FloatArray]:

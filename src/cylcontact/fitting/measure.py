@@ -1,0 +1,245 @@
+"""Fit a law to a table of readings: descend, find intervals, test the noise, and report.
+
+table, pair, law, options
+→ `read_table`        MeasuredTable: checked readings and the settings of a fit
+→ `.campaign`         Campaign: the law, its parameters and the noise
+→ `fit_with_noise`    Fit: free parameters and residuals, with the noise estimated
+→ `fit_table`         descends from several starts, and finds intervals and tests
+→ `DataFit`           the result
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cylcontact.bodies.pair import Contact, CylinderPair
+from cylcontact.datasets.measurements import Constants, Measurements
+from cylcontact.files.journal import Journal
+from cylcontact.fitting import findings
+from cylcontact.fitting.campaign import Campaign, read_table
+from cylcontact.fitting.data_fit import DataFit
+from cylcontact.fitting.noise import ABSOLUTE, STANDARDISED
+from cylcontact.fitting.readings import (
+    Optimum,
+    fit_with_noise,
+    measurements_in,
+    require_increasing,
+    singular,
+)
+from cylcontact.fitting.records import (
+    Estimate,
+    MaxDifference,
+    ObjectiveValue,
+    RunRecord,
+    SampleCounts,
+)
+from cylcontact.fitting.results import on_runs
+from cylcontact.fitting.runs import best_of, descend_from, published_on, run_all
+from cylcontact.fitting.specs import MeasuredSpec
+from cylcontact.laws.law import ContactLaw
+from cylcontact.support.parallel import Workers, call
+from cylcontact.support.progress import Progress, silent
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Descents to so few measurements take less time than starting worker processes.
+_FEW_ROWS = 2_000
+
+
+def fit_table(
+    campaign: Campaign,
+    jobs: Workers = 1,
+    progress: Progress = silent,
+    checkpoint: Path | None = None,
+    resume: bool = False,
+) -> DataFit:
+    """Fit a law to a table of measurements.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        On measurements, from `Campaign.read`.
+    jobs, progress, checkpoint, resume
+        As for `calibrate`.
+
+    Returns
+    -------
+    DataFit
+
+    Raises
+    ------
+    InputError
+        If the law is undefined for some of the data, or `checkpoint` belongs to another campaign.
+    """
+    try:
+        return _fitted(campaign, jobs, progress, checkpoint, resume)
+    except np.linalg.LinAlgError as error:
+        raise singular(campaign.source) from error
+
+
+def _fitted(
+    campaign: Campaign,
+    jobs: Workers,
+    progress: Progress,
+    checkpoint: Path | None,
+    resume: bool,
+) -> DataFit:
+    spec, data, model = campaign.spec, measurements_in(campaign), campaign.model
+    assert isinstance(spec, MeasuredSpec)
+    if isinstance(jobs, int) and len(data) <= _FEW_ROWS:
+        jobs = 1
+    provenance = campaign.provenance  # of what is run, not of what is there when it ends
+    fit = fit_with_noise(campaign)
+    journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
+    starts = fit.starts(campaign.nominal, spec.starts, spec.seed)
+    calls = [call(descend_from, fit, start, k, spec.seed) for k, start in enumerate(starts)]
+    records = run_all(calls, RunRecord, jobs, progress, journal, resume)
+    best, published = best_of(records), published_on(fit)
+    point = fit.point(best.coefficients)
+    optimum = Optimum(fit.at_best(point), point)
+    require_increasing(fit, point)
+    progress("profiling", 0, 1)
+    level = spec.level or findings.LEVEL
+    searched, better = findings.estimates_of(optimum, level, jobs)
+    progress("profiling", 1, 1)
+    estimates = {}
+    for p in campaign.parameters:
+        said = f"= {p.tie}" if p.tie else "fixed"
+        known = Estimate(value=best.coefficients[p.name], unit=p.unit, verdict=said)
+        estimates[p.name] = searched.get(p.name, known)
+    undetermined = findings.on_lack_of_determination(optimum, searched)
+    disagreement, agreement = on_runs(records, DataFit.round_off, (), "--fix NAME=VALUE")
+    notes = [*findings.notes_of(optimum, level, undetermined), *better, *data.data.notes]
+    if published is not None:
+        notes.append(
+            f"on these data the law has an objective of {published.objective:.4g} with its "
+            f"published constants, and {best.objective:.4g} fitted"
+        )
+    of_published = model.build(published.coefficients) if published else None
+    worst = optimum.law, of_published
+    is_given, noise = fit.noise.is_given, optimum.covariance_of_readings
+    unit = {ABSOLUTE: "mm", STANDARDISED: "std. dev."}.get(campaign.objective, "")
+    return DataFit(
+        name=campaign.name,
+        law=model.law,
+        contact=model.contact,
+        formula=model.formula,
+        reference=campaign.reference,
+        estimates=estimates,
+        objective=ObjectiveValue(
+            name=campaign.objective, value=best.objective, unit="std. dev." if is_given else unit
+        ),
+        published=published,
+        # Of readings about zero a relative difference says nothing.
+        max_abs_diff_percent=MaxDifference(
+            **{
+                key: _largest_percent(data, law) if law and data.penetration.min() > 0 else None
+                for key, law in zip(("fitted", "published"), worst, strict=True)
+            }
+        ),
+        runs=records,
+        counts=SampleCounts(samples=len(data), masked=0),
+        warnings=[*findings.warnings_of(optimum, searched), *undetermined, *disagreement],
+        notes=[*notes, *agreement],
+        settings=campaign.settings,
+        provenance=provenance,
+        level=level,
+        sigma=optimum.sigma,
+        degrees_of_freedom=optimum.degrees,
+        chi_square_p=optimum.chi_square_p,
+        correlation=findings.correlation_of(optimum).tolist(),
+        outliers=[data.line(row) for row in findings.outliers(optimum)],
+        noise=None if noise is None else findings.deviations_of(optimum, noise),
+        log_likelihood=optimum.log_likelihood,
+        estimated=optimum.estimated,
+        r_squared=findings.r_squared(optimum),
+    ).with_optimum(optimum)
+
+
+def _largest_percent(data: Measurements, law: ContactLaw) -> float | None:
+    """Return the largest difference from the measurements in percent; None if undefined."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.abs(law.penetration(data.load, data.pair) / data.penetration - 1)
+    finite = ratio[np.isfinite(ratio)]  # a reading may be 0
+    return float(100 * finite.max()) if finite.size else None
+
+
+def fit(
+    data: pd.DataFrame | Path | str,
+    law: str,
+    pair: CylinderPair | None = None,
+    *,
+    contact: Contact | None = None,
+    constants: Constants | None = None,
+    free: Sequence[str] | str = (),
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    ties: Mapping[str, str] | None = None,
+    level: float = findings.LEVEL,
+    jobs: Workers = 1,
+    **settings: Any,
+) -> DataFit:
+    """Fit a law to measurements.
+
+    Parameters
+    ----------
+    data : DataFrame or path
+        Columns of loads and penetrations with their units, such as load_N and penetration_um, and
+        of whatever differs from row to row: dR_um, E_GPa, material, ….
+    law : str
+        Its name, or module:function for one of your own.
+    pair : CylinderPair, optional
+        The two cylinders, if they are the same in all rows.
+    contact : {"internal", "external"}, optional
+        Without a pair, a pin in a hole or two rollers.
+    constants : mapping, optional
+        Values for all rows by column name, in place of a pair or beside it.
+    free : str or sequence of str, optional
+        Parameters to search beside the usual ones, with their default bounds: the constants of a
+        law's shape, or the compliance of the rig.
+    fixed : mapping of str to float, optional
+        Parameters to hold at a value.
+    bounds : mapping of str to (low, high), optional
+        Parameters to search between two values.
+    ties : mapping of str to str, optional
+        Parameters to set by an expression of others, such as "a/10".
+    level : float, optional
+        The level of the intervals, between 0 and 1.
+    jobs : int or Cluster, optional
+        Worker processes; the result does not depend on them.
+    **settings
+        Other keys of a campaign file: noise, group, drift, load_error, columns, branch,
+        ignore, sheet, header, decimal, loads, sign, materials, starts, seed, name.
+
+    Returns
+    -------
+    DataFit
+
+    Raises
+    ------
+    InputError
+        If the data or a setting is invalid, or the law is undefined for some of the data.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> import cylcontact as cc
+    >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+    >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+    >>> load, noise = np.geomspace(10.0, 1000.0, 9), 1 + 0.01 * np.cos(np.arange(9))
+    >>> depth = cc.laws.Explicit().penetration(load, pair) * noise
+    >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
+    >>> result = cc.fit(data, "explicit", pair)
+    >>> print(result.to_frame().loc["stiffness_factor", ["value", "standard_error"]].to_dict())
+    {'value': 1.0008..., 'standard_error': 0.0043...}
+    """
+    tables = {"fixed": fixed, "bounds": bounds, "ties": ties}
+    settings |= {key: dict(table) for key, table in tables.items() if table}
+    settings |= {"free": ((free,) if isinstance(free, str) else tuple(free)) or None}
+    table = read_table(data, law, pair, contact, constants, level=level, **settings)
+    return fit_table(table.campaign(law), jobs)

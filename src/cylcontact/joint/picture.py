@@ -1,0 +1,80 @@
+"""Pictures of a checked joint: its load against the penetration, and a sketch of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cylcontact.joint.loaded import law_of
+from cylcontact.limits import hertz_stress
+from cylcontact.plots.arguments import axes_for
+from cylcontact.plots.style import ACCENT
+from cylcontact.support.arrays import FloatArray, as_floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from cylcontact.bodies.pair import CylinderPair
+    from cylcontact.joint.check import JointCheck
+    from cylcontact.joint.loaded import LoadedJoint
+
+_POINTS = 161
+# Of a fit these are drawn: the others lie between them.
+_DRAWN = ("joint", "tightest", "middle", "loosest")
+
+
+def draw_check(check: JointCheck, ax: Axes | None = None) -> Axes:
+    """Draw the penetration of each pair up to its first yield, and the joint at work.
+
+    Of a plane of unknown depth it is the largest pressure. Each line ends where its pair yields;
+    the cross is on the pair that yields first.
+    """
+    joint = check.joint
+    solved = dict(joint.solved())
+    pairs = {name: pair for name, pair in solved.items() if name in _DRAWN}
+    numbers = check.band or {"joint": check.numbers}
+    ends = {name: numbers[name].first_yield_N_per_mm for name in pairs}
+    known = [end for end in ends.values() if not np.isnan(end)]
+    beyond = 1.25 * check.load
+    top = max([beyond, *(1.05 * end for end in known)])
+    worst, of_worst = check.worst
+    with axes_for(ax, "plot", "column", 70.0) as axes:
+        for name, pair in pairs.items():
+            end = beyond if np.isnan(ends[name]) else ends[name]
+            load = as_floats(np.linspace(0, end, _POINTS)[1:])
+            label = name if check.iso else "to first yield" if known else "this joint"
+            axes.plot(load, _drawn(load, pair, joint), label=label, marker="")
+        at_yield = of_worst.first_yield_N_per_mm
+        if not np.isnan(at_yield):
+            label = f"first yield: {at_yield:,.0f} N/mm" + (f" ({worst})" if check.iso else "")
+            y = _drawn(as_floats(at_yield), solved[worst], joint)
+            axes.plot(at_yield, y, "X", color=ACCENT,
+                      markerfacecolor=ACCENT, markersize=6, label=label)  # fmt: skip
+        for pair in pairs.values():
+            axes.plot(check.load, _drawn(as_floats(check.load), pair, joint), "o", color="black",
+                      markerfacecolor="black", markersize=3)  # fmt: skip
+        axes.axvline(check.load, color="black", linewidth=0.6, linestyle=":", marker="",
+                     label=f"this load: {check.load:,.4g} N/mm")  # fmt: skip
+        what = "penetration (µm)" if joint.has_penetration else "largest pressure (MPa)"
+        axes.set(xlabel="load (N/mm)", ylabel=what, xlim=(0, top), ylim=(0, None))
+        axes.set_title(title_of(joint))
+        axes.legend(fontsize=6)
+    return axes
+
+
+def _drawn(load: FloatArray, pair: CylinderPair, joint: LoadedJoint) -> FloatArray:
+    """Return what is drawn against the load."""
+    if not joint.has_penetration:
+        return hertz_stress(load, pair)
+    return 1e3 * law_of(pair, joint.housing, joint.depth).penetration(load, pair)
+
+
+def title_of(joint: LoadedJoint) -> str:
+    """Return the joint in some words."""
+    pair = joint.drawn
+    one, other = pair.material_i.title, pair.material_j.title
+    if pair.contact == "external":
+        return f"{one} roller on {other} {'plane' if pair.is_flat else 'roller'}"
+    size = joint.iso.code if joint.iso else f"R = {float(as_floats(pair.R_i)):g} mm"
+    return f"{size}: {other} pin in {one}"
