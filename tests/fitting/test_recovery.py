@@ -43,8 +43,9 @@ def samples(contact, points=20, spacing=None, E_end=None):
     )
     ends = ((20.7e3, E_end), dR_ends, (10.0, 1000.0))
     axes = [SPACED[how](*end, points) for how, end in zip(spacing.split(), ends, strict=True)]
-    E, dR, f = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
-    E_star = E / (2 * (1 - 0.3**2))
+    ratios = np.linspace(0.1, 0.5, 5)
+    E, dR, f, nu = (axis.ravel() for axis in np.meshgrid(*axes, ratios, indexing="ij"))
+    E_star = E / (2 * (1 - nu**2))
     inside = f <= 4 * np.pi / np.e**2 * E_star * dR
     E_star, dR, f = E_star[inside], dR[inside], f[inside]
     return E_star, dR, f, f / (np.pi * E_star) * (np.log(4 * np.pi * E_star * dR / f) - 1)

@@ -270,9 +270,8 @@ def exported(
     formula, constants = of_contact[contacts.index(contact) if contact else 0]
     is_usual = law.name in LAWS and law == LAWS[law.name]()
     if base.note:
-        formula = replace(
-            formula, remark=f"{formula.remark} {base.note[0].upper()}{base.note[1:]}."
-        )
+        note = base.note[0].upper() + base.note[1:]
+        formula = replace(formula, remark=f"{formula.remark} {note}.")
     origin = origin or (base.origin if is_usual else "given by the caller")
     return ExportedLaw(law, contact, origin, formula, constants, *factors)
 
