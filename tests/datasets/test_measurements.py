@@ -139,7 +139,10 @@ E_NU = ("E_GPa", "nu")
 # Columns dropped, columns added, constants, and what is said then.
 BAD_COLUMNS = [
     (("nu",), {}, {}, ": nu: is required; add nu"),
-    (E_NU, {}, {}, ": material of the hole: is not given|--hole"),
+    (("dR_um",), {}, {"R_i_mm": 10.0}, ": lacks the other radius; add your own, e.g. --Rj 9.97"),
+    (("dR_um",), {}, {"R_j_mm": 10.0}, ": lacks the other radius; add your own, e.g. --Ri 10.03"),
+    (E_NU, {}, {"material_j": "ceramics"}, ": lacks the material of the hole|--hole 'low-carbon"),
+    (E_NU, {}, {}, ": lacks the materials; add your own, e.g. --material 'low-carbon"),
     ((), {"E_i_GPa": [1, 1, 1]}, {}, ": material of the hole: must be given once|E_i|--ignore"),
     ((), {}, {"E_MPa": 1.0}, ": constants.E_MPa = 1.0: E is given twice|keep one"),
     ((), {}, {"load_N": 1.0}, ": constants.load_N = 1.0: is not a known constant"),
@@ -147,21 +150,21 @@ BAD_COLUMNS = [
     ((), {}, {"length_mm": "x"}, ": constants.length_mm = 'x': must be a number"),
     (E_NU, {}, {"material": 3.0}, ": constants.material = 3.0: must be a name"),
     (E_NU, {}, {"material": "gold"}, ": material = 'gold': is not in the table that ships"),
-    (("dR_um",), {}, {}, ": dR, R_i, R_j = []: must be ΔR, ΔR and one radius|dR_nm"),
+    (("dR_um",), {}, {}, ": lacks the radii|--Ri 10 --Rj 9.97|[constants] dR_um"),
     ((), {}, {"R_i_mm": 10.0, "R_j_mm": 9.0}, ": dR, R_i, R_j = |must be ΔR, ΔR and one"),
     ((), {}, {"R_i_mm": 0.01}, ", line 2: dR, R_i: |leave the pin's radius = -0.04 mm"),
     (("dR_um",), {}, {"R_i_mm": 9.0, "R_j_mm": 10.0}, ": R_i, R_j: |is not above|exchange"),
     (("nu",), {}, {"nu": 30}, ": constants.nu = 30: must lie in [0, 0.5]|mind its unit"),
     (("dR_um",), {}, {"dR_um": -1}, ": constants.dR_um = -1: must be positive|mind its unit"),
-    (("load_N_per_mm",), {"load_N": [1, 2, 3]}, {}, ": load: is a total force|length"),
+    (("load_N_per_mm",), {"load_N": [1, 2, 3]}, {}, ": lacks the length|--length 20|length_mm"),
     (
         ("penetration_um", "dR_um", *E_NU), {"gap": [1, 2, 3]}, {},
-        ": columns: lacks the penetration, ΔR or both radii, the material of the hole, the material"
-        "|penetration_um, dR_um, material_i, material_j|'gap' with --columns penetration_UNIT=gap",
+        ": lacks the penetration, the materials and the radii|e.g. --columns penetration_UNIT=gap"
+        "|--material 'low-carbon steel' --Ri 10 --Rj 9.97|not read: 'gap'",
     ),
     (
         ("load_N_per_mm", "penetration_um"), {"Kraftwert [kN]": [1, 2, 3]}, {"length_mm": 10.0},
-        ": columns: lacks the load, the penetration|with --columns 'load=Kraftwert [kN]'",
+        ": lacks the load and the penetration|--columns 'load=Kraftwert [kN]'",
     ),
     *(
         ((), {column: [GOOD[column][0], value, value]}, {}, f", line 3: {key} = |1 more like it")

@@ -107,17 +107,17 @@ BAD_FILES = [
     # Cells and rows.
     (SEMI + "1,5;x\n", 2, "penetration_um = 'x'|must be a finite number|decimal point"),
     (SEMI + "1e999;2\n", 2, "load_N_per_mm = '1e999'|must be a finite number"),
-    (SEMI + "1,5;2 µm\n", 2, "penetration_um = '2 µm'|must be a finite number|its unit"),
+    (SEMI + "1,5;2 µm\n2;3\n", 2, "penetration_um = '2 µm'|must be a finite number|its unit"),
     (SEMI + "1,5;\n", 2, "penetration_um|is empty|fill it in"),
     (SEMI + "1,5;2;3\n", 2, "has 3 cells for 2 columns|separated by semicolons"),
     ("nu,material\n.3,\n", 2, "material|is empty"),
-    ("Lauf 3\nload_N,x\n1,2\n", None, "penetration|is required|UNIT=x"),
+    ("Lauf 3\nload_N,x\n1,2\n", None, "lacks the penetration and the length|UNIT=x"),
     (SEMI + "0;0,1\n0;0\n", None, "load = 0.0|is zero in all rows|above zero"),
     ("", None, "is empty|line of column names"),
     ("load_N_per_mm,penetration_um\n", None, "holds no rows|at least one"),
     ('load_N\n"1\n', None, "is not a CSV table|save it as CSV"),
     # Bytes.
-    (b"load_N;\x81\n", None, "is not a CSV table|UTF-8"),
+    (b"load_N;\x81\n", None, "in an encoding that is not known|--encoding cp1251|UTF-8"),
     (b"\xff\xfe\x00load", None, "is not a CSV table|UTF-8"),
     ("load_N\n1\n".encode("utf-16-le"), None, "holds zero bytes|UTF-8"),
     # Units and names.
@@ -128,8 +128,12 @@ BAD_FILES = [
     ("F [N];x\nkN;µm\n1;2\n", None, "'F [N]'|has 'kN' below its name|correct one"),
     ("F [N];load_N\n1;2\n", None, "'load_N'|same quantity as F [N]|--ignore load_N"),
     ("F [N];F [N]\n1;2\n", None, "same quantity as F [N]|a name of its own"),
-    ("F [N];x\n1;2\n", None, "penetration|is required|'x' with --columns penetration_UNIT=x"),
-    ("F [N];delta_um\n1;2\n", None, "load|is a total force|add --length in mm"),
+    (
+        "F [N];x\n1;2\n",
+        None,
+        "lacks the penetration and the length|--columns penetration_UNIT=x --length 20|not read",
+    ),
+    ("F [N];delta_um\n1;2\n", None, "lacks the length; add your own, e.g. --length 20"),
 ]
 
 
@@ -200,7 +204,7 @@ def test_what_is_no_table_is_refused(tmp_path):
     cases = [
         ("t.json", b"{}", "is not a table"),
         ("t.XLS", b"\xd0\xcf\x11\xe0", "is a workbook of Excel before 2007"),
-        ("t.ods", b"PK\x03\x04\x00", "is not a CSV table"),
+        ("t.ods", b"PK\x03\x04\x00", "is an archive (zip); unpack it"),
         ("t.xlsx", b"load_N\n", r"is not an Excel workbook (File is not a zip file)"),
         ("t.xlsx", good[:400], "is not an Excel workbook"),
         ("t.xlsx", good[:-30], "is not an Excel workbook"),

@@ -293,8 +293,8 @@ ROLLERS = CylinderPair.external(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
         (lambda fit: fit.predict([10.0, -1.0]), "load in N/mm = -1.0: leaves the domain"),
         (lambda fit: fit.predict("4 tf"), "is not a load with its unit"),
         (lambda fit: fit.plot_profile("speed"), "has no profile: it was not searched"),
-        (lambda fit: fit.design([20.0], parameter="kappa"), "is not free; choose offset, comp"),
-        (lambda fit: fit.design([20.0], add=0), "add = 0: must be from 1"),
+        (lambda fit: fit.plan([20.0], parameter="kappa"), "is not free; choose offset, comp"),
+        (lambda fit: fit.plan([20.0], add=0), "add = 0: must be from 1"),
     ],
 )
 def test_what_cannot_be_answered_is_refused(plain, ask, words):

@@ -1,14 +1,12 @@
 """Tables as testing machines, spreadsheets and programs write them, all of one known truth."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from hypothesis import strategies as st
 
 import cylcontact as cc
-from cylcontact.support.arrays import FloatArray
 
 LENGTH = 20.0
 PAIR = cc.CylinderPair.internal(
@@ -136,7 +134,7 @@ def forms() -> list[Form]:
         Form("travel negative", "Load (N),Crosshead (mm)\n" + rows(F, -w),
              said="sign of the penetration turned, as it falls"),
         Form("baseline", "Load (N),Extension (mm)\n0.3,0\n-0.2,0.00001\n" + rows(F, w),
-             {"loads": "5:"}, "2 rows with loads outside 5: N (lines 2, 3)"),
+             {"loads": "5:"}, "2 rows with loads below 5 N (lines 2, 3)"),
         Form("break", "Force (N),Stroke (mm)\n" + rows(F, w)
              + "".join(f"{3000 - k},{0.05 + k / 1e4:.4f}\n" for k in range(2 * ROWS))
              + "-1.2,0.5\n0.4,0.6\n",
@@ -149,92 +147,54 @@ def forms() -> list[Form]:
         Form("footer", "Force [N],Displ. [mm]\n" + rows(F, w) + "End of test\n***,\n",
              said=f"lines {ROWS + 2}, {ROWS + 3} below the rows"),
         Form("old Mac", ("Force [N]\tTravel [mm]\n" + rows(F, w, **tabs)).replace("\n", "\r")),
+        Form("extensometer beside the crosshead", "Time,Extension,Displacement (Strain 1),Strain 1,"
+             "Load\n(sec),(mm),(mm),(mm/mm),(N)\n" + rows(t, w * 1.2, w, w / 50, F),
+             said="penetration from 'Displacement (Strain 1)'; --columns penetration=Extension"),
+        Form("nested brackets", "Load(8800 (0,1):Load) (kN);Position(8800 (0,1):Position) (µm)\n"
+             + rows(F / 1e3, w * 1e3, **semi), said="in kN"),
+        Form("six lines of header", "Column title,Date,Time,1,2\nData name,,,Force,Displacement\n"
+             "Comment,,,Cell 1,LVDT 2\nType,,,FLOAT,FLOAT\nUnit,,,N,mm\n"
+             + rows([""] * ROWS, ["2024-03-05"] * ROWS, clocks, F, w),
+             said="lines 1, 3, 4 before the rows; units from line 5"),
+        Form("exponents behind a space", "Force (N),Travel (mm)\n"
+             + rows(F, [f"{x * 1e3:.9f} E-03" for x in w])),
+        Form("times ten to the power", "Force (N);Travel (m)\n"
+             + rows(F, [f"{x * 1e3:.9f}×10-6".replace(".", ",") for x in w], **semi)),
+        Form("Fortran", "Force (N),Travel (mm)\n"
+             + rows(F, [f"{x:.9e}".replace("e", "D") for x in w])),
+        Form("units in cells", "Force,Travel\n" + rows([f"{number(a)} N" for a in F],
+             [f"{number(x * 1e3)}µm" for x in w]), said="units from the cells of 'Force' and"),
+        Form("two units in cells", "Force;Travel\n" + rows([f"{number(a)} N" if a < 1e3 else
+             f"{number(a / 1e3)} kN" for a in F], [f"{number(x)} mm" for x in w], separator=";")),
+        Form("a date and a line above", "Test 1\nDate,Force [N],Travel [mm]\n"
+             + rows(["2024-03-05"] * ROWS, F, w), said="line 1 before the rows"),
+        Form("two rows of dates", "Machine XY, load cell 25 kN, cert. 7\nDatum;Kraft [N];Weg [mm]\n"
+             + rows(["05.03.2024"] * ROWS, F, w, **semi), said="separated by semicolons"),
+        Form("numbers of specimens", "Test 1 of 2\nSpecimen,Force [N],Travel [mm]\n"
+             + rows(["12-1"] * ROWS, F, w), {"group": "Specimen"}, "group from 'Specimen'"),
+        Form("spaces beside exponents", "Kraft_[N]  Weg_[mm]\n"
+             + "".join(f"{a:.9e}  {x:.9e}\n".replace(".", ",") for a, x in zip(F, w, strict=True)),
+             said="separated by spaces; marked by commas"),
+        Form("powers of ten", "Force 10^3 N,Displacement 10^-3 mm\n" + rows(F / 1e3, w * 1e3),
+             said="load from 'Force 10^3 N' in 1000 N; in 0.001 mm"),
+        Form("powers of ten below", "Force;Weg\n10³ N;[10⁻³ mm]\n" + rows(F / 1e3, w * 1e3, **semi),
+             said="in 1000 N"),
+        Form("a factor that is not clear", "Force (x10) [N],Weg [mm]\n" + rows(F / 10, w),
+             {"columns": {"load [10 N]": "Force (x10) [N]"}}, "in 10 N"),
+        Form("blocks", "Data Header:,Time: 0.5 Sec\nForce,Travel\nN,mm\n" + rows(F[:4], w[:4])
+             + "Data Header:,Time: 1.5 Sec\nForce,Travel\nN,mm\n" + rows(F[4:], w[4:]),
+             {"group": "block"}, "lines 8 to 10 between blocks; 2 blocks; group from 'block'"),
+        Form("thousands of Windows", "Kraft [N];Weg [mm]\n"
+             + rows([f"{a:,.1f}".translate({44: 0xA0, 46: 44}) for a in F], w, **semi),
+             {"decimal": ","}, "text in Windows-1252", "cp1252"),
+        Form("Cyrillic", "Время (с),Сила (Н),Перемещение (мм)\n" + rows(t, F, w),
+             {"encoding": "cp1251", "columns": {"load": "Сила (Н)", "penetration": "3"}},
+             "text in cp1251", "cp1251"),
+        Form("Chinese", "力 (N),位移 (mm)\n" + rows(F, w),
+             {"encoding": "gbk", "columns": {"load": "1", "penetration": "2"}}, "gbk", "gbk"),
+        Form("a separator by name", "F [N]|w [mm]\n" + rows(F, w, separator="|"),
+             {"separator": "bar"}, "separated by bars"),
+        Form("a row excluded", "F [N],w [mm]\n" + rows(F, w) + "9e3,0.5\n",
+             {"exclude": (f"{ROWS + 2}",)}, f"1 row excluded (line {ROWS + 2})"),
         Form("UTF-16", "δ [µm]\tF [N]\n" + rows(w * 1e3, F, **tabs), encoding="utf-16"),
     ]  # fmt: skip
-
-
-# --- layouts at random --------------------------------------------------------------------------
-
-_PREAMBLES = (
-    "", "Prüfprotokoll\n", "Test 3\n\nOperator{s}NN\n", "# rig 3\n# a{s}b{s}c\n", "sep={s}\n",
-    "Date{s}2021-05-03\nSpeed{s}1{d}5{s}mm/min\nSample{s}A\n", "Force and travel of pins; zeroed\n",
-    '"Width"{s}6{d}02{s}"mm"\n"Load cell"{s}""\n"Speed"{s}1{s}"mm/min"\n',
-    "Results Table 1\n{s}Max load{s}E\n1{s}5{s}6{s}7{s}8\n",
-)  # fmt: skip
-# Names; a unit behind | is in a row below them.
-_LOADS = (
-    "load_{u}", "F [{u}]", "Standard force|{u}", "Kraft in {u}", "Axial Force ({u})", "Force / {u}",
-    "Load [{u}]", "Charge|[{u}]", "Fuerza ({u})", "FORZA|({u})",
-)  # fmt: skip
-_DEPTHS = (
-    "penetration_{u}", "Weg [{u}]", "Standard travel|{u}", "Crosshead|({u})", "Extension ({u})",
-    "δ / {u}", "Depth, {u}", "Course ({u})", "corsa|[{u}]",
-)  # fmt: skip
-_OTHERS: tuple[tuple[str, Callable[[int], list[Any]]], ...] = (
-    ("Nr.", lambda n: [str(k + 1) for k in range(n)]),
-    ("Time (s)", lambda n: [k / 8 for k in range(n)]),
-    ("Clock", lambda n: [f"00:0{k % 6}:{k:02d}" for k in range(n)]),
-    ("Specimen", lambda n: (["#1", "#2", "A", "B"] * n)[:n]),
-    ("Note", lambda n: (["ok", "", "bad"] * n)[:n]),
-    ("Temperature [°C]", lambda n: [20.5] * n),
-    ("E (J)", lambda n: [0.25 * k for k in range(n)]),
-    ("weight", lambda n: [1.5] * n),
-)
-
-
-@dataclass(frozen=True)
-class Layout:
-    """A file of random layout, what marks its decimals, and its loads in N and depths in mm."""
-
-    content: bytes
-    mark: str
-    load: FloatArray
-    penetration: FloatArray
-
-
-@st.composite
-def layouts(draw: st.DrawFn, separator: str) -> Layout:
-    """Return layouts of a separator: marks, preambles, units, order, comments, encodings."""
-    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    mark = "." if separator == "," else draw(st.sampled_from(".,"))
-    thousands = draw(st.sampled_from([*[""] * 8, " ", "'", ".", ","]))
-    thousands = "" if thousands in (mark, separator) else thousands
-    count, digits = draw(st.integers(2, 13)), draw(st.integers(1, 5))
-    load = np.round(np.sort(10 ** rng.uniform(-1, 4, count)), digits)
-    depth = np.round(np.sort(10 ** rng.uniform(-2, 2, count)), digits)
-    force, unit = draw(st.sampled_from([*FORCE_UNITS])), draw(st.sampled_from([*LENGTH_UNITS]))
-    columns: list[tuple[str, Sequence[Any]]] = [
-        (draw(st.sampled_from(_LOADS)).format(u=force), load.tolist()),
-        (draw(st.sampled_from(_DEPTHS)).format(u=unit), depth.tolist()),
-    ]
-    others = draw(st.lists(st.sampled_from(_OTHERS), max_size=3, unique_by=lambda x: x[0]))
-    columns = draw(st.permutations([*columns, *((name, cells(count)) for name, cells in others)]))
-    is_quoted = separator == "," or draw(st.booleans())
-
-    def cell(value: object, of_data: bool = True) -> str:
-        if isinstance(value, float):
-            text = f"{value:,.{digits}f}".replace(",", "\0").replace(".", mark)
-            text = text.replace("\0", thousands)
-        else:
-            text = str(value)
-        if separator == " ":
-            return (text if of_data else text.replace(" ", "_").replace(",", "")) or "-"
-        return f'"{text}"' if is_quoted else text
-
-    names, _, units = zip(*(name.partition("|") for name, _ in columns), strict=True)
-    head = "# " if draw(st.booleans()) and not is_quoted else ""
-    lines = [head + separator.join(cell(name, False) for name in names)]
-    if any(units):
-        lines.append(separator.join(cell(each, False) for each in units))
-    body = [separator.join(cell(c[k]) for _, c in columns) for k in range(count)]
-    for text in draw(st.lists(st.sampled_from(["# a comment", "", "# 1 of 2"]), max_size=2)):
-        body.insert(draw(st.integers(0, len(body))), text)
-    preamble = draw(st.sampled_from(_PREAMBLES)).format(s=separator, d=mark)
-    text = preamble + "\n".join([*lines, *body]) + draw(st.sampled_from(["", "\n", "\n\n"]))
-    text = text.replace("\n", draw(st.sampled_from(["\n", "\r\n"])))
-    encoding = draw(st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "cp1252"]))
-    try:
-        content = text.encode(encoding)
-    except UnicodeEncodeError:  # a δ
-        content = text.encode()
-    return Layout(content, mark, load * FORCE_UNITS[force], depth * LENGTH_UNITS[unit])

@@ -1,4 +1,4 @@
-"""The commands `fit`, `choose`, `predict`, `design`, `compare` and `verify`."""
+"""The commands `fit`, `choose`, `predict`, `plan`, `compare` and `verify`."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ from cylcontact.files.writing import require_suffix, require_writable
 from cylcontact.support.choices import (
     BRANCHES,
     CHOICE_FILES,
-    DESIGN_FILES,
     FIT_FILES,
+    PLAN_FILES,
     is_table,
     listed,
 )
@@ -58,8 +58,8 @@ if TYPE_CHECKING:
     from cylcontact.fitting import DataFit, LawFit
     from cylcontact.fitting.campaign import Campaign, MeasuredTable
 
-# Loads among which a design chooses.
-_DESIGN_LOADS = 41
+# Loads among which a plan chooses.
+_PLAN_LOADS = 41
 
 DATA = argument("A table, .csv, .txt, .xlsx or .parquet.", metavar="TABLE")
 RESULT = argument("A fit, e.g. results/NAME/result.json.", metavar="RESULT")
@@ -112,7 +112,11 @@ SETTINGS: Options = {
     "group": _text("Column of groups, e.g. specimens.", "COLUMN"),
     "sheet": _text("Sheet of a workbook."),
     "header": (int | None, option("Line of the column names, or 0.", metavar="LINE", **_PANEL)),
+    "separator": _text("Separator: comma, semicolon, tab, bar, space.", "NAME"),
+    "encoding": _text("Encoding of a text, e.g. cp1251.", "NAME"),
     "decimal": _text("Decimal mark, . or ,", "MARK"),
+    "exclude": (list[str] | None,
+                several("Rows to leave out, as 38 or b.csv:12.", of=str, metavar="LINE", **_PANEL)),
     "loads": _text("Only rows of these loads, in the table's unit, e.g. 5:", "LOW:HIGH"),
     "sign": _text("What is negative: load, penetration, both, neither.", "WHAT"),
     "branch": _text(f"Only rows of {listed(BRANCHES)}."),
@@ -255,7 +259,7 @@ def choose(
 @takes("settings", SETTINGS, listed=False)
 @takes("parameters", PARAMETERS, listed=False)
 @takes("pair", PAIR, listed=False)
-def design(
+def plan(
     data: Path = DATA,
     *,
     law: str = option("The law, e.g. johnson.", metavar="NAME", default=...),
@@ -277,19 +281,19 @@ def design(
     import numpy as np
 
     from cylcontact.fitting import fit_table
-    from cylcontact.fitting.folder import write_design
+    from cylcontact.fitting.folder import write_plan
 
     if out is not None:
-        require_writable(*(out / name for name in DESIGN_FILES))
+        require_writable(*(out / name for name in PLAN_FILES))
     measured = _measured(data, {**pair, **settings, **parameters, "law": law})
     with progress_bars() as progress:
         fitted = fit_table(measured.campaign(law), 1, progress)
-    taken = np.geomspace(candidates[0], candidates[1], _DESIGN_LOADS)
-    chosen = fitted.design(taken, add, dR=clearances or None, parameter=parameter)
+    taken = np.geomspace(candidates[0], candidates[1], _PLAN_LOADS)
+    chosen = fitted.plan(taken, add, dR=clearances or None, parameter=parameter)
     say(chosen)
     if out is not None:
-        write_design(chosen, out)
-        say(f"\nwritten to {out}: {', '.join(DESIGN_FILES)}")
+        write_plan(chosen, out)
+        say(f"\nwritten to {out}: {', '.join(PLAN_FILES)}")
 
 
 def predict(

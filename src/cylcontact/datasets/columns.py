@@ -91,6 +91,12 @@ def column_at(sheet: Sheet, key: str, name: str) -> int:
     raise InputError(sheet.source, key, name, "is not a column of the table", remedy)
 
 
+def has_column(sheet: Sheet, name: str) -> bool:
+    """Return whether a table has a column of a name, or at a position."""
+    name = " ".join(str(name).split())
+    return name in sheet.names or (name.isdecimal() and 0 < int(name) <= len(sheet.columns))
+
+
 def given_columns(sheet: Sheet, given: Mapping[str, str]) -> dict[int, Column]:
     """Return the columns that options name, by quantity and unit."""
     columns: dict[int, Column] = {}

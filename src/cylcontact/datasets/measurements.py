@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,18 +30,26 @@ from cylcontact.bodies.material import (
 from cylcontact.bodies.pair import Contact, CylinderPair, roles, unusual_lengths
 from cylcontact.datasets.branches import equal_rows, kept_rows
 from cylcontact.datasets.columns import MEASURED, option_for
-from cylcontact.datasets.reading import Readings, TableSpec, read_readings
+from cylcontact.datasets.reading import (
+    Readings,
+    TableSpec,
+    keep_loads,
+    load_column,
+    read_readings,
+)
 from cylcontact.files.spec import Spec
 from cylcontact.files.units import LABELS, Column, column_named, spellings
 from cylcontact.laws import Housing
 from cylcontact.support.arrays import BoolArray, FloatArray
-from cylcontact.support.choices import first_of
+from cylcontact.support.choices import BRANCHES, first_of, listed
 from cylcontact.support.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Constants = Mapping[str, float | str]
+# A table of measurements: a path or a DataFrame.
+Source: TypeAlias = "Path | str | pd.DataFrame"
 Indices = NDArray[np.intp]
 _Numbers = dict[str, FloatArray]
 _Labels = dict[str, list[str]]
@@ -55,6 +63,8 @@ _ALTERNATIVES = (
     {f"{name}{body}" for name in ("E", "nu", "material") for body in ("", "_i", "_j")},
 )
 _DEFAULT = TableSpec()
+# The label of each row's file where there are several.
+_FILE = "file"
 _GROUPINGS = ("rows", "material", "dR", "pair", "group", "branch")
 
 
@@ -154,6 +164,12 @@ class Measurements:
         columns = {name: column[rows] for name, column in self.columns.items()}
         return Measurements(self.data, self.rows[rows], columns)
 
+    def place(self, row: int) -> str:
+        """Return the position of a row in words, with its file if there are several."""
+        where = f"{self.data.row_word} {self.line(row)}"
+        files = self.data.labels.get(_FILE)
+        return where if files is None else f"{files[int(self.rows[row])]}, {where}"
+
     def line(self, row: int) -> int:
         """Return the position of a row in the table."""
         return self.data.lines[int(self.rows[row])]
@@ -189,7 +205,7 @@ class Measurements:
     def _group_name(self, over: str, k: int) -> str:
         """Return the name of the group that row k belongs to."""
         if over == "rows":
-            return f"{self.data.row_word} {self.line(k)}"
+            return self.place(k)
         if over == "dR":
             return f"ΔR = {self.columns['dR'][k]:.6g} mm"
         if over == "pair":
@@ -206,21 +222,158 @@ class Measurements:
 
 
 def read_measured(
-    data: Path | str | pd.DataFrame,
+    data: Source | Sequence[Source],
     contact: Contact,
     constants: Constants | None = None,
     materials: Path | None = None,
     spec: TableSpec = _DEFAULT,
 ) -> MeasuredData:
-    """Read a file or a DataFrame of measurements into columns; `measurements_of` checks them."""
-    readings = read_readings(data, spec)
+    """Read files or DataFrames of measurements into columns; `measurements_of` checks them.
+
+    Several tables have each their own layout and units, and the label `file` names them.
+    """
+    tables = [*data] if isinstance(data, list | tuple) else [cast("Source", data)]
+    if len(tables) == 1:
+        return _measured_of(read_readings(tables[0], spec), contact, constants, materials, spec)
+    names = file_names(tables)
+    specs = _specs(spec, names)
+    every = [read_readings(*each, may_lack=True) for each in zip(tables, specs, strict=True)]
+    for name in set[str].intersection(*(readings.absent for readings in every)):
+        rule, remedy = "is a column of none of the tables", "check its name"
+        raise InputError(", ".join(names), "columns", name, rule, remedy)
+    units = {
+        name: c[1].symbol for name, x in zip(names, every, strict=True) if (c := load_column(x))
+    }
+    if spec.loads is not None and len({*units.values()}) > 1:
+        of_each = ", ".join(f"{name} in {unit}" for name, unit in units.items())
+        rule, remedy = f"has no one unit: loads of {of_each}", "leave it out, and --exclude rows"
+        raise InputError("--loads", "", spec.loads, rule, remedy)
+    parts = [
+        _measured_of(readings, contact, constants, materials, each)
+        for readings, each in zip(every, specs, strict=True)
+    ]
+    return _joined(dict(zip(names, parts, strict=True)), spec)
+
+
+def file_names(tables: Sequence[Source]) -> list[str]:
+    """Return a name for each of several tables: that of its file, or its whole path.
+
+    Raises
+    ------
+    InputError
+        If a file is given twice.
+    """
+    is_file = [isinstance(table, str | Path) for table in tables]
+    short = [
+        Path(str(table)).name if known else f"DataFrame {k}"
+        for k, (table, known) in enumerate(zip(tables, is_file, strict=True), start=1)
+    ]
+    names = [
+        str(table) if known and short.count(name) > 1 else name
+        for table, known, name in zip(tables, is_file, short, strict=True)
+    ]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(name, "", None, "is given twice", "give each table once")
+    return names
+
+
+def _specs(spec: TableSpec, names: Sequence[str]) -> list[TableSpec]:
+    """Return what is to be read of each of several tables: rows are excluded of one of them."""
+    excluded: dict[str, list[str]] = {name: [] for name in names}
+    for text in spec.exclude or ():
+        file, _, line = text.rpartition(":")
+        if file not in names:
+            rule = f"is not a row of {' or of '.join(names)}"
+            remedy = f"name the file and the line, as {names[-1]}:{line or 12}"
+            raise InputError("exclude", "", text, rule, remedy)
+        excluded[file].append(line)
+    group = None if spec.group == _FILE else spec.group
+    return [
+        spec.model_copy(update={"exclude": tuple(excluded[name]), "group": group}) for name in names
+    ]
+
+
+def _joined(parts: Mapping[str, MeasuredData], spec: TableSpec) -> MeasuredData:
+    """Return several tables as one, whose quantities must be the same."""
+    names, every = [*parts], [*parts.values()]
+    notes = list(dict.fromkeys(note for part in every for note in part.notes))
+    read = [line for part in every for line in part.read]
+    numbers, labels = {*every[0].numbers}, {*every[0].labels}
+    for name, part in parts.items():
+        differ = (numbers ^ {*part.numbers}) - {"time"}
+        differ |= {"group"} & (labels ^ {*part.labels})
+        if differ:
+            quantity = min(differ)
+            has = quantity in part.numbers or quantity in part.labels
+            lacking, other = (names[0], name) if has else (name, names[0])
+            remedy = "add it, or leave it out of the others with --ignore"
+            raise InputError(lacking, quantity, None, f"is not given, and {other} has it", remedy)
+    if any("time" in part.numbers for part in every) and not all(
+        "time" in part.numbers for part in every
+    ):
+        read.append("left out: the times, which not all files have")
+    files = [name for name, part in parts.items() for _ in part.lines]
+    in_all = set[str].intersection(*({*part.labels} for part in every))
+    words = {key: _stacked(every, [part.labels[key] for part in every]) for key in in_all}
+    if any("branch" in part.labels for part in every):
+        branches = [part.labels.get("branch", [BRANCHES[0]]) for part in every]
+        words["branch"] = _stacked(every, branches)
+    words[_FILE] = files
+    if spec.group == _FILE:
+        words["group"] = files
+    else:
+        read.append(f"{len(names)} files (--group {_FILE} takes each as a series of its own)")
+    row_words = {part.row_word for part in every}
+    return MeasuredData(
+        source=", ".join(names),
+        sha256=", ".join(part.sha256 for part in every),
+        contact=every[0].contact,
+        row_word=row_words.pop() if len(row_words) == 1 else "row",
+        lines=[line for part in every for line in part.lines],
+        numbers={
+            key: _stacked(every, [part.numbers[key] for part in every])
+            for key in every[0].numbers
+            if all(key in part.numbers for part in every)
+        },
+        labels=words,
+        notes=notes,
+        read=read,
+        units={
+            quantity: unit
+            for quantity, unit in every[0].units.items()
+            if all(part.units.get(quantity) == unit for part in every)
+        },
+    )
+
+
+def _stacked(parts: Sequence[MeasuredData], columns: Sequence[list[Any]]) -> list[Any]:
+    """Return a column of all parts; a single value if it is the same in all."""
+    if all(len(column) == 1 and column == columns[0] for column in columns):
+        return columns[0]
+    return [
+        value
+        for part, column in zip(parts, columns, strict=True)
+        for value in (column * len(part.lines) if len(column) == 1 else column)
+    ]
+
+
+def _measured_of(
+    readings: Readings,
+    contact: Contact,
+    constants: Constants | None,
+    materials: Path | None,
+    spec: TableSpec,
+) -> MeasuredData:
+    """Return the readings of one table with its constants, without the rows that are not kept."""
+    keep_loads(readings, spec.loads)
     sheet, source = readings.sheet, readings.sheet.source
     numbers, labels = readings.numbers, readings.labels
     columns = [*readings.columns.values()]
     columns += _add_constants(source, constants or {}, numbers, labels)
     _require_all(readings, contact)
     notes = _add_moduli(source, numbers, labels, materials, contact)
-    _divide_by_length(source, numbers, sorted(c.quantity for c in columns if c.is_total))
+    _divide_by_length(numbers, sorted(c.quantity for c in columns if c.is_total))
     for name, column in numbers.items():
         wrong = np.flatnonzero(~np.isfinite(column))
         if wrong.size:
@@ -281,6 +434,30 @@ def _add_constants(
     return columns
 
 
+class MissingInputError(InputError):
+    """What a table and the options lack, all at once.
+
+    Parameters
+    ----------
+    source : str
+        The table.
+    lacks : mapping
+        What is missing, with an option that gives it.
+    more : str
+        What else would help.
+    """
+
+    def __init__(self, source: str, lacks: Mapping[str, str], more: str) -> None:
+        self.lacks, self.more = dict(lacks), more
+        options = " ".join(filter(None, lacks.values()))
+        rule, remedy = f"lacks {listed(lacks, 'and')}", f"add your own, e.g. {options}{more}"
+        super().__init__(source, "", None, rule, remedy)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what it was made of."""
+        return (type(self), (self.source, self.lacks, self.more))
+
+
 def _require_all(readings: Readings, contact: Contact) -> None:
     """Raise `InputError` for what is given nowhere, all at once if it is more than a column."""
     sheet, given = readings.sheet, {*readings.numbers, *readings.labels}
@@ -289,33 +466,57 @@ def _require_all(readings: Readings, contact: Contact) -> None:
         if quantity != "length" and not alternatives & given:
             raise error
     missing = [quantity for quantity in MEASURED if quantity not in given]
-    if not missing:
-        return
-    lacks = [f"the {quantity}" for quantity in missing]
-    needs = [{"load": "load_N", "penetration": "penetration_um"}[each] for each in missing]
-    if not {"dR", "R_i", "R_j"} & given:
-        lacks.append("ΔR or both radii")
-        needs.append("dR_um")
-    of_both = {"E", "nu", "material"} & given
-    for body, role in zip("ij", roles(contact), strict=True):
-        if not of_both and not {f"E_{body}", f"nu_{body}", f"material_{body}"} & given:
-            lacks.append(f"the material of the {role}")
-            needs.append(f"material_{body}")
-    names, options = [repr(sheet.name(k)) for k in readings.unread], _options(readings, missing)
-    if not sheet.names:
-        remedy = f"say what its {len(sheet.columns)} columns are, e.g. {' '.join(options)}"
+    offered = _options(readings, missing)
+    if missing and not sheet.names:
+        remedy = f"say what its {len(sheet.columns)} columns are, e.g. {' '.join(offered)}"
         rule = "has no row of names"
         raise InputError(sheet.source, "", None, rule, f"{remedy}, or give it a line of names")
+    names = [repr(sheet.name(k)) for k in readings.unread]
     named = f"name {'one of ' if len(names) > 1 else ''}{first_of(names, _LISTED)}"
-    others = f", or {named} with {' and '.join(options)}" if options else ""
-    if len(lacks) > 1:
-        rule = f"lacks {', '.join(lacks)}"
-        remedy = (
-            f"add columns, e.g. {', '.join(needs)}, or options, e.g. --radial-clearance{others}"
-        )
-        raise InputError(sheet.source, "columns", None, rule, remedy)
-    remedy = f"add {spellings(missing[0])}{others}"
-    raise InputError(sheet.source, missing[0], None, "is required", remedy)
+    lacks = dict(zip((f"the {quantity}" for quantity in missing), offered, strict=False))
+    lacks |= dict.fromkeys((f"the {quantity}" for quantity in missing[len(offered) :]), "")
+    of_pair = _lacks_of_pair(readings, contact)
+    if len(missing) == 1 and not of_pair:
+        others = f", or {named} with {offered[0]}" if offered else ""
+        remedy = f"add {spellings(missing[0])}{others}"
+        raise InputError(sheet.source, missing[0], None, "is required", remedy)
+    if not lacks | of_pair:
+        return
+    unread = f"; not read: {first_of(names, _LISTED)}" if lacks and names else ""
+    examples = {"the length": "length_mm", "the radii": "dR_um", "the other radius": "R_j_mm"}
+    columns = [examples.get(what, "material_i, material_j") for what in of_pair]
+    more = f", or columns or [constants] {', '.join(columns)}" if columns else ""
+    raise MissingInputError(sheet.source, lacks | of_pair, more + unread)
+
+
+def _lacks_of_pair(readings: Readings, contact: Contact) -> dict[str, str]:
+    """Return what is not given of the pair, with options that give it."""
+    given, numbers = {*readings.numbers, *readings.labels}, readings.numbers
+    lacks = {}
+    bodies = [
+        body
+        for body in "ij"
+        if not {f"{name}{of}" for name in ("E", "nu", "material") for of in ("", f"_{body}")}
+        & given
+    ]
+    if len(bodies) == 2:
+        lacks["the materials"] = "--material 'low-carbon steel'"
+    for body in bodies if len(bodies) == 1 else ():
+        role = roles(contact)["ij".index(body)]
+        option = f"--{role}" if contact == "internal" else f"--material-{body}"
+        lacks[f"the material of the {role}"] = f"{option} 'low-carbon steel'"
+    radii = [name for name in ("dR", "R_i", "R_j") if name in numbers]
+    if not radii:
+        lacks["the radii"] = f"--Ri 10 --Rj {9.97 if contact == 'internal' else 20}"
+    elif radii == ["R_i"]:
+        share = 0.997 if contact == "internal" else 2
+        lacks["the other radius"] = f"--Rj {share * float(np.min(numbers['R_i'])):.4g}"
+    elif radii == ["R_j"]:
+        share = 1.003 if contact == "internal" else 2
+        lacks["the other radius"] = f"--Ri {share * float(np.max(numbers['R_j'])):.4g}"
+    if "length" not in given and any(c.is_total for c in readings.columns.values()):
+        lacks["the length"] = "--length 20"
+    return lacks
 
 
 def _options(readings: Readings, missing: Sequence[str]) -> list[str]:
@@ -395,14 +596,8 @@ def _moduli(
     pairs = [(f"E{b}", f"nu{b}") for b in (f"_{body}", "") if {f"E{b}", f"nu{b}"} & {*numbers}]
     if len(named) + len(pairs) != 1:
         role, given = roles(contact)["ij".index(body)], [*named, *chain.from_iterable(pairs)]
-        options = f"--{role}" if contact == "internal" else "--material"
-        remedy = (
-            f"give {options}, or columns material_{body}, or E_{body} and nu_{body}, or of both"
-        )
-        rule = "is not given"
-        if given:
-            rule = f"must be given once, and {', '.join(given)} are given"
-            remedy = "keep one of them; --ignore leaves a column out"
+        rule = f"must be given once, and {', '.join(given)} are given"
+        remedy = "keep one of them; --ignore leaves a column out"
         raise InputError(source, f"material of the {role}", None, rule, remedy)
     if pairs:
         _require_given(source, pairs[0], numbers)
@@ -412,16 +607,9 @@ def _moduli(
     return np.array([m.E for m in materials], float), np.array([m.nu for m in materials], float)
 
 
-def _divide_by_length(source: str, numbers: _Numbers, totals: Sequence[str]) -> None:
+def _divide_by_length(numbers: _Numbers, totals: Sequence[str]) -> None:
     """Turn total forces into loads per unit length."""
     for quantity in totals:
-        if "length" not in numbers:
-            rule = "is a total force, and the axial length is not given"
-            remedy = (
-                "add --length in mm (in a campaign length_mm under [constants]), or a column "
-                f"{spellings('length')}, or give the load per unit length"
-            )
-            raise InputError(source, quantity, None, rule, remedy)
         # A length of 0 is refused later, with the row that has it.
         length = np.where(numbers["length"] == 0, 1.0, numbers["length"])
         numbers[quantity] = numbers[quantity] / length
@@ -467,9 +655,15 @@ def _require(
     wrong = np.flatnonzero(~(allowed.allows(values) & np.isfinite(values)))
     if wrong.size:
         first = int(wrong[0])
-        where = f"{source}, {data.row_word} {data.lines[first]}"
+        where = _place(data, source, first)
         more = f" ({wrong.size - 1} more like it)" if wrong.size > 1 else ""
         raise InputError(where, name, float(values[first]), allowed.rule, f"{remedy}{more}")
+
+
+def _place(data: MeasuredData, source: str, row: int) -> str:
+    """Return the file and the position of a row."""
+    files = data.labels.get(_FILE)
+    return f"{source if files is None else files[row]}, {data.row_word} {data.lines[row]}"
 
 
 def require_positive_penetration(measured: Measurements, source: str, remedy: str) -> None:
@@ -505,7 +699,7 @@ def _complete_geometry(data: MeasuredData, columns: _Numbers, source: str) -> No
             rule = f"{' and '.join(texts)} leave {words[name]} = {values[k]:g} mm"
             remedy = "correct one of them"
         of_all = all(len(data.numbers[key]) == 1 for key in given)
-        where = source if of_all else f"{source}, {data.row_word} {data.lines[k]}"
+        where = source if of_all else _place(data, source, k)
         remedy += "; both are radii in mm, no diameters"
         raise InputError(where, ", ".join(given), None, rule, remedy)
     columns[name] = values

@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from pydantic import Field
 
-from cylcontact.datasets.columns import MEASURED, column_at, given_columns, named_columns
+from cylcontact.datasets.columns import (
+    MEASURED,
+    column_at,
+    given_columns,
+    has_column,
+    named_columns,
+)
 from cylcontact.files.numbers import numbers, seconds, words
 from cylcontact.files.reading import plain_number
 from cylcontact.files.sheet import Sheet, counted, read_sheet
@@ -31,6 +37,8 @@ _TURNED = {"load": MEASURED[:1], "penetration": MEASURED[1:], "both": MEASURED, 
 _FALLS, _MAY_FALL = -0.9, -0.5
 # The largest share of travel in the other direction where its sign is certain.
 _OTHER_WAY = 0.01
+# A load below zero shows the noise around it; loads of so many times that are measured.
+_OVER_NOISE = 3.0
 
 
 class TableSpec(Spec):
@@ -45,7 +53,14 @@ class TableSpec(Spec):
     ignore: tuple[str, ...] = Field((), strict=False, description="a list of columns to leave out")
     sheet: str | None = Field(None, description="the name of a sheet of a workbook")
     header: int | None = Field(None, ge=0, description="the line of the names, 0 for none")
+    separator: Literal["comma", "semicolon", "tab", "bar", "space"] | None = Field(
+        None, description='"comma", "semicolon", "tab", "bar" or "space"'
+    )
+    encoding: str | None = Field(None, description='the encoding of a text, e.g. "cp1251"')
     decimal: Literal[".", ","] | None = Field(None, description='"." or ","')
+    exclude: tuple[str, ...] | None = Field(
+        None, strict=False, description='a list of rows to leave out, e.g. "38" or "b.csv:12"'
+    )
     loads: str | None = Field(
         None, description='a range of loads in the unit of the table, e.g. "5:400" or "5:"'
     )
@@ -68,6 +83,8 @@ class Readings:
     labels: dict[str, list[str]]
     unclear: dict[str, InputError]
     warnings: list[str] = field(default_factory=list)
+    turned: set[str] = field(default_factory=set)  # quantities whose sign was turned
+    absent: set[str] = field(default_factory=set)  # columns that options name in other tables
 
     @property
     def unread(self) -> list[int]:
@@ -95,13 +112,24 @@ class Readings:
         ]
 
 
-def read_readings(data: Path | str | pd.DataFrame, spec: TableSpec) -> Readings:
-    """Read the measurements of a table."""
+def read_readings(
+    data: Path | str | pd.DataFrame, spec: TableSpec, may_lack: bool = False
+) -> Readings:
+    """Read the measurements of a table, of all loads; `keep_loads` takes those of a range.
+
+    With `may_lack`, the table may be without columns that options name, as one of several is.
+    """
     given = spec.columns or {}
     wanted = {*given.values()} | ({spec.group} if spec.group is not None else set())
-    sheet = read_sheet(data, wanted, spec.sheet, spec.header)
-    skipped = {column_at(sheet, "ignore", name) for name in spec.ignore}
-    columns = given_columns(sheet, given)
+    sheet = read_sheet(data, wanted, spec.sheet, spec.header, spec.separator, spec.encoding)
+    _exclude(sheet, spec.exclude or ())
+    absent = set()
+    if may_lack:
+        named = {*given.values(), *spec.ignore}
+        absent = {name for name in named if not has_column(sheet, name)}
+    skipped = {column_at(sheet, "ignore", name) for name in spec.ignore if name not in absent}
+    present = {key: name for key, name in given.items() if name not in absent}
+    columns = given_columns(sheet, present)
     explicit = {column.quantity for column in columns.values()}
     group = None if spec.group is None else column_at(sheet, "group", spec.group)
     if group is not None:
@@ -110,7 +138,7 @@ def read_readings(data: Path | str | pd.DataFrame, spec: TableSpec) -> Readings:
     columns |= others
     _drop_empty(sheet, {*columns} | ({group} if group is not None else set()))
     optional = {k for k, c in others.items() if c.quantity in ("time", "group")}
-    readings = Readings(sheet, columns, {}, {}, unclear)
+    readings = Readings(sheet, columns, {}, {}, unclear, absent=absent)
     for k, column in list(columns.items()):
         try:
             if column.quantity in LABELS:
@@ -129,7 +157,6 @@ def read_readings(data: Path | str | pd.DataFrame, spec: TableSpec) -> Readings:
         columns.setdefault(group, Column(sheet.name(group), "group"))
     if {*MEASURED} <= {*readings.numbers}:
         _turn(readings, spec.sign)
-        _keep_loads(readings, spec.loads)
     return readings
 
 
@@ -145,6 +172,29 @@ def _values(sheet: Sheet, k: int, column: Column, decimal: str | None) -> FloatA
 
 
 # --- rows ---------------------------------------------------------------------------------------
+
+
+def _exclude(sheet: Sheet, texts: Sequence[str]) -> None:
+    """Leave out the rows that the user names by their lines, or by file and line."""
+    out = set()
+    for text in texts:
+        file, _, line = text.rpartition(":")
+        if not line.isdecimal() or int(line) not in sheet.lines:
+            rule = f"is no {sheet.row_word} of the rows"
+            remedy = f"they are {sheet.numbered(sheet.lines)}"
+            raise InputError(sheet.source, "exclude", text, rule, remedy)
+        if file not in ("", Path(sheet.source).name):
+            rule, remedy = "is of another file", f"give {line}"
+            raise InputError(sheet.source, "exclude", text, rule, remedy)
+        out.add(int(line))
+    if not out:
+        return
+    keeps = [line not in out for line in sheet.lines]
+    if not any(keeps):
+        raise InputError(sheet.source, "exclude", None, "leaves no row", "exclude fewer")
+    sheet.left_out.append(f"{counted([*out], 'row')} excluded ({sheet.numbered(sorted(out))})")
+    sheet.lines = [*compress(sheet.lines, keeps)]
+    sheet.columns = [[*compress(column, keeps)] for column in sheet.columns]
 
 
 def _drop_empty(sheet: Sheet, columns: set[int]) -> None:
@@ -178,6 +228,7 @@ def _turn(readings: Readings, sign: str | None) -> None:
             )
     for name, why in turned.items():
         values[name] = -values[name]
+        readings.turned.add(name)
         notes.append(f"sign of the {name} turned{why}{' (else --sign neither)' if why else ''}")
 
 
@@ -195,28 +246,63 @@ def _correlation_up_to_peak(load: FloatArray, depth: FloatArray) -> float:
     return float(np.corrcoef(first, second)[0, 1])
 
 
-def _keep_loads(readings: Readings, text: str | None) -> None:
-    """Leave out the rows with loads outside a range LOW:HIGH in the unit of the table."""
-    sheet = readings.sheet
-    k, column = next((k, c) for k, c in readings.columns.items() if c.quantity == "load")
+def load_column(readings: Readings) -> tuple[int, Column] | None:
+    """Return the column of the loads and where it is, if both measured quantities are there."""
+    if not {*MEASURED} <= {*readings.numbers}:
+        return None
+    return next((k, column) for k, column in readings.columns.items() if column.quantity == "load")
+
+
+def keep_loads(readings: Readings, text: str | None) -> None:
+    """Leave out the rows with loads outside a range LOW:HIGH in the unit of the table.
+
+    Raises
+    ------
+    InputError
+        If a load that is kept is below zero, or none is.
+    """
+    sheet, found = readings.sheet, load_column(readings)
+    if found is None:
+        return
+    k, column = found
     values, unit = readings.numbers["load"] / column.factor, column.symbol
     low, high = _ends(sheet, text or ":")
     keeps = (values >= low) & (values <= high)
     below = np.flatnonzero(keeps & (values < 0))
     if below.size:
-        more = f", {below.size - 1} more like it" if below.size > 1 else ""
-        remedy = f"leave such rows out with --loads 0: (in {unit}{more}), or correct the row"
-        raise sheet.error("must be positive", remedy, int(below[0]), k)
+        rule = "must be positive"
+        if "load" in readings.turned:
+            rule = "has the other sign than the loads, whose sign was turned"
+        remedy = _above_noise(values[keeps], unit)
+        more = f" ({below.size - 1} more like it)" if below.size > 1 else ""
+        raise sheet.error(rule + more, remedy, int(below[0]), k)
     if not keeps.any():
         remedy = f"give a range in {unit}: its loads are {values.min():.6g} to {values.max():.6g}"
         raise InputError(sheet.source, "loads", text, "leaves no row", remedy)
     out = [*compress(sheet.lines, ~keeps)]
     if out:
-        rows = f"{counted(out, 'row')} with loads outside {text} {unit}"
+        ends = f"outside {low:g} to {high:g}"
+        if not np.isfinite(high):
+            ends = f"below {low:g}"
+        elif not np.isfinite(low):
+            ends = f"above {high:g}"
+        rows = f"{counted(out, 'row')} with loads {ends} {unit}"
         sheet.left_out.append(f"{rows} ({sheet.numbered(out)})")
     sheet.lines = [*compress(sheet.lines, keeps)]
     readings.numbers = {name: cells[keeps] for name, cells in readings.numbers.items()}
     readings.labels = {name: [*compress(cells, keeps)] for name, cells in readings.labels.items()}
+
+
+def _above_noise(loads: FloatArray, unit: str) -> str:
+    """Return the remedy for loads below zero: a range above the noise around zero."""
+    least = _OVER_NOISE * float(-loads.min())
+    power = 10.0 ** np.floor(np.log10(least))
+    low = float(next(step * power for step in (1, 2, 5, 10) if step * power >= 0.999 * least))
+    if np.count_nonzero(loads >= low) >= 0.5 * loads.size:
+        return f"leave out what is in the noise around zero with --loads {low:g}: (in {unit})"
+    if np.count_nonzero(loads < 0) > 0.5 * loads.size:
+        return "if compression is counted negative, add --sign load"
+    return "correct the row, or leave such rows out with --exclude"
 
 
 def _ends(sheet: Sheet, text: str) -> tuple[float, float]:

@@ -16,9 +16,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cylcontact.files import cells as files
-from cylcontact.files.cells import SEPARATORS, Line, Pattern, RawSheet, is_number
+from cylcontact.files.cells import (
+    SEPARATOR_NAMES,
+    SEPARATORS,
+    Line,
+    Pattern,
+    RawSheet,
+    is_number,
+    number_and_unit,
+)
+from cylcontact.files.kinds import is_workbook, require_table, unpacked
 from cylcontact.files.reading import read_bytes
-from cylcontact.files.units import LETTER, is_unit, meaning_of
+from cylcontact.files.units import LETTER, is_unit, meaning_of, power_between
 from cylcontact.support.errors import InputError
 
 if TYPE_CHECKING:
@@ -26,8 +35,8 @@ if TYPE_CHECKING:
 
 # All rows are held in memory and stored in the result.
 MAX_ROWS = 200_000
-# The first bytes of a workbook of Excel before 2007; machines write texts under its suffix .xls.
-_OLD_EXCEL = b"\xd0\xcf\x11\xe0"
+# The column of the block in a table of several blocks of rows.
+BLOCK = "block"
 
 
 @dataclass
@@ -80,29 +89,47 @@ def read_sheet(
     given: Collection[str] = (),
     title: str | None = None,
     header: int | None = None,
+    separator: str | None = None,
+    encoding: str | None = None,
 ) -> Sheet:
     """Read a DataFrame, a workbook, a Parquet file or, under any other name, a text.
 
-    `given` are names of columns that the table should have; `header` is the line of the names,
-    0 for none.
+    Parameters
+    ----------
+    data : path or DataFrame
+        The table; a file may be compressed by gzip.
+    given : collection of str
+        Names of columns that the table should have.
+    title : str, optional
+        The sheet of a workbook; by default the first with a load and a penetration.
+    header : int, optional
+        The line of the names, 0 for none.
+    separator, encoding : str, optional
+        Those of a text; by default as its lines and bytes show.
+
+    Raises
+    ------
+    InputError
+        If the file is no table, or its rows have different numbers of cells.
     """
     if not isinstance(data, Path | str):
         content = data.to_csv(index=False, lineterminator="\n").encode()
-        return _sheet_of_frame("DataFrame", data, content)
+        return _sheet_of_frame("DataFrame", data, hashlib.sha256(content).hexdigest())
     source, suffix = str(data), Path(data).suffix.lower()
     if suffix in (".toml", ".json"):
         raise InputError(source, "", None, "is not a table", "name a table")
-    content, is_book = read_bytes(data), suffix in (".xlsx", ".xlsm")
-    if content.startswith(_OLD_EXCEL):
-        rule = "is a workbook of Excel before 2007, which is not read"
-        raise InputError(source, "", None, rule, "save it as .xlsx")
+    content = read_bytes(data)
+    sha256, content = hashlib.sha256(content).hexdigest(), unpacked(source, content)
     if suffix == ".parquet":
-        return _sheet_of_frame(source, files.frame_of_parquet(source, content), content)
-    sheet = Sheet(source, "row" if is_book else "line", hashlib.sha256(content).hexdigest())
+        return _sheet_of_frame(source, files.frame_of_parquet(source, content), sha256)
+    is_book = suffix in (".xlsx", ".xlsm") or is_workbook(content)
+    sheet = Sheet(source, "row" if is_book else "line", sha256)
     if is_book:
         sheets = files.sheets_of_workbook(source, content)
     else:
-        sheets = [files.sheet_of_text(source, content, sheet.notes)]
+        require_table(source, content)
+        mark = None if separator is None else SEPARATOR_NAMES[separator]
+        sheets = [files.sheet_of_text(source, content, sheet.notes, mark, encoding)]
     titles = [part.title for part in sheets if is_book]
     if title is not None and title not in titles:
         remedy = f"it has {', '.join(map(repr, titles))}" if titles else "leave it out"
@@ -131,9 +158,9 @@ def _best_sheet(
     return chosen, layout
 
 
-def _sheet_of_frame(source: str, frame: pd.DataFrame, content: bytes) -> Sheet:
+def _sheet_of_frame(source: str, frame: pd.DataFrame, sha256: str) -> Sheet:
     lines = [Line(0, [str(name).strip() for name in frame.columns]), *files.lines_of(frame)]
-    sheet = Sheet(source, "row", hashlib.sha256(content).hexdigest(), ",")
+    sheet = Sheet(source, "row", sha256, ",")
     return _filled(sheet, lines, _layout(lines, set(), 0))
 
 
@@ -204,7 +231,7 @@ def _filled(sheet: Sheet, lines: list[Line], layout: _Layout) -> Sheet:
     """Return the table with its names, units and rows."""
     below = lines[layout.first :]
     footer = [x.number for x in takewhile(partial(_is_footer, layout.pattern), below[::-1])]
-    below = below[: len(below) - len(footer)]
+    below, between, starts = _one_block(lines, layout, below[: len(below) - len(footer)])
     words = {line.cells[0] for line in below}
     rows = [line for line in below if not _is_comment(line.cells, layout.pattern, words)]
     if not rows:
@@ -227,13 +254,80 @@ def _filled(sheet: Sheet, lines: list[Line], layout: _Layout) -> Sheet:
         units = [_plain(cell) for cell in lines[layout.units].cells[:width]]
         sheet.units[: len(units)] = units
         sheet.notes.append(f"units from {sheet.row_word} {lines[layout.units].number}")
+    _take_units_of_cells(sheet)
     heads = {layout.names, layout.units}
     above = [line.number for k, line in enumerate(lines[: layout.first]) if k not in heads]
     comments = sorted({line.number for line in below} - {*sheet.lines})
     sheet.left_out += [f"{sheet.numbered(above)} before the rows"] if above else []
     sheet.left_out += [f"{sheet.numbered(comments)} with # in front"] if comments else []
+    sheet.left_out += [f"{sheet.numbered(between)} between blocks of rows"] if between else []
     sheet.left_out += [f"{sheet.numbered(footer[::-1])} below the rows"] if footer else []
+    if starts and BLOCK not in sheet.names:
+        sheet.names.append(BLOCK)
+        sheet.units.append("")
+        sheet.columns.append([1 + sum(line > start for start in starts) for line in sheet.lines])
+        sheet.notes.append(f"{len(starts) + 1} blocks of rows (--group {BLOCK} takes each apart)")
     return sheet
+
+
+def _one_block(
+    lines: list[Line], layout: _Layout, below: list[Line]
+) -> tuple[list[Line], list[int], list[int]]:
+    """Return the rows of all blocks below the same names, the lines between, and those of names.
+
+    What a machine writes above the names is repeated as well. It is no row: it has other cells.
+    """
+    if layout.names < 0:
+        return below, [], []
+    heads = [lines[k].cells for k in (layout.names, layout.units) if k >= 0]
+    starts = [k for k, line in enumerate(below) if line.cells == heads[0]]
+    out: set[int] = set()
+    for start in starts:
+        first = last = start
+        while first > 0 and not _has_row(below[first - 1].cells, layout.pattern):
+            first -= 1
+        while last + 1 < len(below) and below[last + 1].cells in heads:
+            last += 1
+        out |= {*range(first, last + 1)}
+    kept = [line for k, line in enumerate(below) if k not in out]
+    return kept, [below[k].number for k in sorted(out)], [below[k].number for k in starts]
+
+
+def _has_row(cells: list[Any], pattern: Pattern) -> bool:
+    """Return whether a line may be a row, possibly with wrong cells."""
+    return len(cells) == len(pattern) and any(map(is_number, cells))
+
+
+def _take_units_of_cells(sheet: Sheet) -> None:
+    """Take apart numbers and units where all cells of a column have both."""
+    taken = []
+    for k, column in enumerate(sheet.columns):
+        texts = [cell for cell in column if cell is not None]
+        pairs = [number_and_unit(cell) if isinstance(cell, str) else None for cell in texts]
+        both = [pair for pair in pairs if pair is not None]
+        if not both or len(both) != len(texts):
+            continue
+        powers = {unit: power_between(unit, both[0][1]) for _, unit in both}
+        # Of 1.500 kN among 200 N it is not clear what the point marks.
+        is_clear = len(powers) == 1 or not any(files.THOUSANDS.fullmatch(n) for n, _ in both)
+        if None in powers.values() or not is_clear:
+            continue
+        numbers = iter(_shifted(number, powers[unit] or 0) for number, unit in both)
+        sheet.columns[k] = [None if cell is None else next(numbers) for cell in column]
+        unit = both[0][1]
+        sheet.units[k] = (
+            f"{sheet.units[k]} and {unit}" if sheet.units[k] not in ("", unit) else unit
+        )
+        taken.append(repr(sheet.name(k)))
+    sheet.notes += [f"units from the cells of {' and '.join(taken)}"] if taken else []
+
+
+def _shifted(number: str, power: int) -> str:
+    """Return a number times a power of ten."""
+    if not power:
+        return number
+    digits, _, exponent = number.lower().partition("e")
+    return f"{digits}e{int(exponent or 0) + power}"
 
 
 def _is_footer(pattern: Pattern, line: Line) -> bool:
@@ -277,6 +371,9 @@ def _require_rectangular(
         later = (line.number for line in rows if _may_be_names(line.cells, layout.pattern))
         if after := next((k for k in later if k > number), 0):
             remedy += f", or read the table below with --header {after}"
+        else:
+            text = " ".join(str(cell) for cell in cells if cell is not None)
+            remedy += files.other_separator(text, sheet.separator)
         raise InputError(f"{sheet.source}, {sheet.row_word} {number}", "", None, rule, remedy)
 
 

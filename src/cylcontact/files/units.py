@@ -102,6 +102,7 @@ _OTHERS = {
     **dict.fromkeys(("inch", "inches", '"', "in."), "in"),
     **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
     **{"micron": "um", "microns": "um", "thou": "mil", "kp": "kgf", "kips": "kip", "klbf": "kip"},
+    **{"н": "N", "кн": "kN", "мм": "mm", "мкм": "um", "с": "s"},
     **dict.fromkeys(("-", "–", "1"), ""),
 }
 _KNOWN = {unit for units in QUANTITIES.values() for unit in units}
@@ -160,7 +161,7 @@ class Column:
     @property
     def symbol(self) -> str:
         """What a cell of 1 is, as in a sentence: N/mm, 1000 N."""
-        return f"{self.times:g} {symbol(self.unit)}" if self.times != 1 else symbol(self.unit)
+        return f"{self.times:.12g} {symbol(self.unit)}" if self.times != 1 else symbol(self.unit)
 
     @property
     def is_total(self) -> bool:
@@ -254,6 +255,20 @@ def is_unit(cell: object) -> bool:
     unit = read_unit(cell)
     # What begins with a number, as 25 kN, is a quantity; 10^3 N is a unit.
     return unit.name in _KNOWN and unit.name != "" and (unit.is_clear or 1.0 not in unit.factors)
+
+
+def power_between(unit: str, other: str) -> int | None:
+    """Return the power of ten between two units of one quantity; None if there is none.
+
+    >>> power_between("kN", "N"), power_between("lbf", "N"), power_between("mm", "N")
+    (3, None, None)
+    """
+    first, second = unit_of(unit), unit_of(other)
+    for units in QUANTITIES.values():
+        if first in units and second in units:
+            power = math.log10(units[first] / units[second])
+            return round(power) if math.isclose(power, round(power), abs_tol=1e-9) else None
+    return None
 
 
 def symbol(unit: str) -> str:

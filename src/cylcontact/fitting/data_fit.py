@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from cylcontact.fitting.design import Design
+    from cylcontact.fitting.plan import Plan
     from cylcontact.plots.figure import Drawing
 
 # Columns of a table, by name.
@@ -331,7 +331,7 @@ class DataFit(FitResult):
         ends = {"low": value - reach * error, "high": value + reach * error}
         return pd.DataFrame({"value": value, "standard_error": error, **ends})
 
-    def design(
+    def plan(
         self,
         candidates: ArrayLike,
         add: int = 5,
@@ -339,7 +339,7 @@ class DataFit(FitResult):
         dR: ArrayLike | None = None,
         parameter: str | None = None,
         level: float | None = None,
-    ) -> Design:
+    ) -> Plan:
         """Return which further readings would narrow the intervals most.
 
         Parameters
@@ -372,15 +372,15 @@ class DataFit(FitResult):
         >>> depth = 1e3 * cc.laws.Explicit().penetration(load, pair) + noise
         >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": depth})
         >>> result = cc.fit(data, "explicit", pair, noise="constant")
-        >>> result.design([10.0, 50.0, 200.0], add=2, parameter="stiffness_factor").readings
+        >>> result.plan([10.0, 50.0, 200.0], add=2, parameter="stiffness_factor").readings
            load_N_per_mm  dR_mm  number
         0          200.0   0.03       2
         """
-        from cylcontact.fitting.design import design
+        from cylcontact.fitting.plan import plan
 
         loads = np.atleast_1d(as_floats(candidates))
         clearances = None if dR is None else np.atleast_1d(as_floats(dR))
-        return design(self.optimum, loads, clearances, add, parameter, self._level(level))
+        return plan(self.optimum, loads, clearances, add, parameter, self._level(level))
 
     # --- pictures -----------------------------------------------------------------------------
 

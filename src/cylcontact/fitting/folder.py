@@ -13,12 +13,12 @@ from matplotlib.figure import Figure
 from cylcontact.files.writing import replacing_all
 from cylcontact.plots.figure import NUMBERS, save
 from cylcontact.plots.style import figure_style
-from cylcontact.support.choices import CHOICE_FILES, DESIGN_FILES, FIT_FILES
+from cylcontact.support.choices import CHOICE_FILES, FIT_FILES, PLAN_FILES
 
 if TYPE_CHECKING:
     from cylcontact.fitting.choice import Choice
     from cylcontact.fitting.data_fit import DataFit
-    from cylcontact.fitting.design import Design
+    from cylcontact.fitting.plan import Plan
 
 
 def write_choice(choice: Choice, folder: Path) -> None:
@@ -28,11 +28,11 @@ def write_choice(choice: Choice, folder: Path) -> None:
     _write(drawing.figure, drawing.table.to_csv(**NUMBERS), folder, CHOICE_FILES)
 
 
-def write_design(design: Design, folder: Path) -> None:
-    """Write the picture of a design and its table into a folder, as `choices.DESIGN_FILES`."""
+def write_plan(plan: Plan, folder: Path) -> None:
+    """Write the picture of a plan and its table into a folder, as `choices.PLAN_FILES`."""
     with figure_style():
-        drawing = design.drawing()
-    _write(drawing.figure, drawing.table.to_csv(**NUMBERS), folder, DESIGN_FILES)
+        drawing = plan.drawing()
+    _write(drawing.figure, drawing.table.to_csv(**NUMBERS), folder, PLAN_FILES)
 
 
 def write_fit(result: DataFit, folder: Path) -> None:

@@ -24,7 +24,7 @@ CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
 FIT_FILES = ("result.json", "residuals.csv", "fit.png", "fit.pdf")
 # What `choose` adds to it.
 CHOICE_FILES = ("choice.csv", "choice.png", "choice.pdf")
-DESIGN_FILES = ("design.csv", "design.png", "design.pdf")
+PLAN_FILES = ("plan.csv", "plan.png", "plan.pdf")
 # Of tables that are read, those in text first, and of those that are written.
 TABLE_SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx", ".parquet")
 OUTPUT_SUFFIXES = (".csv", ".parquet")
@@ -35,10 +35,10 @@ def is_table(path: Path) -> bool:
     return path.suffix.lower() not in (".toml", ".json")
 
 
-def listed(names: Iterable[str]) -> str:
+def listed(names: Iterable[str], before_last: str = "or") -> str:
     """Return names as a sentence lists them."""
     *others, last = names
-    return f"{', '.join(others)} or {last}" if others else last
+    return f"{', '.join(others)} {before_last} {last}" if others else last
 
 
 def first_of(names: Iterable[str], most: int) -> str:

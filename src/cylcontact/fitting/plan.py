@@ -31,7 +31,7 @@ _MOST = 1000
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class Plan:
     """Further readings, and what they promise.
 
     Attributes
@@ -103,25 +103,25 @@ class Design:
         return Drawing(figure, self.candidates, headline, caption)
 
 
-def design(
+def plan(
     optimum: Optimum,
     loads: FloatArray,
     dR: FloatArray | None,
     add: int,
     parameter: str | None,
     level: float,
-) -> Design:
-    """Return the best further readings; `DataFit.design` describes the arguments."""
+) -> Plan:
+    """Return the best further readings; `DataFit.plan` describes the arguments."""
     if optimum.covariance is None:
         rule, remedy = "are not identifiable one by one", "fix one of them, and fit again"
-        raise InputError("design", "parameters", optimum.unidentifiable, rule, remedy)
+        raise InputError("plan", "parameters", optimum.unidentifiable, rule, remedy)
     names = optimum.fit.names
     if parameter is not None and parameter not in names:
         raise InputError(
-            "design", "parameter", parameter, "is not free", f"choose {', '.join(names)}"
+            "plan", "parameter", parameter, "is not free", f"choose {', '.join(names)}"
         )
     if not 1 <= add <= _MOST:
-        raise InputError("design", "add", add, f"must be from 1 to {_MOST}", "5 is common")
+        raise InputError("plan", "add", add, f"must be from 1 to {_MOST}", "5 is common")
     candidates = _Candidates.of(optimum, loads, dR)
     before = as_floats(np.linalg.inv(optimum.covariance))
     counted = None if parameter is None else names.index(parameter)
@@ -149,7 +149,7 @@ def design(
             others = chosen[:place] + chosen[place + 1 :]
             chosen = [*others, best(others)]
     covariance = as_floats(np.linalg.inv(before + candidates.information(chosen)))
-    return Design(
+    return Plan(
         readings=candidates.table.assign(number=np.bincount(chosen, minlength=len(candidates)))
         .query("number > 0")
         .reset_index(drop=True),
@@ -187,7 +187,7 @@ class _Candidates:
         centre, slopes = optimum.slopes_of(lambda law: law.penetration(load, pair))
         if not np.isfinite(centre).all():
             rule, remedy = "leaves the domain of the fitted law", "stay within it"
-            raise InputError("design", "loads", load[~np.isfinite(centre)][0], rule, remedy)
+            raise InputError("plan", "loads", load[~np.isfinite(centre)][0], rule, remedy)
         depth = as_floats(centre - optimum.best.get("offset", 0.0))
         shared, spread, noise = np.empty((load.size, 0)), None, optimum.covariance_of_readings
         if noise is None:
@@ -248,5 +248,5 @@ def _pair_of(optimum: Optimum) -> CylinderPair:
     names, _ = data.groups("material")
     if len(names) > 1:
         rule, remedy = f"the data have {len(names)} pairs of materials", "fit one of them alone"
-        raise InputError("design", "materials", None, rule, remedy)
+        raise InputError("plan", "materials", None, rule, remedy)
     return data.take(np.zeros(1, dtype=np.intp)).pair

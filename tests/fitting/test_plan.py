@@ -40,7 +40,7 @@ def widened(result, loads):
 @pytest.mark.parametrize("parameter", [None, "stiffness_factor", "offset"])
 def test_the_choice_is_the_best_of_all(fitted, parameter):
     loads = np.array([10.0, 60.0, 300.0, 1500.0])
-    chosen = fitted.design(loads, add=3, parameter=parameter)
+    chosen = fitted.plan(loads, add=3, parameter=parameter)
     place = None if parameter is None else fitted.optimum.fit.names.index(parameter)
     costs = {}
     for triple in combinations_with_replacement(loads, 3):
@@ -67,7 +67,7 @@ def test_expected_widths_are_those_of_repeated_experiments(series, settings):
     effects = {"offset": 1e-4, "gain": 0.02} if series > 1 else {}
     frame = readings(1, series, 12, constant=SCATTER, **effects)
     first = cc.fit(frame, "explicit", PAIR, starts=2, **settings)
-    chosen = first.design(np.geomspace(10.0, 1500.0, 15), add=6)
+    chosen = first.plan(np.geomspace(10.0, 1500.0, 15), add=6)
     loads = np.repeat(chosen.readings["load_N_per_mm"], chosen.readings["number"]).to_numpy()
     noise = first.noise
     deviations = noise.deviations if noise else {"constant": first.optimum.sigma}
@@ -95,7 +95,7 @@ def test_expected_widths_are_those_of_repeated_experiments(series, settings):
 
 
 def test_clearances_and_repeated_readings_may_be_chosen(fitted):
-    chosen = fitted.design([20.0, 800.0], add=4, dR=[0.02, 0.1])
+    chosen = fitted.plan([20.0, 800.0], add=4, dR=[0.02, 0.1])
     assert chosen.readings["number"].sum() == 4
     assert set(chosen.candidates["dR_mm"]) == {0.02, 0.1}
     assert (chosen.intervals["expected_half_width"] < chosen.intervals["half_width"]).all()
@@ -163,12 +163,10 @@ def test_commands_predict_and_design(tmp_path, run):
     assert "load_N  penetration_um" in said
     assert "outside the measured loads" in said
     code, said, _ = run(
-        *("design", tmp_path / "t.csv", *pair, "--candidates", "5:400", "--add", 3),
-        *("--parameter", "offset", "-o", tmp_path / "design"),
+        *("plan", tmp_path / "t.csv", *pair, "--candidates", "5:400", "--add", 3),
+        *("--parameter", "offset", "-o", tmp_path / "plan"),
     )
     assert code == 0
     assert "3 further readings that narrow the interval of offset most" in said
-    assert (tmp_path / "design/design.png").exists()
-    assert (
-        "must be two positive" in run("design", tmp_path / "t.csv", *pair, "--candidates", "9")[2]
-    )
+    assert (tmp_path / "plan/plan.png").exists()
+    assert "must be two positive" in run("plan", tmp_path / "t.csv", *pair, "--candidates", "9")[2]

@@ -16,9 +16,9 @@ pair = cc.CylinderPair.internal(
     R_i=10.0, R_j=9.97, material=cc.Material.named("high-strength steel"), length=20.0
 )
 result = cc.fit(table, "explicit", pair, group="specimen")
-design = result.design(np.geomspace(5, 1500, 40), add=5, parameter="stiffness_factor")
+plan = result.plan(np.geomspace(5, 1500, 40), add=5, parameter="stiffness_factor")
 figure, axes = plt.subplots(figsize=(6, 3.8), layout="constrained")
-design.plot(ax=axes)
+plan.plot(ax=axes)
 axes.legend(loc="upper left")
-figure.savefig("design.png", dpi=80)
-print(design.readings.to_string(index=False))
+figure.savefig("plan.png", dpi=80)
+print(plan.readings.to_string(index=False))
