@@ -7,8 +7,9 @@ gives others). Eq 6 then follows the cases over the clearance.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,9 @@ _FEWEST = 3
 # The clearances of the logarithmic branch that its two coefficients need.
 _FEWEST_BELOW = 2
 _PRINTED = InternalCoefficients()
+# Whether K* of a case is determined again with n over ΔR, and what the line of K* minimises.
+FACTORS = {"of each case": False, "with n over dR": True}
+LINES = ("absolute squares", "relative squares")
 
 
 class Cases(NamedTuple):
@@ -158,39 +162,76 @@ def _line(x: FloatArray, y: FloatArray, relative: bool) -> tuple[float, float]:
 
 
 def by_stages(
-    contact: Contact,
-    cases: Cases,
-    n: float | None = None,
-    keep_n: bool = False,
-    relative: bool = False,
-) -> dict[str, float]:
-    """Return the coefficients by the stages of the paper: n over ΔR, then K* over ΔR.
+    contact: Contact, cases: Cases, n: float | None = None
+) -> tuple[dict[str, float], FloatArray]:
+    """Return the coefficients of n by the second stage of the paper, and n at each clearance.
 
     Parameters
     ----------
     contact : "internal" or "external"
-        For rollers n is one number.
+        For rollers n is one number, the mean of the cases.
     cases : Cases
         The cases.
     n : float, optional
         For holes the exponent of ΔR, n_exponent, and for rollers n itself; fitted by default.
-    keep_n : bool, optional
-        Whether K* is determined again with n of Eq 6c.
-    relative : bool, optional
-        Whether the line K* = a·ΔR + b minimises squares of relative deviations.
 
     Raises
     ------
     InputError
         If the clearances do not determine n.
     """
-    if contact == "internal":
-        exponents = exponents_over_clearance(cases, n)
-        own = exponent_at(cases.grid.dR, exponents)
-    else:
-        exponents = {"n": float(np.nanmean(cases.n)) if n is None else n}
-        own = np.full(cases.grid.dR.size, exponents["n"])
-    return factors_over_clearance(cases, own if keep_n else None, relative) | exponents
+    if contact == "external":
+        one = float(np.nanmean(cases.n)) if n is None else n
+        return {"n": one}, np.full(cases.grid.dR.size, one)
+    exponents = exponents_over_clearance(cases, n)
+    return exponents, exponent_at(cases.grid.dR, exponents)
+
+
+def routes(
+    contact: Contact,
+    grids: Sequence[Axes],
+    given: Mapping[str, Mapping[str, float]],
+    ends: Sequence[float],
+) -> list[dict[str, Any]]:
+    """Return the coefficients of several grids by the stages of the paper, and in sequence.
+
+    Parameters
+    ----------
+    contact : "internal" or "external"
+        The contact.
+    grids : sequence of Axes
+        The grids.
+    given : mapping
+        By name, `n` of `by_stages`, or nothing.
+    ends : sequence of float
+        `end` of `in_sequence`, for holes.
+
+    Returns
+    -------
+    list of dict
+        The number of the grid, the way with its choices, and the coefficients. Where the clearances
+        do not determine n, there is none.
+    """
+    rows: list[dict[str, Any]] = []
+    for number, grid in enumerate(grids):
+        cases = fit_cases(grid)
+        below = int((grid.dR < _PRINTED.Y_switch).sum())
+        if contact == "internal" and below < _FEWEST_BELOW:
+            continue
+        for name, of_n in given.items():
+            exponents, own = by_stages(contact, cases, **of_n)
+            for (factor, n), line in product(FACTORS.items(), LINES):
+                chosen = {"grid": number, "way": "case by case", "given": name, "factor": factor}
+                held = own if n else None
+                K_star = factors_over_clearance(cases, held, relative=line == LINES[1])
+                rows.append(chosen | {"line": line} | K_star | exponents)
+        if contact == "internal":
+            for end, line, of_load in product(ends, LINES, (False, True)):
+                chosen = {"grid": number, "way": "in sequence", "line": line, "end": end}
+                what = "load" if of_load else "penetration"
+                found = in_sequence(cases, end, relative=line == LINES[1], of_load=of_load)
+                rows.append(chosen | {"objective": f"log {what}"} | found)
+    return rows
 
 
 def in_sequence(
