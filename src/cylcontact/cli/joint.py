@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.cli.options import (
@@ -10,25 +11,25 @@ from cylcontact.cli.options import (
     argument,
     number,
     option,
+    output,
     reader,
+    require_output,
     takes,
 )
-from cylcontact.cli.pair import JOINT, blaming_options, material_of, pair_of, read_housing
+from cylcontact.cli.pair import JOINT, named_option, own_materials
 from cylcontact.cli.terminal import say
-from cylcontact.files.reading import plain_number
+from cylcontact.joint.bush_words import EXAMPLE, bush_words, diameter_words
+from cylcontact.joint.words import blaming, joint_from_words, temperature_words
 from cylcontact.support.choices import listed
 from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
-    from cylcontact.bodies.iso286 import IsoFit
+    from cylcontact.joint.bush import BushCheck
+    from cylcontact.joint.check import JointCheck
     from cylcontact.joint.loaded import LoadedJoint
 
+PAGES = (".html", ".pdf", ".png")
 WHAT = ("clearance", "modulus", "length")
-
-
-def _temperatures(text: str) -> tuple[float, float]:
-    pin, _, hole = text.partition(",")
-    return plain_number(pin), plain_number(hole or pin)
 
 
 _AT: dict[str, Any] = {"rich_help_panel": "Load and surroundings"}
@@ -41,7 +42,7 @@ AROUND: Options = {
     "temperature": (
         str | None,
         option("Temperature in °C, or PIN,HOLE; radii are those at 20 °C.", metavar="T",
-               parser=reader(_temperatures, "must be one number or two, PIN,HOLE"), **_AT),
+               parser=reader(temperature_words, "must be one number or two, PIN,HOLE"), **_AT),
     ),
     "rim": (str | None, option(
         "The housing's rim when warm: free, held, or the material of the frame.",
@@ -54,60 +55,42 @@ TARGETS: Options = {
     "peak": (float | None, number("Largest pressure, MPa.", **_TO)),
     "factor": (float | None, number("First yield over the load.", **_TO)),
 }
-# Where errors of the joint come from.
-_OPTIONS = {
-    **{key: f"--{key}" for key in ("load", "iso", "depth", "temperature", "rim", "factor")},
-    **{key: f"--{key}" for key in ("stiffness", "penetration", "peak")},
-    **{"pin": "--temperature", "hole": "--temperature", "datum": "--depth", "housing": "--R-o"},
-    **{"R_o": "--R-o", "layers": "--layer", "clamp": "--clamp"},
-}
+_BUSH = option(
+    "A pressed bush: MATERIAL, BORE before pressing, HOLE/BUSH; --hole is around it.",
+    metavar="TEXT",
+    parser=reader(bush_words, f"is no bush; {EXAMPLE}"),
+    rich_help_panel="The housing of the hole",
+)
+# With a bush the pin may have a class of ISO 286.
+_CHECKED: Options = dict(JOINT) | {
+    "pin_diameter": (
+        str | None,
+        option("Diameter of the pin; with --bush also a class, 20f7.", "--pin-diameter",
+               metavar="MM", parser=reader(diameter_words, "is no diameter; give mm, or 20f7"),
+               rich_help_panel="The pair of cylinders"),
+    ),
+}  # fmt: skip
+# What a target is called in the errors of a search.
+_TARGETS = {name: name for name in TARGETS} | {"yield_stress": "factor"}
 
 
 def joint_of(
     pair: dict[str, Any], around: dict[str, Any], source: str, sought: str = ""
 ) -> LoadedJoint:
     """Return the joint that the options of a command give; `sought` is what it is to find."""
-    from cylcontact.files.units import load_in_N_per_mm
-    from cylcontact.joint.loaded import resolve
-
-    code, rim = around.get("iso"), around.get("rim")
-    iso = None if code is None else _read_iso(code, source, sought)
-    housing = read_housing(pair, source)
-    cylinders = pair_of(pair, source, iso, free=sought == "clearance")
-    # Of a length that is sought the load is the total, as on a length of 1 mm.
-    length = 1.0 if sought == "length" else cylinders.length
-    if sought == "length":
-        rule, remedy = "is what is sought (size length)", "leave it out"
-        require(cylinders.length is None, source, "--length", cylinders.length, rule, remedy)
-    text = around.get("load", "100")
-    unit = "" if text.strip()[-1:].isalpha() or "/" in text else " N/mm"
-    try:
-        load = load_in_N_per_mm(f"{text}{unit}", length)
-    except InputError as error:
-        remedy = error.remedy.replace("the length", "--length")
-        raise InputError(source, "--load", text, error.rule, remedy) from None
-    state: Any = rim
-    if rim not in (None, "free", "held"):
-        state = material_of(str(rim), pair, source, "--rim")
-    with blaming_options(_OPTIONS, source):
-        return resolve(
-            cylinders, load, housing=housing, iso=iso, depth=around.get("depth"),
-            temperature=around.get("temperature"), rim=state,
-        )  # fmt: skip
+    own = own_materials(pair, source)
+    return joint_from_words(pair | around, source, named_option, own, sought)
 
 
-def _read_iso(code: str, source: str, sought: str) -> IsoFit:
-    from cylcontact.bodies.iso286 import IsoFit
-
-    rule, remedy = "gives the clearance, which is what is sought", "leave out --iso, give --Ri"
-    require(sought != "clearance", source, "--iso", code, rule, remedy)
-    return IsoFit.read(code, source, "--iso")
-
-
-@takes("pair", JOINT)
+@takes("pair", _CHECKED)
 @takes("around", AROUND)
 def check(
+    file: Path | None = argument(
+        "The file of a joint with a bush, datasets/bush.toml.", metavar="[FILE]", default=None
+    ),
     *,
+    bush: Any = _BUSH,
+    out: Path | None = output("One page to file, .html, .pdf or .png."),
     as_json: bool = JSON,
     pair: dict[str, Any],
     around: dict[str, Any],
@@ -116,14 +99,41 @@ def check(
 
     The joint is a pin in a hole, two rollers, or a roller on a plane.
     """
-    from cylcontact.joint.check import checked
-
-    joint = joint_of(pair, around, "check")
-    with blaming_options(_OPTIONS, "check"):
-        answer = checked(joint)
+    require_output(out, *PAGES)
+    answer = _checked(file, bush, pair, around)
+    if out is not None:
+        answer.save(out)
     say(answer.to_json() if as_json else str(answer))
     for warning in answer.warnings:
         say(f"warning: {warning}", err=True)
+
+
+def _checked(
+    file: Path | None, bush: Any, pair: dict[str, Any], around: dict[str, Any]
+) -> JointCheck | BushCheck:
+    """Return the answer for the joint of a file or of the options."""
+    if file is not None:
+        from cylcontact.joint.specs import check_file
+
+        materials = pair.pop("materials", None)
+        options = [*map(named_option, (*pair, *around)), *["--bush"] * (bush is not None)]
+        for name in options:
+            rule, remedy = f"is in the file already: {file}", "leave one of them out"
+            raise InputError("check", name, None, rule, remedy)
+        return check_file(file, materials)
+    if bush is not None:
+        from cylcontact.joint.bush_words import bush_from_words
+
+        given = pair | around | {"bush": bush}
+        return bush_from_words(given, "check", named_option, own_materials(pair, "check"))
+    from cylcontact.joint.check import checked
+
+    size = pair.get("pin_diameter")
+    rule, remedy = "is a class, which is for a joint with --bush", "give --iso 20H7/f7, or mm"
+    require(not isinstance(size, str), "check", "--pin-diameter", size, rule, remedy)
+    joint = joint_of(pair, around, "check")
+    with blaming(named_option, "check"):
+        return checked(joint)
 
 
 @takes("pair", JOINT)
@@ -154,7 +164,7 @@ def size(
         targets["penetration"] *= 1e-3
     joint = joint_of(pair, around, "size", what)
     try:
-        with blaming_options({"yield_stress": "--factor", **_OPTIONS}, "size"):
+        with blaming(named_option, "size", _TARGETS):
             answer = size_of(joint, what, **targets)  # type: ignore[arg-type]
     except InputError as error:
         value = error.value

@@ -45,7 +45,10 @@ def plot(optimum: Optimum, law: str, level: float, ax: Axes | None = None) -> Ax
 
 
 def plot_residuals(
-    data: Measurements, standardised: FloatArray, outliers: Collection[int], ax: Axes | None = None
+    data: Measurements,
+    standardised: FloatArray,
+    outliers: Collection[int | str],
+    ax: Axes | None = None,
 ) -> Axes:
     """Draw residuals over the load, and name the lines of outliers."""
     lines = {k: data.line(k) for k in range(len(data))}
@@ -95,7 +98,7 @@ def choice_drawing(name: str, optima: Mapping[str, Optimum], table: pd.DataFrame
         f"{brief(next(iter(optima)))}. Of laws that coincide within {100 * _APART:g} % of the "
         "range one is drawn."
     )
-    return Drawing(figure, table.reset_index(), dict(table["aicc"]), caption)
+    return Drawing(figure, table.reset_index(), caption)
 
 
 def _first_pair(optima: Mapping[str, Optimum]) -> tuple[Measurements, str, Indices]:
