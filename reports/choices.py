@@ -26,7 +26,8 @@ from cylcontact.support.arrays import FloatArray
 from cylcontact.support.parallel import Workers, call, collect
 from cylcontact.support.progress import Progress, silent
 
-CHOICES = Path("datasets/choices.toml")
+ROOT = Path(__file__).resolve().parents[1]
+CHOICES = ROOT / "datasets/choices.toml"
 AXES = ("E", "nu", "dR", "range", "load", "points")
 DIGITS = {  # after the point, as printed
     "internal": dict(zip(vars(PUBLISHED["internal"]), (3, 4, 2, 3, 4, 3, 3), strict=False)),
@@ -192,7 +193,7 @@ def by_chance(digits: FloatArray, contact: str) -> float:
     return digits.shape[1] * float(np.prod(shares))
 
 
-def sentences(root: Path = Path()) -> list[str]:
+def sentences(root: Path = ROOT) -> list[str]:
     """Return in four sentences what the committed summary of the study says."""
     numbers = pd.read_csv(root / "fitting/results/choices.csv", comment="#")
     once = numbers.drop_duplicates(["contact", "way", "given", "end_mm"])
@@ -312,15 +313,15 @@ def main() -> None:
     """Fit everything, on all cores; write the fits to build, and what comes of them."""
     workers = len(getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 1))(0))
     table = study(workers=workers)
-    Path("build").mkdir(exist_ok=True)
-    results = Path("fitting/results")
+    (ROOT / "build").mkdir(exist_ok=True)
+    results = ROOT / "fitting/results"
     tables = {
-        Path("build/choices.csv"): table,
+        ROOT / "build/choices.csv": table,
         results / "choices.csv": summary(table),
         results / "choices_shares.csv": shares(table),
     }
     for path, each in tables.items():
-        origin = origin_of(Path(), [CHOICES, Path(__file__)], path)
+        origin = origin_of(ROOT, [CHOICES, Path(__file__)], path)
         text = each.to_csv(index=False, float_format="%.6g", lineterminator="\n")
         path.write_text(f"# {origin}\n{text}", encoding="utf-8")
 
