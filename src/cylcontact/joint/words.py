@@ -146,7 +146,7 @@ def joint_from_words(
     load = _load(given.get("load", DEFAULT_LOAD), length, source, named)
     rim: Any = given.get("rim")
     if rim not in (None, "free", "held"):
-        rim = _material(rim, source, named("rim"), own)
+        rim = material_from_words(rim, source, named("rim"), own)
     with blaming(named, source, {"pin": "temperature", "hole": "temperature"}):
         return resolve(
             pair, load, housing=housing, iso=iso, depth=given.get("depth"),
@@ -354,17 +354,17 @@ def _bodies(
             remedy = f"for a pin in a hole give {named('pin')} and {named('hole')}"
         most = 1 if contact == "internal" else 2
         require(len(both) <= most, source, named("material"), None, rule, remedy)
-        bodies = [_material(value, source, named("material"), own) for value in both]
+        bodies = [material_from_words(value, source, named("material"), own) for value in both]
         return bodies[0], bodies[-1]
     wanted = ("hole", "pin") if contact == "internal" else ("material", "material")
     for role in wanted:
         remedy = f"give e.g. {named('material')} 'low-carbon steel', or {named('pin')} and "
         require(role in each, source, named(role), None, "is missing", remedy + named("hole"))
-    hole, pin = (_material(each[role], source, named(role), own) for role in wanted)
+    hole, pin = (material_from_words(each[role], source, named(role), own) for role in wanted)
     return hole, pin
 
 
-def _material(value: Any, source: str, name: str, own: Path | None) -> Material:
+def material_from_words(value: Any, source: str, name: str, own: Path | None) -> Material:
     """Return a material by its name, or by its numbers."""
     from cylcontact.bodies.material import Material, find_material, known_materials
 
