@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cylcontact.joint.bush import Bush, BushCheck, check_bush, fitted
     from cylcontact.joint.check import JointCheck, Numbers, check_joint
     from cylcontact.joint.clearance import (
         ClearanceJoint,
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
 
 __all__ = [
+    "Bush",
+    "BushCheck",
     "ClearanceJoint",
     "JointCheck",
     "JointState",
@@ -25,12 +28,15 @@ __all__ = [
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
+    "check_bush",
     "check_joint",
+    "fitted",
     "joint_from",
     "read_joint",
 ]
 # Loaded on first use: a check of a joint needs no compiler.
 _NAMES = {
+    "bush": ("Bush", "BushCheck", "check_bush", "fitted"),
     "check": ("JointCheck", "Numbers", "check_joint"),
     "clearance": ("ClearanceJoint", "JointState", "JointWrench", "joint_from", "read_joint"),
     "loaded": ("LoadedJoint",),

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws import Housing, Johnson
-from cylcontact.limits.housing_stress import first_yield_in
+from cylcontact.limits.housing_stress import first_yield_in, first_yields_in, seat_opens_in
+from cylcontact.limits.rings import AtRest
 from cylcontact.limits.yield_search import Criterion, FirstYield, find_first_yield
 from cylcontact.support.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.support.errors import InputError
@@ -123,6 +124,7 @@ def first_yield(
     criterion: Literal["von Mises", "Tresca"] = "von Mises",
     yield_stress: float | None = None,
     housing: Housing | None = None,
+    at_rest: AtRest | None = None,
 ) -> FirstYield:
     """Return the load at which either body first yields, the body, and the depth.
 
@@ -135,6 +137,9 @@ def first_yield(
         ductile materials, not for brittle ones, which break in tension.
     housing : Housing, optional
         Around the hole, in place of an infinite plate.
+    at_rest : AtRest, optional
+        The stress that the rings of the housing have before any load, pressed together or warmed.
+        The pair has the radii of that state; the load is 0 if a ring yields at rest.
 
     Returns
     -------
@@ -183,8 +188,67 @@ def first_yield(
     require(known, "yield limit", "criterion", criterion, rule, remedy)
     stresses = _yield_stresses(pair, yield_stress, housing)
     if housing is not None:
-        return first_yield_in(housing, pair, stresses, criterion)
+        return first_yield_in(housing, pair, stresses, criterion, at_rest)
+    rule, remedy = "is of the rings of a housing", "give the housing too"
+    require(at_rest is None, "yield limit", "at_rest", None, rule, remedy)
     return find_first_yield(pair, (stresses[0], stresses[1]), criterion)
+
+
+def first_yields(
+    pair: CylinderPair,
+    housing: Housing,
+    at_rest: AtRest | None = None,
+    criterion: Literal["von Mises", "Tresca"] = "von Mises",
+) -> tuple[FirstYield, ...]:
+    """Return the first yield of each ring of a housing, from within, and of the pin.
+
+    Parameters
+    ----------
+    pair, housing, at_rest, criterion
+        As for `first_yield`. Each body has the yield stress of its material.
+
+    Returns
+    -------
+    tuple of FirstYield
+        The load is NaN where the pin leaves the housing before the body yields, and for a body
+        whose yield stress is not known.
+
+    Examples
+    --------
+    A bronze bush, pressed into a steel eye by 12 µm on the radius; the eye pulls the pin:
+
+    >>> from cylcontact import CylinderPair, Material, laws, limits
+    >>> bronze = Material("bronze", 110e3, 0.34, yield_stress=220.0)
+    >>> steel = Material("steel", 200e3, 0.3, yield_stress=250.0)
+    >>> pair = CylinderPair.from_dR("internal", 0.02, pin=steel, hole=bronze, R_i=10.0)
+    >>> eye = laws.Housing(20.0, laws.Sector(60, "pulled"), [(steel, 12.0)], seat="sliding")
+    >>> rest = limits.at_rest([bronze, steel], [10.0, 12.0, 20.0], interference=0.012)
+    >>> bush, lug, _ = first_yields(pair, eye, rest)
+    >>> print(f"bush {bush.load:.0f} N/mm, eye {lug.load:.0f} N/mm, {lug.angle:.0f}° from the load")
+    bush 3672 N/mm, eye 895 N/mm, 92° from the load
+    """
+    known = [body.yield_stress for body in _materials(pair, housing)]
+    stresses = [np.inf if stress is None else stress for stress in known]
+    return tuple(first_yields_in(housing, pair, stresses, criterion, at_rest))
+
+
+def seat_opens(pair: CylinderPair, housing: Housing, at_rest: AtRest) -> FloatArray:
+    """Return the load in N/mm from which a seat between the rings of a housing opens.
+
+    At that load the pressure of the seat at rest and the radial stress of the load add to zero
+    somewhere. Beyond it neither a sliding nor a bonded seat describes the joint.
+
+    Parameters
+    ----------
+    pair, housing, at_rest
+        As for `first_yield`. A rim that is pressed into a frame is a seat too.
+
+    Returns
+    -------
+    array of float
+        inf where no load opens a seat; seats without pressure at rest do not count.
+    """
+    return seat_opens_in(housing, pair, at_rest)
 
 
 def yield_warning(

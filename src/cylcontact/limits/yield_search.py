@@ -116,7 +116,16 @@ def find_first_yield(
 
 def equivalent(stress: PlaneStress, nu: float, criterion: Criterion) -> FloatArray:
     """Return the equivalent stress by von Mises or Tresca, with σ_zz = ν·(σ_rr + σ_θθ)."""
-    half, across = np.abs(stress.difference) / 2, np.abs(0.5 - nu) * np.abs(stress.total)
+    return of_shear(
+        np.abs(stress.difference) / 2, np.abs(0.5 - nu) * np.abs(stress.total), criterion
+    )
+
+
+def of_shear(half: FloatArray, across: FloatArray, criterion: Criterion) -> FloatArray:
+    """Return the equivalent stress from the shear in the plane and the distance of σ_zz.
+
+    These are (σ_1 − σ_2)/2 and |(σ_1 + σ_2)/2 − σ_zz|, with the principal stresses in the plane.
+    """
     if criterion == "Tresca":
         return as_floats(np.maximum(2 * half, half + across))
     return as_floats(np.sqrt(3 * half**2 + across**2))
