@@ -14,6 +14,7 @@ from cylcontact.files.units import load_in_N_per_mm
 from cylcontact.joint.bush import Bush, BushCheck, check_bush
 from cylcontact.laws.housing_spec import HousingSpec
 from cylcontact.limits.rings import Rim
+from cylcontact.support.errors import InputError
 
 __all__ = ["BushJointSpec", "BushSpec", "check_file"]
 
@@ -74,6 +75,25 @@ class BushJointSpec(Spec):
         if self.housing.layers:
             raise broken("housing.layers", None, "are beside a bush", "leave them out")
         return self
+
+
+def is_plain_joint(path: Path | str) -> bool:
+    """Return whether a file is that of a joint without a bush; refuse what is no joint.
+
+    Raises
+    ------
+    InputError
+        If the file is neither; the error names what may be checked.
+    """
+    data = read_toml(path)
+    if "bush" in data:
+        return False
+    rule = "is no joint"
+    remedy = "give a table of joints, the file of a joint ([bearing] and [pin], as "
+    remedy += "datasets/joint.toml), or of one with a [bush], as datasets/bush.toml"
+    if not {"bearing", "pin"} <= {*data} or data.get("kind") == "spatial":
+        raise InputError(str(path), "", None, rule, remedy)
+    return True
 
 
 def check_file(path: Path | str, materials: str | None = None) -> BushCheck:
