@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from cylcontact.joint.check import JointCheck, Numbers, check_joint
     from cylcontact.joint.clearance import (
         ClearanceJoint,
+        JointJacobian,
         JointState,
         JointWrench,
         joint_from,
@@ -21,6 +22,7 @@ __all__ = [
     "BushCheck",
     "ClearanceJoint",
     "JointCheck",
+    "JointJacobian",
     "JointState",
     "JointWrench",
     "LoadedJoint",
@@ -38,7 +40,10 @@ __all__ = [
 _NAMES = {
     "bush": ("Bush", "BushCheck", "check_bush", "fitted"),
     "check": ("JointCheck", "Numbers", "check_joint"),
-    "clearance": ("ClearanceJoint", "JointState", "JointWrench", "joint_from", "read_joint"),
+    "clearance": (
+        *("ClearanceJoint", "JointJacobian", "JointState", "JointWrench"),
+        *("joint_from", "read_joint"),
+    ),
     "loaded": ("LoadedJoint",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }

@@ -30,6 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws.conformal.arcs import Bodies
@@ -166,7 +167,7 @@ def _eta(w: ComplexArray) -> ComplexArray:
 def first_yield_in(
     housing: Housing,
     pair: CylinderPair,
-    stresses: Sequence[float],
+    stresses: Sequence[ArrayLike],
     criterion: Criterion,
     at_rest: AtRest | None = None,
 ) -> FirstYield:
@@ -180,7 +181,7 @@ def first_yield_in(
 def first_yields_in(
     housing: Housing,
     pair: CylinderPair,
-    stresses: Sequence[float],
+    stresses: Sequence[ArrayLike],
     criterion: Criterion,
     at_rest: AtRest | None = None,
 ) -> list[FirstYield]:
@@ -219,7 +220,7 @@ def largest_hoop_in(
 def _searched(
     housing: Housing,
     pair: CylinderPair,
-    stresses: Sequence[float],
+    stresses: Sequence[ArrayLike],
     criterion: Criterion,
     at_rest: AtRest | None,
     ask: Callable[[_Search, float], list[_Found]],
@@ -251,17 +252,19 @@ def _searched(
         np.round(pair.beta, 15),
         which,
         *(across * as_floats(body.nu) for body in (pair.material_i, *layers, pair.material_j)),
+        *map(as_floats, stresses),
         *rest,
     )
     each, which_row = np.unique(
         np.stack([column.ravel() for column in columns]), axis=1, return_inverse=True
     )
-    rows = []
+    rows, count = [], len(stresses)
     for R, unit, w_i, beta, k, *others in each.T.tolist():
         bodies = Bodies(as_floats(w_i), beta, np.zeros(()), kernels[int(k)])
-        nus, (bore, *constants) = others[: len(layers) + 2], others[len(layers) + 2 :] or [0.0]
+        nus, strengths = others[:count], others[count : 2 * count]
+        bore, *constants = others[2 * count :] or [0.0]
         before = _Before(bore, as_floats(np.reshape(constants, (-1, 4)))) if rest else None
-        search = _Search(bodies, unit / R, nus, list(stresses), criterion, before)
+        search = _Search(bodies, unit / R, nus, strengths, criterion, before)
         rows.append([(f * unit, k, abs(r - 1) * R, theta) for f, k, r, theta in ask(search, unit)])
     names = np.array(["hole", *(f"layer {k + 1}" for k in range(len(layers))), "pin"])
     answers = []
