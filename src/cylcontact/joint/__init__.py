@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     )
     from cylcontact.joint.loaded import LoadedJoint
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
+    from cylcontact.joint.tables import TableCheck, check_table
 
 __all__ = [
     "Bush",
@@ -30,8 +31,10 @@ __all__ = [
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
+    "TableCheck",
     "check_bush",
     "check_joint",
+    "check_table",
     "fitted",
     "joint_from",
     "read_joint",
@@ -45,6 +48,7 @@ _NAMES = {
         *("joint_from", "read_joint"),
     ),
     "loaded": ("LoadedJoint",),
+    "tables": ("TableCheck", "check_table"),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}

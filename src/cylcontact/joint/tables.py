@@ -6,14 +6,15 @@ Every other row is a joint of its own. A row that cannot be answered says why.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from cylcontact.bodies.material import Material
+from cylcontact.bodies.material import Material, changed, material_in_MPa
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.files.numbers import quantity
 from cylcontact.files.reading import require_file
@@ -342,6 +343,14 @@ def is_total_force(text: str) -> bool:
 # --- answering ----------------------------------------------------------------------------------
 
 
+class _Part(NamedTuple):
+    """Rows of one pair of materials."""
+
+    rows: IndexArray
+    i: Material
+    j: Material
+
+
 @dataclass(eq=False)
 class _Rows:
     """The rows of a table and what all have in common."""
@@ -470,15 +479,37 @@ class _Rows:
         codes = pd.MultiIndex.from_arrays(list(keys.values())).factorize()[0]
         order = np.argsort(codes, kind="stable")
         starts = np.flatnonzero(np.diff(codes[order], prepend=-1))
+        batches: dict[tuple[str, Any, bool], list[_Part]] = {}
         for start, end in zip(starts, [*starts[1:], size], strict=True):
             rows = order[start:end]
             rows = rows[plain[rows]]
-            if rows.size > 1:
-                of_group = {name: keys[name][rows[0]] for name in names}
-                answered = self._group(rows, of_group)
-                done[answered] = True
-                self.progress("joints", int(done.sum()), size)
+            if rows.size:
+                self._sort({name: keys[name][rows[0]] for name in names}, rows, batches)
+        for (contact, plane, _), parts in batches.items():
+            done[self._batch(contact, plane, parts)] = True
+            self.progress("joints", int(done.sum()), size)
         return done
+
+    def _sort(
+        self,
+        words: Mapping[str, str],
+        rows: IndexArray,
+        batches: dict[tuple[str, Any, bool], list[_Part]],
+    ) -> None:
+        """Put rows of one pair of materials to those that are answered with them."""
+        given = {name: text for name, text in words.items() if text}
+        contact, plane = given.get("contact", "internal"), given.get("plane", "strain")
+        pin, hole, both = (given.get(name) for name in ("pin", "hole", "material"))
+        usual = (pin and hole and not both) or (both and not pin and not hole)
+        if contact not in ("internal", "external") or plane not in ("strain", "stress"):
+            return
+        if not usual or (contact == "external" and not both):
+            return
+        with suppress(InputError):  # the rows are refused one by one
+            j, i = (material_from_words(str(x or both), "", "material", self.own)
+                    for x in (pin, hole))  # fmt: skip
+            known = i.yield_stress is not None and j.yield_stress is not None
+            batches.setdefault((contact, plane, known), []).append(_Part(rows, i, j))
 
     def _texts(self, name: str) -> Any:
         """Return a column of words, empty where it has none."""
@@ -496,35 +527,25 @@ class _Rows:
             return np.full(rows.size, float(self.same.get(name, np.nan)))
         return as_floats(values[rows])
 
-    def _group(self, rows: IndexArray, words: Mapping[str, str]) -> IndexArray:
-        """Answer the sound rows of one pair of materials; return which."""
-        given = {name: text for name, text in words.items() if text}
-        contact, plane = given.get("contact", "internal"), given.get("plane", "strain")
-        pin, hole = given.get("pin"), given.get("hole")
-        both = given.get("material")
-        usual = (pin and hole and not both) or (both and not pin and not hole)
-        if contact not in ("internal", "external") or plane not in ("strain", "stress"):
-            return rows[:0]
-        if not usual or (contact == "external" and not both):
-            return rows[:0]
-        try:
-            j, i = (material_from_words(str(x or both), "", "material", self.own)
-                    for x in (pin, hole))  # fmt: skip
-        except InputError:
-            return rows[:0]
+    def _batch(self, contact: str, plane: Any, parts: Sequence[_Part]) -> IndexArray:
+        """Answer the sound rows of some pairs of materials; return which."""
+        rows = np.concatenate([part.rows for part in parts])
+        which = np.repeat(np.arange(len(parts)), [part.rows.size for part in parts])
         R_i, R_j = self._radii(rows, contact)
-        length = self._numbers("length", rows)
-        load = self._numbers("load", rows)
+        length, load = self._numbers("length", rows), self._numbers("load", rows)
         if self.columns.is_total:
             load = load / length
         sound = (R_i > 0) & (R_j > 0) & (load > 0) & np.isfinite(R_i + load)
         sound &= (R_i > R_j) if contact == "internal" else np.isfinite(R_j)
         sound &= ~(length <= 0)
-        rows = rows[sound]
-        if rows.size:
+        rows, which = rows[sound], which[sound]
+        if rows.size > 1:
+            i = _of_many([part.i for part in parts], which)
+            j = _of_many([part.j for part in parts], which)
             pair = _pair(contact, R_i[sound], R_j[sound], i, j, plane)
             self._fill(rows, pair, as_floats(load[sound]), as_floats(length[sound]))
-        return rows
+            return rows
+        return rows[:0]
 
     def _radii(self, rows: IndexArray, contact: str) -> tuple[FloatArray, FloatArray]:
         """Return the radii of rows, NaN where they are not just two sizes."""
@@ -578,6 +599,18 @@ class _Rows:
             put("factor_to_yield", at / load)
             put("worst_factor_to_yield", at / load)
         self.worst[rows] = "joint"
+
+
+def _of_many(bodies: Sequence[Material], which: IndexArray) -> Material:
+    """Return the material of each row, as arrays unless all rows have one."""
+    if len(bodies) == 1:
+        return bodies[0]
+    E, nu = (np.array([float(getattr(x, key)) for x in bodies])[which] for key in ("E", "nu"))
+    material = material_in_MPa("", as_floats(E), as_floats(nu))
+    stresses = [body.yield_stress for body in bodies if body.yield_stress is not None]
+    if len(stresses) < len(bodies):
+        return material
+    return changed(material, yield_stress=as_floats(np.array(stresses)[which]))
 
 
 def _pair(
