@@ -27,6 +27,7 @@ from cylcontact.support.errors import InputError, require
 if TYPE_CHECKING:
     from cylcontact.joint.bush import BushCheck
     from cylcontact.joint.check import JointCheck
+    from cylcontact.joint.clevis import ClevisCheck
     from cylcontact.joint.loaded import LoadedJoint
 
 PAGES = (".html", ".pdf", ".png")
@@ -87,7 +88,7 @@ def joint_of(
 @takes("around", AROUND)
 def check(
     file: Path | None = argument(
-        "A table of joints, the file of a joint, or of one with a bush.",
+        "A table of joints, the file of a joint, of one with a bush, or of a clevis.",
         metavar="[FILE]",
         default=None,
     ),
@@ -168,7 +169,7 @@ def _check_joint_file(
 
 def _checked(
     file: Path | None, bush: Any, pair: dict[str, Any], around: dict[str, Any]
-) -> JointCheck | BushCheck:
+) -> JointCheck | BushCheck | ClevisCheck:
     """Return the answer for the joint of a file or of the options."""
     if file is not None:
         from cylcontact.joint.specs import check_file, is_plain_joint

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
         joint_from,
         read_joint,
     )
+    from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
     from cylcontact.joint.loaded import LoadedJoint
+    from cylcontact.joint.many import ClearanceJoints
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
     from cylcontact.joint.tables import TableCheck, check_table
 
@@ -22,17 +24,22 @@ __all__ = [
     "Bush",
     "BushCheck",
     "ClearanceJoint",
+    "ClearanceJoints",
+    "Clevis",
+    "ClevisCheck",
     "JointCheck",
     "JointJacobian",
     "JointState",
     "JointWrench",
     "LoadedJoint",
     "Numbers",
+    "Plate",
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
     "TableCheck",
     "check_bush",
+    "check_clevis",
     "check_joint",
     "check_table",
     "fitted",
@@ -47,8 +54,10 @@ _NAMES = {
         *("ClearanceJoint", "JointJacobian", "JointState", "JointWrench"),
         *("joint_from", "read_joint"),
     ),
+    "clevis": ("Clevis", "ClevisCheck", "Plate", "check_clevis"),
     "loaded": ("LoadedJoint",),
     "tables": ("TableCheck", "check_table"),
+    "many": ("ClearanceJoints",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
