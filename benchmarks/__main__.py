@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks.page import read, write
 
-BENCHMARKS = ("law", "calibration", "mechanism", "calculix", "processes")
+BENCHMARKS = ("law", "many", "calibration", "mechanism", "calculix", "processes")
 # Programs that pip cannot install; without them a benchmark is skipped.
 PROGRAMS = {"calculix": ("ccx", "needs CalculiX (apt install calculix-ccx)")}
 LIBRARIES = ("cylcontact", "numpy", "scipy", "numba", "pygad", "cma", "lmfit", "exudyn")

@@ -120,12 +120,14 @@ the same, times scipy's least squares; 0.02; on 1,001,925; cylcontact; scipy lea
 calibration on 4,575 samples, times scipy's; 2; on 4,575; cylcontact; scipy least_squares
 sampling on all cores, times numpy.log on one; 4; a sample of; reduce_grid, all cores; numpy.log
 genetic search, times its objective; 2; a generation; genetic search; its objective
-Johnson's load in arrays, times numpy.power; 3; array; Johnson().load; numpy.power
+Johnson's load in arrays, times numpy.power; 2; array; Johnson().load; numpy.power
 explicit law's load in arrays, times numpy.power; 8; array; Explicit().load; numpy.power
 conformal load in arrays, times numpy.power; 6; array; Conformal().load; numpy.power
 conformal penetration in arrays, times numpy.power; 15; array; Conformal().penetration; numpy.power
-Johnson's load, compiled, times the enhanced law's; 2; compiled; Johnson; enhanced
+Johnson's load, compiled, times the enhanced law's; 1.4; compiled; Johnson; enhanced
 conformal load, compiled, times a power; 2; compiled; conformal; a power
+1e6 joints of other materials, ns each; 1000; contact, 1,000,000 joints; the state of the contact
+first yield of 1e6 joints, ns each; 3000; yield, 1,000,000 joints; first yield
 conformal curve of one material, ms; 5; curve; one material
 conformal curve of a thin eye, ms; 150; curve; a thin eye
 slider-crank, slowest of 24 cases, times real time; 1; restitution; cylcontact, 1e-08; real time
