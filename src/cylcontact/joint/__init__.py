@@ -8,11 +8,13 @@ if TYPE_CHECKING:
     from cylcontact.joint.check import JointCheck, Numbers, check_joint
     from cylcontact.joint.clearance import (
         ClearanceJoint,
+        JointJacobian,
         JointState,
         JointWrench,
         joint_from,
         read_joint,
     )
+    from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
     from cylcontact.joint.loaded import LoadedJoint
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
 
@@ -20,15 +22,20 @@ __all__ = [
     "Bush",
     "BushCheck",
     "ClearanceJoint",
+    "Clevis",
+    "ClevisCheck",
     "JointCheck",
+    "JointJacobian",
     "JointState",
     "JointWrench",
     "LoadedJoint",
     "Numbers",
+    "Plate",
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
     "check_bush",
+    "check_clevis",
     "check_joint",
     "fitted",
     "joint_from",
@@ -38,7 +45,11 @@ __all__ = [
 _NAMES = {
     "bush": ("Bush", "BushCheck", "check_bush", "fitted"),
     "check": ("JointCheck", "Numbers", "check_joint"),
-    "clearance": ("ClearanceJoint", "JointState", "JointWrench", "joint_from", "read_joint"),
+    "clearance": (
+        *("ClearanceJoint", "JointJacobian", "JointState", "JointWrench"),
+        *("joint_from", "read_joint"),
+    ),
+    "clevis": ("Clevis", "ClevisCheck", "Plate", "check_clevis"),
     "loaded": ("LoadedJoint",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }
