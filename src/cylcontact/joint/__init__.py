@@ -16,12 +16,14 @@ if TYPE_CHECKING:
     )
     from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
     from cylcontact.joint.loaded import LoadedJoint
+    from cylcontact.joint.many import ClearanceJoints
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
 
 __all__ = [
     "Bush",
     "BushCheck",
     "ClearanceJoint",
+    "ClearanceJoints",
     "Clevis",
     "ClevisCheck",
     "JointCheck",
@@ -51,6 +53,7 @@ _NAMES = {
     ),
     "clevis": ("Clevis", "ClevisCheck", "Plate", "check_clevis"),
     "loaded": ("LoadedJoint",),
+    "many": ("ClearanceJoints",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}

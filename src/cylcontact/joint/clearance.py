@@ -142,7 +142,7 @@ class ClearanceJointSpec(Spec):
 TANGENT_FROM = 0.9
 
 # Millimetres in the element's unit of length.
-_MILLIMETRES = {"SI": 1e3, "mm": 1.0}
+MILLIMETRES = {"SI": 1e3, "mm": 1.0}
 
 
 class JointState(NamedTuple):
@@ -272,7 +272,7 @@ class ClearanceJoint:
     @property
     def in_mm(self) -> float:
         """The unit of length in mm."""
-        return _MILLIMETRES[self.units]
+        return MILLIMETRES[self.units]
 
     @property
     def rate_floor(self) -> float:
