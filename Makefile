@@ -199,7 +199,7 @@ lock: ## Pin the dependencies anew in the locks; make lock UPGRADE=--upgrade for
 	@mv $(LOCKS:%=build/%) .
 
 clean: ## Remove what the commands above made: fits, figures, tables, caches
-	rm -rf build dist datasets/generated reports/figures docs/figures docs/figures.md docs/claims.md
+	rm -rf build dist datasets/generated docs/figures docs/figures.md docs/claims.md
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests reports -name __pycache__ -type d -prune -exec rm -rf {} +
 

@@ -69,5 +69,7 @@ def escaped(text):
 
 if __name__ == "__main__":
     (DOCS / "figures.md").write_text(figures(), encoding="utf-8")
-    table = pd.read_csv(ROOT / "reports" / "claims.csv", dtype=str, keep_default_na=False)
+    table = pd.read_csv(
+        ROOT / "reports" / "claims.csv", dtype=str, keep_default_na=False, comment="#"
+    )
     (DOCS / "claims.md").write_text(claims(table), encoding="utf-8")

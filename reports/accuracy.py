@@ -12,6 +12,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.laws import LAWS, Conformal, ContactLaw, Housing, Johnson, Persson, Sector
+from cylcontact.plots.arguments import law_label
 from cylcontact.plots.figure import legend_below, new_figure, plain_log
 from cylcontact.support.arrays import FloatArray
 
@@ -55,7 +56,7 @@ def fig_accuracy() -> tuple[Figure, pd.DataFrame]:
     figure = new_figure("page", 82.0)
     axes = figure.subplots()
     for number, name in enumerate(table.columns.drop("phi")):
-        axes.plot(PHI, table[name], label=name, markevery=(3 * number, 18))
+        axes.plot(PHI, table[name], label=law_label(str(name)), markevery=(3 * number, 18))
     axes.axhline(0, color="0.5", linewidth=0.6, linestyle="-", marker="")
     axes.set(xscale="log", xlim=(PHI[0], PHI[-1]), xlabel=r"load $f/(E^*\Delta R)$ (-)")
     axes.set(yscale="symlog", ylim=(-100, 100), ylabel="error of the penetration (%)")

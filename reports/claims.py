@@ -27,7 +27,7 @@ from cylcontact.laws import (
 from cylcontact.reports.claims import Interpretation, claim
 from cylcontact.support.arrays import BoolArray, FloatArray
 
-from .elements import FIG_6_LOADS, FIG_6_WIDE, FOLDER, compared, setup
+from .elements import FIG_6_LOADS, FIG_6_WIDE, FOLDER, LAWS_OF_FIG_6, compared, setup
 from .fits import DR, FIG_2, exponents, fit_power
 from .fits import LOADS as FIT_LOADS
 from .paper import CLEARANCES, JOHNSON_LIMITS, LOADS, MATERIALS, RADII, STEEL
@@ -270,7 +270,7 @@ def laws_and_elements_agree() -> Iterator[Interpretation]:
         table = compared(study)
         off = 100 * (table[f"{law}_mm"] / table["embedded_mm"] - 1)
         wide = off[table["dR_mm"] >= FIG_6_WIDE].abs().max()
-        how = f"{law}, {words[study]}, 20 to 100 N/mm"
+        how = f"{LAWS_OF_FIG_6[law][0]}, {words[study]}, 20 to 100 N/mm"
         met = bool(off.abs().max() < 10 and wide < 3)
         said = f"{off.min():+.1f} to {off.max():+.1f} %, {wide:.1f} % above"
         if study == "recommended" and law == "johnson":

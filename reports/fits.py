@@ -23,6 +23,8 @@ FIG_2 = {
     "internal": (0.05, np.append(1, 10 * np.arange(1, 101))),
     "external": (140.0, np.append(1, 100 * np.arange(1, 101))),
 }
+# K in N/mm per mmⁿ and n, as printed.
+PUBLISHED = {"internal": (312148, 1.2370), "external": (44935, 1.0935)}
 # The ranges of Section 3.1; the paper says neither how many points they have nor their spacing.
 DR = {"internal": (0.05, 10.0), "external": (5.0, 500.0)}  # mm
 MODULI, RATIOS = (20.7, 69.0, 207.0, 600.0, 10000.0), (0.1, 0.3, 0.5)  # GPa, -
@@ -46,8 +48,9 @@ def fit_power(load: FloatArray, penetration: FloatArray) -> PowerFit:
 
 def fig02() -> tuple[Figure, pd.DataFrame]:
     """Load per unit length against penetration by Johnson's law (Eq 1), and the power law f = K δⁿ
-    (Eq 3) fitted to it in logarithms: (a) a pin in a hole, ΔR = 50 µm; (b) rollers, ΔR = 140 mm.
-    E = 207 GPa, ν = 0.3. Below: the fitted load less Johnson's. We chose the loads of the fit.
+    (Eq 3), as published and as fitted to Johnson's in logarithms: (a) a pin in a hole, ΔR = 50 µm;
+    (b) rollers, ΔR = 140 mm. E = 207 GPa, ν = 0.3. Below: the power laws less Johnson's. The paper
+    names no loads; ours are (a) 1, 10, 20, … 1000 N/mm, (b) 1, 100, 200, … 10000 N/mm.
     """
     figure, parts = panels(2, 82.0, heights=(3, 1), least_mm=80.0)
     tables = []
@@ -59,15 +62,25 @@ def fig02() -> tuple[Figure, pd.DataFrame]:
         columns = {"load_N_per_mm": load, "penetration_mm": depth, "fitted_load_N_per_mm": fitted}
         table = pd.DataFrame({"contact": contact, "dR_mm": dR, **columns})
         table["difference_percent"] = 100 * (fitted / load - 1)
+        K, n = PUBLISHED[contact]
+        table["published_load_N_per_mm"] = K * depth**n
         tables.append(table)
         upper, lower = parts[number]
-        label = f"K = {fit.K:.0f}, n = {fit.n:.4f}, $R^2$ = {fit.r_squared:.4f}"
         upper.plot(1e3 * depth, load, marker="", label="Johnson's law")
-        upper.plot(1e3 * depth, fitted, "--", marker="", color="C2", label=label)
-        lower.plot(1e3 * depth, table["difference_percent"], "--", color="C2", marker="")
+        label = f"fitted: K = {fit.K:.0f}, n = {fit.n:.4f}, $R^2$ = {fit.r_squared:.4f}"
+        lines = {
+            "fitted_load_N_per_mm": (label, {"linestyle": "--", "color": "C2"}),
+            "published_load_N_per_mm": (
+                f"published: K = {K}, n = {n:.4f}",
+                {"linestyle": ":", "color": "C1"},
+            ),
+        }
+        for column, (name, look) in lines.items():
+            upper.plot(1e3 * depth, table[column], marker="", label=name, **look)
+            lower.plot(1e3 * depth, 100 * (table[column] / load - 1), marker="", **look)
         lower.axhline(0, color="0.5", linewidth=0.6, linestyle="-", marker="")
-        upper.legend(loc="upper left")
-        upper.set(ylabel="load (N/mm)", ylim=(0, 1.28 * load.max()))
+        upper.legend(loc="upper left", title="K in N/mm$^{n+1}$", alignment="left")
+        upper.set(ylabel="load (N/mm)", ylim=(0, 1.5 * load.max()))
         panel_title(upper, number, f"{contact}, $\\Delta R$ = {dR:g} mm")
         lower.set_xlim(0, None)
         lower.set(xlabel="penetration (µm)", ylabel="difference (%)", ylim=(-30, 10))
@@ -89,9 +102,10 @@ def fig03() -> tuple[Figure, pd.DataFrame]:
         tables.append(table)
         spread = table[table["E_GPa"] == 207.0].groupby("dR_mm")["n"].agg(["min", "max"])
         axes.fill_between(dR, *spread.T.to_numpy(), color="0.85", label="ν from 0.1 to 0.5")
-        pair = CylinderPair.from_dR(contact, dR, Material("any", "1 MPa", 0.0))
+        inside = np.geomspace(ends[0], ends[1] * (1 - 1e-9), 201)  # Eq 6d excludes its last ΔR
+        pair = CylinderPair.from_dR(contact, inside, Material("any", "1 MPa", 0.0))
         published = {"color": "0.5", "linewidth": 2.2, "linestyle": "-", "marker": ""}
-        axes.plot(dR, Enhanced().exponent(pair), **published, label="published (Eq 6c)")
+        axes.plot(inside, Enhanced().exponent(pair), **published, label="published (Eq 6c)")
         for E, rows in table[table["nu"] == 0.3].groupby("E_GPa"):
             axes.plot(dR, rows["n"], label=f"E = {E:g} GPa", markevery=12)
         axes.set(xlim=ends, xlabel=r"$\Delta R$ (mm)", ylabel="exponent n (-)", ylim=(1.0, None))

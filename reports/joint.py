@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Iterator
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
@@ -15,17 +17,24 @@ from cylcontact.laws import LAWS
 from cylcontact.mechanism import Trajectory, read_mechanism, simulate
 from cylcontact.plots.figure import legend_below, new_figure, panel_title, panels
 from cylcontact.plots.style import width_mm
+from cylcontact.support.arrays import FloatArray
 
 SPEC = "datasets/slider_crank.toml"
-DRAWN = {"lankarani-nikravesh": "Lankarani-Nikravesh", "johnson": "Johnson"}
-DRAWN |= {"enhanced": "enhanced", "explicit": "explicit"}
+DRAWN = {
+    "lankarani-nikravesh": "Lankarani-Nikravesh",
+    "johnson": "Johnson",
+    "enhanced": "enhanced",
+}
 LOSSES = list(product((1.0, 0.9), (0.0, 0.1)))  # restitution, friction
-# The revolution that is drawn: the eleventh, by when the runs that settle have settled.
-FIRST, LAST = 10, 11
-# Points of a path, of which an impact has about twenty.
-POINTS = 3000
-# How paths are drawn.
-LINE = {"marker": "", "linestyle": "-", "linewidth": 0.4, "color": "C0"}
+# The revolutions of Figs 18 and 19: the runs that settle have settled by the eleventh.
+FIRST, LAST = 10, 40
+# Runs of a case, by their longest step in s. Where the motion is chaotic they differ by chance.
+RUNS = (1e-4, 2e-5, 5e-6)
+POINTS = 1000  # times in a revolution, of which an impact has about ten
+CELLS = 80  # of a picture of a path, along each axis
+SHARES = LogNorm(1e-3, 1.0)  # percent of the time in a cell
+BEYOND = 121  # penetrations of a curve
+WIDE = 120.0  # mm; in a narrower figure the curves are below the pictures
 
 
 def run(law: str, revolutions: int, max_step: float, **case: Any) -> Trajectory:
@@ -37,8 +46,8 @@ def run(law: str, revolutions: int, max_step: float, **case: Any) -> Trajectory:
 def fig17() -> tuple[Figure, pd.DataFrame]:
     """Contact force against penetration over the first impact of the slider-crank, at two radial
     clearances; restitution 0.9, no friction. Thick: above on approach, below on return. Thin: the
-    law without dissipation. The paper does not say which impact it draws: this one is the hardest
-    of the start, and the same for all laws.
+    law without dissipation. The bodies are elastic throughout. The paper does not say which impact
+    it draws: this one is the hardest of the start, and the same for all laws.
     """
     figure, parts = panels(2, 70.0, below_mm=6.0)
     tables = []
@@ -72,40 +81,147 @@ def first_impact(law: str, clearance: float) -> pd.DataFrame:
     return pd.DataFrame({"law": law, "clearance_mm": clearance, **columns})
 
 
-def paths(clearance: float) -> tuple[Figure, pd.DataFrame]:
-    """Path of the journal's centre in its bearing over the eleventh revolution after the start, in
-    parts of the clearance, for four laws (columns), restitutions c_e and friction coefficients c_f
-    (rows). Grey: the circle of the clearance, outside of which journal and bearing touch. Where the
-    journal flies, the motion is chaotic: compare the kind of path, not its points.
+def fig18() -> tuple[Figure, pd.DataFrame]:
+    """Where the journal's centre is in its bearing, at a radial clearance of 0.5 mm: share of the
+    time in each cell, over revolutions 11 to 40 of three runs, for the three laws (columns),
+    restitutions c_e and friction coefficients c_f (rows, each with limits of its own). Outside the
+    circle journal and bearing touch. Curves: how much of the time the penetration is deeper than
+    x; thin, each of the runs, which differ in the longest step of the integrator alone. Where the
+    thin lines spread, the motion is chaotic, and differences between laws within that spread are
+    chance: without losses (first row) even the share of contact is.
     """
-    figure, tables = new_figure("page", 0.96 * width_mm("page")), []
-    grid = figure.subplots(len(LOSSES), len(DRAWN), sharex=True, sharey=True)
-    for row, (restitution, friction) in zip(grid, LOSSES, strict=True):
-        case = {"clearance": clearance, "restitution": restitution, "friction": friction}
-        for axes, law in zip(row, DRAWN, strict=True):
-            table = path(run(law, LAST, 4e-6, **case))
-            tables.append(table.assign(law=law, **case))
-            axes.add_patch(Circle((0, 0), 1.0, facecolor="0.93", edgecolor="0.6", linewidth=0.5))
-            axes.plot(1e-3 * table["x_um"] / clearance, 1e-3 * table["y_um"] / clearance, **LINE)
-            axes.set(aspect="equal", xticks=(-1, 0, 1), yticks=(-1, 0, 1))
-        row[0].set_ylabel(f"$c_e$ = {restitution:g}, $c_f$ = {friction:g}")
+    return paths(0.5)
+
+
+def fig19() -> tuple[Figure, pd.DataFrame]:
+    """As Fig 18, at a radial clearance of 0.02 mm. Without dissipation (upper rows) phases in which
+    the journal whirls along its bearing come and go; whether a given revolution is one of them is
+    chance. Johnson's law ends at a penetration of 10.8 µm; from 9.7 µm on it continues along its
+    tangent, which the upper rows reach.
+    """
+    return paths(0.02)
+
+
+class Case(NamedTuple):
+    """The runs of a law: places of the journal in parts of the clearance, shape (run, time, 2)."""
+
+    law: str
+    restitution: float
+    friction: float
+    places: FloatArray
+
+
+def paths(clearance: float) -> tuple[Figure, pd.DataFrame]:
+    """Draw where the journal is and how deep it goes, for all laws and losses."""
+    width = width_mm("page")
+    figure, tables = new_figure("page", 0.88 * width if width >= WIDE else 2.3 * width), []
+    if width >= WIDE:
+        left, right = figure.subfigures(1, 2, width_ratios=(1.3, 1))
+        curves = right.subplots(len(LOSSES), 1)
+    else:
+        left, right = figure.subfigures(2, 1, height_ratios=(1.4, 1))
+        curves = right.subplots(2, 2).ravel()
+    grid = left.subplots(len(LOSSES), len(DRAWN))
+    for row, losses in enumerate(LOSSES):
+        cases = [simulated(law, clearance, *losses) for law in DRAWN]
+        reach = 1.05 * max(float(np.abs(case.places).max()) for case in cases)
+        deepest = max(quantile(case, 0.999) for case in cases)
+        depth = np.linspace(0, deepest, BEYOND)
+        for column, case in enumerate(cases):
+            share = cells(case, reach)
+            picture(grid[row, column], share, reach)
+            tables += [table_of_cells(case, clearance, share, reach)]
+            tables += beyond(curves[row], case, clearance, depth, f"C{column}")
+        label = f"$c_e$ = {losses[0]:g}, $c_f$ = {losses[1]:g}"
+        grid[row, 0].set_ylabel(f"{label}\n$y$ / clearance (-)")
+        curves[row].set(xlim=(0, 1e3 * clearance * deepest), ylim=(0, None), title=label)
+        curves[row].set_ylabel("time deeper (%)")
+        for axes in grid[row, 1:]:
+            axes.tick_params(labelleft=False)
     for axes, name in zip(grid[0], DRAWN.values(), strict=True):
-        axes.set_title(name)
-    figure.supxlabel("$x$ / clearance (-)", fontsize="medium")
-    figure.supylabel("$y$ / clearance (-)", fontsize="medium")
-    table = pd.concat(tables, ignore_index=True)
-    reach = 1.04e-3 * table[["x_um", "y_um"]].abs().to_numpy().max() / clearance
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
-    return figure, table
+        axes.set_title(name if width >= WIDE else name.replace("-", "-\n"))
+    for axes in grid[-1]:
+        axes.set_xlabel("$x$ / clearance (-)")
+    for axes in curves if width >= WIDE else curves[2:]:
+        axes.set_xlabel("penetration (µm)")
+    bar = left.colorbar(grid[0, 0].images[0], ax=grid, location="bottom", aspect=40, pad=0.02)
+    bar.set_label("time in a cell (%)")
+    bar.set_ticks([0.001, 0.01, 0.1, 1.0], labels=["0.001", "0.01", "0.1", "1"])
+    legend_below(curves[0])
+    return figure, pd.concat(tables, ignore_index=True)
 
 
-def path(motion: Trajectory) -> pd.DataFrame:
-    """Return the journal's centre from that of the bearing at even times."""
-    revolution = np.linspace(FIRST, LAST, POINTS)
-    x, y = -1e6 * motion.eccentricity_at(revolution * motion.mechanism.period).T
-    return pd.DataFrame({"revolution": revolution, "x_um": x, "y_um": y})
+def simulated(law: str, clearance: float, restitution: float, friction: float) -> Case:
+    """Run a case a few times and return where the journal is, at even times."""
+    places = []
+    for step in RUNS:
+        case = {"clearance": clearance, "restitution": restitution, "friction": friction}
+        motion = run(law, LAST, step, **case)
+        # One time more than a whole number in each: no revolution is sampled as the one before.
+        revolution = np.linspace(FIRST, LAST, POINTS * (LAST - FIRST) + 1, endpoint=False)
+        eccentricity = motion.eccentricity_at(revolution * motion.mechanism.period)  # m
+        places.append(-1e3 * eccentricity / clearance)
+    return Case(law, restitution, friction, np.array(places))
 
 
-fig18 = partial(paths, clearance=0.5)
-fig19 = partial(paths, clearance=0.02)
+def penetrations(case: Case) -> Iterator[FloatArray]:
+    """Yield the penetrations of each run in clearances; negative in flight."""
+    for places in case.places:
+        yield np.hypot(*places.T) - 1
+
+
+def quantile(case: Case, share: float) -> float:
+    """Return the penetration in clearances that this share of the time is not deeper."""
+    return max(float(np.quantile(depth, share)) for depth in penetrations(case))
+
+
+def cells(case: Case, reach: float) -> FloatArray:
+    """Return the percentage of the time in each cell of a picture, rows along y."""
+    edges = np.linspace(-reach, reach, CELLS + 1)
+    x, y = case.places.reshape(-1, 2).T
+    counts, *_ = np.histogram2d(y, x, bins=(edges, edges))
+    return 100 * counts / x.size
+
+
+def picture(axes: Axes, share: FloatArray, reach: float) -> None:
+    """Draw the percentage of the time in each cell, and the circle of the clearance."""
+    seen = np.ma.masked_equal(share, 0)
+    axes.imshow(
+        seen, cmap="viridis_r", norm=SHARES, origin="lower", extent=(-reach, reach, -reach, reach)
+    )
+    circle = {"facecolor": "none", "edgecolor": "0.35", "linewidth": 0.5, "linestyle": "-"}
+    axes.add_patch(Circle((0, 0), 1.0, **circle))
+    axes.set(xticks=(-1, 0, 1), yticks=(-1, 0, 1))
+
+
+def table_of_cells(case: Case, clearance: float, share: FloatArray, reach: float) -> pd.DataFrame:
+    """Return the cells in which the journal has been, by their middle."""
+    middle = 1e3 * clearance * reach * (2 * (np.arange(CELLS) + 0.5) / CELLS - 1)
+    row, column = np.nonzero(share)
+    columns = {"x_um": middle[column], "y_um": middle[row], "percent": share[row, column]}
+    return labelled(case, clearance, "time in a cell", columns)
+
+
+def beyond(
+    axes: Axes, case: Case, clearance: float, depth: FloatArray, colour: str
+) -> list[pd.DataFrame]:
+    """Draw how much of the time the penetration is deeper, of all runs and of each."""
+    shares = [100 * np.mean(run[:, None] > depth, axis=0) for run in penetrations(case)]
+    microns, look = 1e3 * clearance * depth, {"color": colour, "marker": ""}
+    for share in shares:
+        axes.plot(microns, share, linestyle="-", linewidth=0.4, **look)
+    axes.plot(microns, np.mean(shares, axis=0), label=DRAWN[case.law], **look)
+    tables = []
+    for number, share in enumerate(shares, 1):
+        columns = {"run": number, "depth_um": microns, "percent": share}
+        tables.append(labelled(case, clearance, "time deeper", columns))
+    return tables
+
+
+def labelled(case: Case, clearance: float, what: str, columns: dict[str, Any]) -> pd.DataFrame:
+    """Return a table of a case, with what its percentages are."""
+    of_case = {"law": case.law, "clearance_mm": clearance, "restitution": case.restitution}
+    return pd.DataFrame({"quantity": what, **of_case, "friction": case.friction, **columns})
+
+
 FIGURES = {"fig17": fig17, "fig18": fig18, "fig19": fig19}

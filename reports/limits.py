@@ -17,6 +17,7 @@ from cylcontact.plots.limit_curves import limit_clearances
 from .paper import JOHNSON_LIMITS, MATERIALS, RADII
 
 CLEARANCES = limit_clearances()
+STAR = {"color": "black", "markersize": 10, "markeredgewidth": 0.5, "zorder": 3}
 THIN = {"linestyle": (0, (4, 2)), "linewidth": 0.7, "marker": ""}
 
 
@@ -30,8 +31,9 @@ def fig07() -> tuple[Figure, pd.DataFrame]:
         load_N_per_mm=yield_load,
         hertz_load_N_per_mm=lambda pair: yield_load(pair, "Hertz"),
     )
-    figure, axes_of = panels_by_radius(table, "hertz_load_N_per_mm", thin="load_N_per_mm")
-    axes_of[0].set_ylabel("load (N/mm)")
+    figure, axes_of = panels_by_radius(
+        table, "hertz_load_N_per_mm", "load (N/mm)", thin="load_N_per_mm"
+    )
     for axes in axes_of:
         axes.plot([], [], color="0.3", **THIN, label="first yield by von Mises")
     legend_below(axes_of[0])
@@ -62,14 +64,13 @@ def fig09() -> tuple[Figure, pd.DataFrame]:
     table = by_radius(stress_MPa=stress_at_johnson_limit)
     strengths = {name: material.yield_stress for name, material in MATERIALS.items()}
     table["yield_stress_MPa"] = table["material"].map(strengths)
-    figure, axes_of = panels_by_radius(table, "stress_MPa")
+    figure, axes_of = panels_by_radius(table, "stress_MPa", "peak pressure (MPa)")
     for axes, (_, rows) in zip(axes_of, table.groupby("R_i_mm", sort=False), strict=True):
         for number, (_, curve) in enumerate(rows.groupby("material", sort=False)):
             stress, at = np.log(curve["stress_MPa"]), np.log(curve["yield_stress_MPa"].iloc[0])
             where = np.interp(at, stress, np.log(CLEARANCES), left=np.nan, right=np.nan)
-            axes.plot(np.exp(where), np.exp(at), "*", color=f"C{number}", markersize=8)
-        axes.plot([], [], "*", color="0.3", markersize=8, label="equal to the yield stress")
-    axes_of[0].set_ylabel("peak pressure (MPa)")
+            axes.plot(np.exp(where), np.exp(at), "*", **STAR, markerfacecolor=f"C{number}")
+        axes.plot([], [], "*", **STAR, markerfacecolor="0.3", label="equal to the yield stress")
     legend_below(axes_of[0])
     return figure, table
 
@@ -92,12 +93,16 @@ def by_radius(**quantities: Callable[[CylinderPair], object]) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-def panels_by_radius(table: pd.DataFrame, column: str, thin: str = "") -> tuple[Figure, list[Axes]]:
+def panels_by_radius(
+    table: pd.DataFrame, column: str, label: str, thin: str = ""
+) -> tuple[Figure, list[Axes]]:
     """Draw a column against clearance, a panel for each radius; another as thin lines."""
-    figure, parts = panels(len(RADII), 72.0, below_mm=10.0, sharey=True)
+    figure, parts = panels(len(RADII), 72.0, below_mm=10.0, sharex=True, sharey=True)
     for number, ((axes,), R_i) in enumerate(zip(parts, RADII, strict=True)):
         lines_by_material(axes, table[table["R_i_mm"] == R_i], column, thin)
         panel_title(axes, number, f"$R_i$ = {R_i:g} mm")
+        axes.set_ylabel(label)
+        axes.label_outer()
     return figure, [axes for (axes,) in parts]
 
 

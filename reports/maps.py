@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -19,25 +18,59 @@ from cylcontact.support.errors import InputError
 from .paper import FITTED_FROM, MATERIALS, material_of
 
 
-def paper_map(material: str, result: str = "published") -> tuple[Figure, pd.DataFrame]:
+def fig10(result: str = "published") -> tuple[Figure, pd.DataFrame]:
     """Penetration of the enhanced law less Johnson's at equal load, in percent of Johnson's (Eq 9),
-    against radial clearance and load per unit length; a pin in a hole, {material}. Coefficients:
-    {result}. Hatched: beyond the end of Johnson's law (Eq 8). Ticked line: first yield by von
-    Mises in a hole of 10 mm, for an assumed yield stress. Left of the dotted line the published
-    law is extrapolated.
+    against radial clearance and load per unit length; a pin in a hole, ceramics. Coefficients:
+    {result}. Ticked line: first yield in a hole of 10 mm, by von Mises with the assumed tensile
+    strength for the yield stress. Dotted: where the clearances of the paper's fit begin.
     """
+    return paper_map("ceramics", result)
+
+
+def fig11(result: str = "published") -> tuple[Figure, pd.DataFrame]:
+    """As Fig 10, high-strength steel, for which nothing yields at these loads. Coefficients:
+    {result}. Dotted: where the clearances of the paper's fit begin.
+    """
+    return paper_map("high-strength steel", result)
+
+
+def fig12(result: str = "published") -> tuple[Figure, pd.DataFrame]:
+    """As Fig 10, low-carbon steel. Coefficients: {result}. Ticked line: first yield by von Mises in
+    a hole of 10 mm, for an assumed yield stress. Dotted: where the clearances of the paper's fit
+    begin.
+    """
+    return paper_map("low-carbon steel", result)
+
+
+def fig13(result: str = "published") -> tuple[Figure, pd.DataFrame]:
+    """As Fig 10, titanium alloy, for which nothing yields at these loads. Coefficients: {result}.
+    Hatched: beyond the end of Johnson's law (Eq 8). Dotted: where the clearances of the paper's
+    fit begin.
+    """
+    return paper_map("titanium alloy", result)
+
+
+def fig14(result: str = "published") -> tuple[Figure, pd.DataFrame]:
+    """As Fig 10, aluminium alloy. Coefficients: {result}. Hatched: beyond the end of Johnson's law
+    (Eq 8). Ticked line: first yield by von Mises in a hole of 10 mm, for an assumed yield stress.
+    Dotted: where the clearances of the paper's fit begin.
+    """
+    return paper_map("aluminium alloy", result)
+
+
+def paper_map(material: str, result: str) -> tuple[Figure, pd.DataFrame]:
+    """Draw a map of the paper with its coefficients, or with those of a fit."""
     law = LAWS["enhanced"]() if result == "published" else law_of(result)
-    figure, table = one_map(law, LAWS["johnson"](), material)
-    figure.axes[0].axvline(FITTED_FROM, color="black", linestyle=":", marker="")
-    return figure, table
+    return one_map(law, LAWS["johnson"](), material, FITTED_FROM)
 
 
 def fig_map(
     material: str = "low-carbon steel", law: str = "explicit", reference: str = "johnson"
 ) -> tuple[Figure, pd.DataFrame]:
     """Penetration by the law {law} less that by {reference} at equal load, in percent of the
-    latter, against radial clearance and load per unit length; a pin in a hole, {material}. Hatched:
-    beyond the end of {reference}. Ticked line: first yield by von Mises in a hole of 10 mm.
+    latter, against radial clearance and load per unit length; a pin in a hole, {material}. Hatched,
+    if any: beyond the end of {reference}. Ticked line, if any: first yield by von Mises in a hole
+    of 10 mm.
     """
     return one_map(law_of(law), law_of(reference), material)
 
@@ -61,11 +94,17 @@ def fig_refit(result: str = "internal") -> tuple[Figure, pd.DataFrame]:
     return figure, pd.concat(tables, names=["material"]).reset_index("material")
 
 
-def one_map(law: ContactLaw, reference: ContactLaw, material: str) -> tuple[Figure, pd.DataFrame]:
+def one_map(
+    law: ContactLaw, reference: ContactLaw, material: str, fitted_from: float | None = None
+) -> tuple[Figure, pd.DataFrame]:
     """Draw the map of a material over a column, with its name as the title."""
     body = material_of(material)
     figure = new_figure("column", 84.0)
-    axes = plot_map(law, reference, body, ax=figure.subplots())
+    axes = figure.subplots()
+    if fitted_from is not None:
+        words = f"the paper's fit begins, {fitted_from:g} mm"
+        axes.axvline(fitted_from, color="black", linestyle=":", marker="", label=words)
+    plot_map(law, reference, body, ax=axes)
     axes.set_title(f"{body.name}, $E$ = {float(body.E) / 1e3:g} GPa, $\\nu$ = {body.nu:g}")
     legend_below(axes, 1)
     return figure, map_table(law, reference, body)
@@ -90,5 +129,11 @@ def law_of(name: str) -> ContactLaw:
 
 
 FIGURES = {
-    f"fig{number}": partial(paper_map, material) for number, material in enumerate(MATERIALS, 10)
-} | {"fig_map": fig_map, "fig_refit": fig_refit}
+    "fig10": fig10,
+    "fig11": fig11,
+    "fig12": fig12,
+    "fig13": fig13,
+    "fig14": fig14,
+    "fig_map": fig_map,
+    "fig_refit": fig_refit,
+}

@@ -33,7 +33,7 @@ def test_a_bench_is_laid_out_and_found(tmp_path, monkeypatch, run):
         assert (laid_out / name).read_bytes() == (ROOT / name).read_bytes()
     monkeypatch.chdir(laid_out)
     assert run("compare", "fitting/results/internal.json")[0] == 0
-    assert run("figure", "fig12")[:2] == (0, "1 figure in reports/figures\n")
+    assert run("figure", "fig12")[:2] == (0, "1 figure in build/figures\n")
 
 
 def test_here_is_where_it_is_laid_out_by_default(tmp_path, monkeypatch, run):

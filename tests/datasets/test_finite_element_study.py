@@ -91,7 +91,7 @@ class TestFiles:
         base = dict(study.setups["base"])
         assert base["cells"] == 6
         assert dict(study.setups["stress"]) == base | {"plane": "stress"}
-        assert dict(study.setups["eye"]) == base | {"clamp": laws.Sector(60.0, "far")}
+        assert dict(study.setups["eye"]) == base | {"clamp": laws.Sector(60.0, "pulled")}
 
 
 class TestCommittedTables:

@@ -313,10 +313,8 @@ def three(tmp_path):
 def test_several_files_are_read_as_one_table(three):
     data = read(three)
     assert is_truth(data)
-    assert [data.place(k) for k in (0, 3, 8)] == [
-        "a.csv, line 2", "b.csv, line 2", "c.txt, line 4"
-    ]  # fmt: skip
-    assert data.groups("rows")[0][3] == "b.csv, line 2"  # not one with line 2 of a.csv
+    assert [data.line(k) for k in (0, 3, 8)] == ["a.csv:2", "b.csv:2", "c.txt:4"]
+    assert data.groups("rows")[0][3] == "line b.csv:2"  # not one with line 2 of a.csv
     assert "3 files (--group file takes each as a series of its own)" in data.read[-1]
     names, of_row = read(three, group="file").groups("group")
     assert names == ["a.csv", "b.csv", "c.txt"]
@@ -357,7 +355,7 @@ def test_files_of_one_name_are_told_apart_by_their_paths(tmp_path):
     assert set(read(paths).data.labels["file"]) == set(map(str, paths))
     frames = [frame(LOAD[:5], DEPTH[:5]), frame(LOAD[5:], DEPTH[5:])]
     assert is_truth(read(frames))
-    assert read(frames).place(6) == "DataFrame 2, row 2"
+    assert read(frames).line(6) == "DataFrame 2:2"
 
 
 # --- remedies -----------------------------------------------------------------------------------

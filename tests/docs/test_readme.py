@@ -60,7 +60,7 @@ def test_make_draws_as_many_figures_as_it_says():
 
 
 def test_the_verdicts_are_counted():
-    table = pd.read_csv(ROOT / "reports/claims.csv")
+    table = pd.read_csv(ROOT / "reports/claims.csv", comment="#")
     counts = table.groupby("verdict")["claim"].nunique()
     depends = counts["depends on the interpretation"]
     said = f"{counts['holds']} hold, {depends} depend on the interpretation, "

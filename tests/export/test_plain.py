@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cylcontact import InputError
-from cylcontact.export.notation import C, Fortran, Matlab, MatlabArrays
-from cylcontact.export.plain import Constant, Program
+from cylcontact.export.languages import C, Fortran, Matlab, MatlabArrays
+from cylcontact.export.plain import Program
 from tests.support.export_runners import C_FLAGS, FORTRAN_FLAGS, compile_with, run_octave_script
 
 LEVEL, WEIGHTS = 2.5, np.array([0.5, 0.25, 0.125])
@@ -41,7 +41,7 @@ def add(x: float, sums: Sums) -> None:
         sums.count += 7 * k // 3 - k % 3 + abs(k - 3)
 
 
-def evaluate(x: float, y: float, sums: Sums, law: Any) -> float:
+def evaluate(x: float, y: float, sums: Sums, law: Any, spare: float) -> float:  # noqa: ARG001
     """Return a number that takes every rule; ΔR and δ² are Greek for ASCII."""
     sums.total = 0
     sums.count = 0
@@ -53,8 +53,10 @@ def evaluate(x: float, y: float, sums: Sums, law: Any) -> float:
 
     # Halve until the level is reached.
     turns = 0
+    last = 0
     while abs(a) > LEVEL and not b > 0:
         a *= 0.5
+        last = 0.5 * last
         turns = turns + 1
         if turns == 40:
             break
@@ -68,37 +70,32 @@ def of_arrays(x: float, y: float) -> float:
     return np.exp(z / (1 + np.abs(y))) - np.maximum(x, 0.5) + np.copysign(1.0, x)
 
 
-class Law(NamedTuple):
-    """Constants."""
-
-    scale: float
-    least: float
-
-
-LAW = Law(1.75, -0.5)
-CONSTANTS = {
-    "law": {"scale": Constant(float, 1.75, "Δ"), "least": Constant(float, -0.5)},
-    "joint": {},
-}
+LAW = np.array([(1.75, -0.5, 7.0)], [(name, np.float64) for name in ("scale", "least", "unused")])
+RECORDS = {"law": LAW.dtype}
 X, Y = np.meshgrid([-3.0, -0.5, 0.0, 0.25, 7.0, math.nan], [-90.0, -1.0, 0.0, 2.0, 11.0, math.nan])
 X, Y = X.ravel(), Y.ravel()
 
 
 def wanted():
     return [
-        evaluate(x, y, np.zeros(1, SUMS).view(np.recarray)[0], LAW)
+        evaluate(x, y, np.zeros(1, SUMS).view(np.recarray)[0], LAW.view(np.recarray)[0], 0.0)
         for x, y in zip(X, Y, strict=True)
     ]
 
 
 def translated(language):
-    program = Program(CONSTANTS)
+    program = Program(RECORDS)
     program.read(evaluate)
-    return language(program, {"evaluate": "evaluate"}, scratch="sums")
+    return language(program, {SUMS: "Sums", LAW.dtype: "Law"})
+
+
+def parts_of(language):
+    law = language.constant("this_law", LAW.dtype, LAW[0], {"scale": "Δ"})
+    return {**language.parts(), "law": law}
 
 
 def run_library(library):
-    function = ctypes.CDLL(str(library)).evaluate
+    function = ctypes.CDLL(str(library)).run
     function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * 2
     return [function(x, y) for x, y in zip(X, Y, strict=True)]
 
@@ -106,11 +103,17 @@ def run_library(library):
 C_FILE = """#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
-double evaluate(double x, double y);
 {types}
-{constants}
+{numbers}
+{law}
 {helpers}
 {program}
+double run(double x, double y);
+double run(double x, double y)
+{{
+    Sums sums;
+    return evaluate(x, y, &sums, &this_law);
+}}
 """
 FORTRAN_FILE = """module m
 use, intrinsic :: iso_fortran_env, only: wp => real64
@@ -118,12 +121,14 @@ implicit none
 private
 public :: run
 {types}
-{constants}
+{numbers}
+{law}
 contains
-function run(x, y) result(z) bind(c, name="evaluate")
+function run(x, y) result(z) bind(c)
 real(wp), value :: x, y
 real(wp) :: z
-z = evaluate(x, y)
+type(sums_type) :: sums
+z = evaluate(x, y, sums, this_law)
 end function run
 {program}
 {helpers}
@@ -132,37 +137,40 @@ end module m
 
 
 def test_c_computes_the_same(tmp_path):
-    parts = translated(C).parts()
+    parts = parts_of(translated(C))
     (tmp_path / "f.c").write_text(C_FILE.format(**parts), encoding="ascii")
     compile_with("gcc", *C_FLAGS, tmp_path / "f.c", "-o", tmp_path / "f.so", "-lm")
     np.testing.assert_allclose(run_library(tmp_path / "f.so"), wanted(), rtol=1e-13)
     assert "// Halve until the level is reached.\n" in parts["program"]
     assert "dR and delta^2 are Greek" in parts["program"]
+    assert ".scale = 1.75, // d\n" in parts["law"]
+    assert "unused" not in parts["law"] + parts["types"]
+    assert "spare" not in parts["program"]
 
 
 def test_fortran_computes_the_same(tmp_path):
-    text = FORTRAN_FILE.format(**translated(Fortran).parts())
+    text = FORTRAN_FILE.format(**parts_of(translated(Fortran)))
     (tmp_path / "f.f90").write_text(text, encoding="ascii")
     flags = (*FORTRAN_FLAGS, "-Wno-c-binding-type", f"-J{tmp_path}")
     compile_with("gfortran", *flags, tmp_path / "f.f90", "-o", tmp_path / "f.so")
     np.testing.assert_allclose(run_library(tmp_path / "f.so"), wanted(), rtol=1e-13)
 
 
-def octave(folder, language, call):
-    parts = language.parts()
-    numbers = [language.number_of(*each) for each in language.program.numbers.items()]
-    text = "\n".join(["1;", parts["constants"], *numbers, parts["program"], parts["helpers"]])
+def octave(folder, parts, call):
+    names = ("numbers", "program", "helpers")
+    text = "\n".join(["1;", parts.get("law", ""), *(parts[name] for name in names)])
     given = f"x = [{' '.join(map(repr, X.tolist()))}]; y = [{' '.join(map(repr, Y.tolist()))}];"
     script = f"{text}\n{given}\n{call}\nprintf('%.17g\\n', z);\n"
     return np.array(run_octave_script(script, folder).split(), float)
 
 
 def test_matlab_computes_the_same_also_of_arrays(tmp_path):
-    call = "z = arrayfun(@(a, b) evaluate(a, b, law), x, y);"
-    np.testing.assert_allclose(octave(tmp_path, translated(Matlab), call), wanted(), rtol=1e-13)
-    program = Program({})
+    language = translated(Matlab)
+    call = f"z = arrayfun(@(a, b) evaluate(a, b, {language.zeros(SUMS)}, this_law), x, y);"
+    np.testing.assert_allclose(octave(tmp_path, parts_of(language), call), wanted(), rtol=1e-13)
+    program = Program()
     program.read(of_arrays)
-    answers = octave(tmp_path, MatlabArrays(program), "z = of_arrays(x, y);")
+    answers = octave(tmp_path, MatlabArrays(program).parts(), "z = of_arrays(x, y);")
     np.testing.assert_allclose(answers, of_arrays(X, Y), rtol=1e-13)
 
 
@@ -180,7 +188,9 @@ REFUSED = {
     "return x // 2": ("8: `x // 2", "whole numbers"),
     "for k in range(0, 9, n): x += k": ("8: `for k in range(0, 9, n):", "literal"),
     "return sum([x, x])": ("8: `[x, x]", "not in the rules"),
-    "return law.factor * x": ("8: `law.factor", "is not a number of the law"),
+    "return law.factor * x": ("8: `law.factor", "is not a number of the record"),
+    "law.least = change(law); return x": ("8: `law.least = change(law)", "use a variable"),
+    "x = split(y); return x.size": ("8: `x = split(y)", "changes the type of x"),
     "\n    y = x +\\\n        {1: 2}[1]": ("10: `{1: 2}", "not in the rules"),
     "x = y = 1": ("8: `x = y = 1", "write two assignments"),
     "x + 1": ("8: `x + 1", "does nothing"),
@@ -190,6 +200,14 @@ REFUSED = {
     "return split() * x": ("8: `split()", "give all of x"),
     "f = x; return f": ("7: `f", "has a variable of its own name"),
 }
+
+
+def change(law: Annotated[Any, LAW.dtype]) -> float:
+    """Return a number, and change a record."""
+    law.scale = 1.0
+    return law.scale
+
+
 HINTS = {"n": int, "vector": Annotated[Any, 3]}
 
 
@@ -198,13 +216,13 @@ def test_what_has_no_counterpart_is_refused_with_expression_and_line(body):
     where, words = REFUSED[body]
     text = f"def f(x, y, n, vector, law):\n    {body}"
     with pytest.raises(InputError) as caught:
-        Program(CONSTANTS).read_text(text, globals(), HINTS, "a/mine.py", 7)
+        Program(RECORDS).read_text(text, globals(), HINTS, "a/mine.py", 7)
     assert str(caught.value).startswith(f"f, mine.py, line {where}")
     assert words in str(caught.value)
 
 
 def test_a_constant_has_one_value():
-    program = Program({})
+    program = Program()
     program.read_text("def f(x):\n    return LEVEL * x", {"LEVEL": 1.0})
     with pytest.raises(InputError, match="two values"):
         program.read_text("def g(x):\n    return LEVEL * x", {"LEVEL": 2.0})
@@ -214,7 +232,7 @@ def test_functions_have_names_of_their_own_and_plain_arguments():
     def split(x):
         return x
 
-    program = Program({})
+    program = Program()
     program.read(split_of_module)
     with pytest.raises(InputError, match="has the name of another function"):
         program.read(split)

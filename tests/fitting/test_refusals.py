@@ -185,7 +185,10 @@ INSIDE = ("--law", "johnson", "--contact", "internal")
 PEEK = ("--pin", "PEEK", "--hole", "bronze")
 # What follows `cylcontact fit TABLE`, and the error.
 COMMANDS = [
-    (("--contact", "internal"), "--law: is required for a table"),
+    (
+        ("--contact", "internal"),
+        "lacks the law and the materials; add your own, e.g. --law explicit --material",
+    ),
     ((*INSIDE, "--bound", "c=1"), "'--bound': 'c=1' is not valid"),
     ((*INSIDE, "--fix", "c=1", "--bound", "c=1:2"), "c is given twice"),
     ((*INSIDE, *PEEK, "--material-j", "PTFE"), "--pin: says the same as --material-j; keep one"),

@@ -23,6 +23,8 @@ def test_a_joint_in_a_housing_by_finite_elements(clamp):
     (case,) = solve(setup, 0.05, [1000.0])
     assert check.numbers.penetration_um == pytest.approx(1e3 * case.penetration, rel=0.01)
     assert check.numbers.peak_pressure_MPa == pytest.approx(case.pressure.max(), rel=0.02)
+    place = np.degrees(case.arc[np.argmax(case.pressure)] / 10.0)
+    assert check.numbers.peak_at_deg == pytest.approx(place, abs=4.0)
     slopes = solve(setup, 0.05, [990.0, 1010.0])
     slope = 20.0 / (slopes[1].penetration - slopes[0].penetration)
     assert check.numbers.stiffness_N_per_mm2 == pytest.approx(slope, rel=0.02)

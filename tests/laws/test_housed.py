@@ -38,7 +38,7 @@ def test_the_check_of_a_joint_takes_a_housing(run, options, housing):
         ("--R-o 9", "--R-o = 9.0: must be larger than the hole"),
         ("--R-o 20 --clamp half", "'--clamp': 'half' is no clamp; write rim, lug, pushed:60"),
         ("--clamp rim", "--R-o: is required; add the radius of the rim"),
-        ("--R-o 20 --contact external", "leave out --R-o and --clamp"),
+        ("--R-o 20 --contact external", "leave out --R-o, or --contact"),
     ],
 )
 def test_options_that_are_no_housing_are_refused(run, options, words):

@@ -1,8 +1,9 @@
 """A material, and tables of them: values, provenance, and every way to go wrong."""
 
+import numpy as np
 import pytest
 
-from cylcontact import InputError, Material
+from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.bodies.material import (
     COLUMNS,
     SHIPPED,
@@ -51,6 +52,16 @@ def write(tmp_path, *lines, header=HEADER):
     path = tmp_path / "materials.csv"
     path.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
     return path
+
+
+def test_materials_and_laws_with_them_are_keys():
+    """Equal ones have one hash, whether their numbers came as a list or as an array."""
+    one, other = Material("any", [7e4, 2e5], 0.3), Material("any", np.array([7e4, 2e5]), 0.3)
+    assert len({one, other, Material("any", 7e4, 0.3)}) == 2
+    layers = [(Material("steel", 207e3, 0.3), 12.0)]
+    assert len({laws.Conformal(laws.Housing(20.0, layers=layers)) for _ in range(2)}) == 1
+    pairs = {CylinderPair.internal(10.0, [9.5, 9.9], other) for _ in range(2)}
+    assert len(pairs) == 1
 
 
 def test_shipped_values_and_where_they_come_from():

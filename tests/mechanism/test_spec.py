@@ -70,7 +70,7 @@ def test_changes_replace_values_of_the_file():
 
 
 def test_a_clearance_replaces_a_fit():
-    fitted = {"joint.fit": "20H7/g6", "joint.clearance": DROP, "joint.bearing.R": DROP}
+    fitted = {"joint.iso": "20H7/g6", "joint.clearance": DROP, "joint.bearing.R": DROP}
     mechanism = mechanism_from(changed(SLIDER_CRANK, fitted))
     assert mechanism.joint.radial == pytest.approx(0.012)
     wide = mechanism.changed(clearance=0.2).joint.pair

@@ -117,7 +117,7 @@ class TestMap:
 
     def test_the_shaded_part_begins_at_the_largest_load(self) -> None:
         axes = plot_map("enhanced", "johnson", SOFT, load=(1.0, 500.0))
-        shaded = labelled(axes)["beyond the reference's largest load"]
+        shaded = labelled(axes)["beyond Johnson's largest load"]
         dR, load = shaded.get_paths()[0].vertices.T
         edge = (load < 500.0) & (load > 1.0)
         assert edge.sum() > 100

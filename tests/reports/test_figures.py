@@ -1,5 +1,10 @@
 """Figures of a folder: found, drawn with arguments, written together or not at all."""
 
+import hashlib
+import json
+import re
+import subprocess
+from importlib.metadata import version
 from pathlib import Path
 
 import matplotlib as mpl
@@ -7,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib import image
+from PIL import Image
 
 from cylcontact import InputError
 from cylcontact.plots import figure_style
@@ -17,6 +23,13 @@ from tests.support.report_files import FIGURE
 ROOT = Path(__file__).resolve().parents[2]
 ENDINGS = {".png", ".pdf", ".csv", ".txt"}
 E_STEEL = paper.e_star(207e3, 0.3)
+E_STAR = {
+    10: paper.e_star(600e3, 0.24),
+    11: E_STEEL,
+    12: paper.e_star(200e3, 0.3),
+    13: paper.e_star(120e3, 0.34),
+    14: paper.e_star(69e3, 0.33),
+}
 
 
 @pytest.fixture
@@ -37,14 +50,19 @@ def drawn(name, monkeypatch, **arguments):
 
 def test_the_papers_figures_are_there():
     numbers = {f"fig{n:02d}" for n in (*range(2, 15), 17, 18, 19)}
-    assert numbers | {"fig_accuracy", "fig_housing", "fig_map", "fig_refit"} == set(recipes(ROOT))
+    assert numbers | {"fig_accuracy", "fig_elements", "fig_housing", "fig_map", "fig_refit"} == set(
+        recipes(ROOT)
+    )
 
 
 def test_a_figure_is_written_with_numbers_and_caption(folder):
     paths = write_figures(folder, ["fig99"], {"load": "20"})
     assert {path.name for path in paths} == {f"fig99-20{ending}" for ending in ENDINGS}
-    assert pd.read_csv(folder / "reports/figures/fig99-20.csv")["load_N_per_mm"].item() == 20
-    text = (folder / "reports/figures/fig99-20.txt").read_text()
+    assert (
+        pd.read_csv(folder / "build/figures/fig99-20.csv", comment="#")["load_N_per_mm"].item()
+        == 20
+    )
+    text = (folder / "build/figures/fig99-20.txt").read_text()
     assert text == "A load of 20 N/mm.\n"
     assert caption(folder, "fig99") == "A load of 10 N/mm."
 
@@ -54,6 +72,47 @@ def test_the_same_bytes_for_any_number_of_workers(folder):
     mine.write_text(FIGURE.replace("FIGURES = {", 'FIGURES = {"other": fig99, '))
     files = [write_figures(folder, folder=folder / str(n), workers=n) for n in (1, 2)]
     assert [path.read_bytes() for path in files[0]] == [path.read_bytes() for path in files[1]]
+
+
+def test_picture_and_numbers_say_what_they_are_from(folder):
+    """Version, files and their hashes, the seed of a fit; nothing of this machine or this hour."""
+    (folder / "datasets").mkdir()
+    (folder / "datasets/mine.csv").write_text("load\r\n7\r\n")
+    (folder / "build").mkdir()
+    fit = {"settings": {"campaign": {"seed": 5}}}
+    (folder / "build/fit.json").write_text(json.dumps(fit))
+    (folder / "reports/beside.py").write_text("LOAD = 'datasets/mine.csv'\n")
+    mine = FIGURE.replace(
+        "import pandas as pd\n", "import pandas as pd\nfrom .beside import LOAD\n"
+    )
+    mine = mine.replace("    figure =", READING + "    figure =")
+    (folder / "reports/mine.py").write_text(mine.replace("ROOT", repr(str(folder))))
+    png, pdf, csv, _ = write_figures(folder, ["fig99"])
+    said = csv.read_text().splitlines()[0].removeprefix("# ")
+    hashes = {
+        name: hashlib.sha256((folder / name).read_bytes().replace(b"\r\n", b"\n")).hexdigest()[:12]
+        for name in ("build/fit.json", "datasets/mine.csv", "reports/beside.py", "reports/mine.py")
+    }
+    inputs = ", ".join(f"{name} {short}" for name, short in hashes.items())
+    assert said == f"cylcontact {version('cylcontact')}; inputs: {inputs}; seed: 5"
+    assert Image.open(png).text["Comment"] == said
+    assert "cylcontact" in pdf.read_bytes().decode("latin-1")
+    first = [path.read_bytes() for path in (png, pdf, csv)]
+    again = write_figures(folder, ["fig99"], folder=folder / "elsewhere")[:3]
+    assert [path.read_bytes() for path in again] == first
+    (folder / "datasets/mine.csv").write_text("load\n8\n")
+    assert write_figures(folder, ["fig99"])[2].read_bytes() != first[2]
+
+
+def test_only_what_is_in_build_names_a_commit(folder):
+    git = ["git", "-c", "user.name=me", "-c", "user.email=me@here"]
+    for words in (["init", "-q"], ["add", "."], ["commit", "-qm", "all"]):
+        subprocess.run([*git, *words], cwd=folder, check=True)
+    head = [*git, "rev-parse", "HEAD"]
+    commit = subprocess.run(head, cwd=folder, capture_output=True, text=True, check=True)
+    for out, named in (("build/figures", True), ("docs", False)):
+        csv = write_figures(folder, ["fig99"], folder=folder / out)[2]
+        assert (f"commit: {commit.stdout.strip()}" in csv.read_text()) is named
 
 
 @pytest.mark.parametrize(("width", "mm"), [(None, 90.0), (190.0, 190.0), (72.5, 72.5)])
@@ -71,6 +130,14 @@ def test_a_style_is_applied_on_top(folder, tmp_path):
     assert figure.axes[0].lines[0].get_linewidth() == 7
 
 
+READING = """    import json
+    import pathlib
+
+    root = pathlib.Path(ROOT)
+    pd.read_csv(root / LOAD)
+    json.loads((root / "build/fit.json").read_text())
+"""
+
 MISTAKES = {
     "no such figure": (["fig98"], {}, FIGURE, "fig98: there is no such figure; choose fig99"),
     "no such argument": (["fig99"], {"dR": "1"}, FIGURE, "takes load, name; leave it out"),
@@ -86,7 +153,7 @@ def test_a_mistake_is_one_line_and_leaves_nothing(folder, names, arguments, text
         write_figures(folder, names, arguments)
     assert words in str(caught.value).replace("figure = ", "").replace("'", "")
     assert "\n" not in str(caught.value)
-    assert not list((folder / "reports").rglob("*99*"))
+    assert not list((folder / "build").rglob("*99*"))
 
 
 def test_a_changed_file_is_read_anew(folder):
@@ -145,10 +212,76 @@ def test_figs_7_to_9_are_eqs_7_and_8(monkeypatch):
 def test_the_maps_are_eq_9(name, E, nu, monkeypatch):
     figure, table = drawn(name, monkeypatch)
     assert f"$E$ = {E / 1e3:g} GPa" in figure.axes[0].get_title(loc="left")
+    table = table.dropna()
     expected = paper.difference(table["load_N_per_mm"], paper.e_star(E, nu), table["dR_mm"])
     assert table["difference_percent"].to_numpy() == pytest.approx(
         expected.to_numpy(), rel=1e-9, abs=1e-9
     )
+
+
+@pytest.mark.parametrize("number", range(10, 15))
+def test_a_map_explains_what_it_draws_and_its_numbers_are_a_rectangle(number, monkeypatch):
+    figure, table = drawn(f"fig{number}", monkeypatch)
+    words = caption(ROOT, f"fig{number}")
+    (legend,) = figure.legends
+    drawn_marks = " ".join(text.get_text() for text in legend.get_texts())
+    assert ("Hatched" in words) is ("beyond Johnson's" in drawn_marks)
+    assert ("Ticked" in words) is ("first yield" in drawn_marks)
+    assert "Dotted" in words
+    assert "the paper's fit begins" in drawn_marks
+    assert any("enhanced less Johnson's" in axes.get_ylabel() for axes in figure.axes)
+    grid = table.pivot(index="dR_mm", columns="load_N_per_mm", values="difference_percent")
+    assert grid.shape == (161, 81)
+    ends = paper.johnson_end(E_STAR[number], grid.index.to_numpy())[:, None]
+    assert np.array_equal(np.isnan(grid.to_numpy()), grid.columns.to_numpy() > ends)
+
+
+@pytest.mark.parametrize("name", ["fig06", "fig07", "fig09"])
+def test_a_narrow_figure_keeps_its_labels_and_fits_a_page(name, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    with figure_style(width=85.0):
+        figure, _ = draw(ROOT, name)
+    assert figure.get_figheight() * 25.4 <= 205.5
+    assert all(axes.get_ylabel() for axes in figure.axes)
+
+
+def test_fig_6_has_the_elements_of_the_paper_beside_ours(monkeypatch):
+    """As the paper says: plane stress, the load on the centre nodes."""
+    _, table = drawn("fig06", monkeypatch)
+    letter = table[table["set_up"] == "paper"]
+    off = 100 * (letter["johnson_mm"] / letter["embedded_mm"] - 1)
+    assert (off.min().round(1), off.max().round(1)) == (-53.1, -26.2)
+    expected = paper.johnson(letter["load_N_per_mm"], E_STEEL, letter["dR_mm"])
+    assert letter["johnson_mm"].to_numpy() == pytest.approx(expected.to_numpy(), rel=1e-9)
+
+
+def test_fig_4_states_the_size_of_its_cells(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    mesh = report_module(ROOT, "elements").setup().mesh(0.1, [20.0, 40.0, 100.0])
+    low, high = map(float, re.search(r"sides of (\d) to (\d) µm", caption(ROOT, "fig04")).groups())
+    for body in (mesh.plate, mesh.pin):
+        cells = body.points[body.quads]
+        x, y = np.abs(cells.mean(axis=1) - [0.0, 2.245]).T
+        sides = 1e3 * np.linalg.norm(cells - np.roll(cells, 1, axis=1), axis=2)
+        at_contact = sides[(x < 0.04) & (y < 0.02)]
+        assert low <= at_contact.min()
+        assert at_contact.max() < high + 0.5
+
+
+def test_shares_of_time_add_up_and_settled_runs_agree(monkeypatch):
+    """With losses the three runs give one curve; without they differ, which the figure shows."""
+    _, table = drawn("fig19", monkeypatch)
+    case = ["law", "restitution", "friction"]
+    cells = table[table["quantity"] == "time in a cell"]
+    assert set(cells["law"]) == {"lankarani-nikravesh", "johnson", "enhanced"}
+    assert cells.groupby(case)["percent"].sum().to_numpy() == pytest.approx(100, rel=1e-12)
+    deeper = table[table["quantity"] == "time deeper"]
+    spread = deeper.groupby([*case, "depth_um"])["percent"].agg(np.ptp).groupby(case).max()
+    assert spread.xs(0.9, level="restitution").max() < 3
+    assert spread.xs(1.0, level="restitution").min() > 3
+    settled = cells[(cells["restitution"] == 0.9) & (cells["friction"] == 0.1)]
+    depth = np.hypot(settled["x_um"], settled["y_um"]) - 20
+    assert 0 < (depth * settled["percent"]).sum() / settled["percent"].sum() < 4
 
 
 def test_a_fresh_fit_takes_the_place_of_the_published_law(monkeypatch):

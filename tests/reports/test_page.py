@@ -1,16 +1,22 @@
 """The report: one page with what is there, readable on a desk and on a phone."""
 
 import re
+from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from cylcontact.fitting.stored import read_result
 from cylcontact.reports.figures import write_figures
-from cylcontact.reports.page import write_page
+from cylcontact.reports.page import FITS, _fits, write_page
+from tests.support import paper_equations as paper
 from tests.support.browser import chromium
 from tests.support.report_files import CLAIMS, FIGURE
 
 ROOT = Path(__file__).resolve().parents[2]
+RESULTS = ROOT / "fitting/results"
+SPACED = {"linear": np.linspace, "log": np.geomspace}
 
 
 @pytest.fixture
@@ -30,6 +36,10 @@ def test_the_page_has_coefficients_figures_and_claims_and_loads_nothing(page):
     assert "A load of 10 N/mm." in text
     assert "does not hold:" in text
     assert not re.search(r'(src|href)="(?!data:)', text)
+    foot = text[text.index("<footer>") :]
+    assert f"cylcontact {version('cylcontact')}; inputs: " in foot
+    assert "reports/claims.py" in foot
+    assert "doi:10.1007/s11044-015-9463-x" in foot
 
 
 def test_what_is_missing_names_the_command(tmp_path):
@@ -47,3 +57,38 @@ def test_the_page_fits_the_window(page, width):
         assert view.locator("img").first.bounding_box()["width"] > 200
         view.locator("summary").first.click()
         assert view.locator("li").first.is_visible()
+
+
+@pytest.mark.parametrize(("contact", "last"), [("external", "external")])
+def test_errors_are_compared_on_the_same_samples(contact, last):
+    """Eqs 1, 5 and 6 written out once more, on the samples of the last column."""
+    results = {name: read_result(RESULTS / f"{name}.json") for name in FITS[contact]}
+    axes = {
+        key: axis["values"]
+        if "values" in axis
+        else SPACED[axis["spacing"]](axis["min"], axis["max"], axis["points"])
+        for key, axis in results[last].settings["dataset"]["axes"].items()
+    }
+    E, nu, dR, load = np.meshgrid(*(axes[key] for key in ("E", "nu", "dR", "load")))
+    E_star = paper.e_star(1e3 * E, nu)
+    inside = load <= paper.johnson_end(E_star, dR)
+    E_star, dR, load = E_star[inside], dR[inside], load[inside]
+    exact = np.log(paper.johnson(load, E_star, dR))
+    expected = []
+    every = [results[last].published, *results.values()]
+    for values in (each.coefficients for each in every):
+        K = (values["a"] * dR + values["b"]) * E_star / dR
+        n = exponent(values, dR)
+        expected.append(np.sqrt(np.mean((np.log(load / K) / n - exact) ** 2)))
+    row = re.search(r"<td>error</td>(.*?)</tr>", _fits(RESULTS, FITS[contact], []))[1]
+    shown = [float(cell) for cell in re.findall(r"<td>(.*?)</td>", row)]
+    assert shown == pytest.approx(expected, abs=6e-5)
+
+
+def exponent(values, dR):
+    """n of Eq 6 with these coefficients."""
+    if "n" in values:
+        return values["n"]
+    log = values["Y_log_scale"] * np.log(1000 * dR) ** values["Y_log_exponent"]
+    Y = np.where(dR < paper.SWITCH, log, values["Y_slope"] * dR + values["Y_offset"])
+    return Y * dR ** values["n_exponent"]

@@ -148,8 +148,9 @@ class Material(OfArrays):
 
         Examples
         --------
-        >>> Material.named("low-carbon steel")
-        Material(name='low-carbon steel', E=200000.0, nu=0.3, yield_stress=250.0)
+        >>> steel = Material.named("low-carbon steel")
+        >>> steel.E, steel.nu, steel.yield_stress, steel.thermal_expansion
+        (200000.0, 0.3, 250.0, 1.2e-05)
         """
         table, others = "the table that ships", ", or give Material(name, E, nu)"
         rows = shipped_materials()
@@ -177,12 +178,17 @@ def material_in_MPa(
     return material
 
 
-def scaled(material: Material, factor: float) -> Material:
-    """Return a material whose modulus is that of another times a factor."""
+def changed(material: Material, **numbers: Number | None) -> Material:
+    """Return a material with other numbers; a modulus is in MPa, however small."""
     copy = object.__new__(Material)
-    copy.__dict__.update(material.__dict__ | {"E": material.E * factor})
+    copy.__dict__.update(material.__dict__ | numbers)
     copy._check()
     return copy
+
+
+def scaled(material: Material, factor: float) -> Material:
+    """Return a material whose modulus is that of another times a factor."""
+    return changed(material, E=material.E * factor)
 
 
 def modulus_in_MPa(E: Number | str, source: str, key: str = "E") -> Number:
@@ -305,7 +311,7 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     ...     path = Path(folder, "mine.csv")
     ...     _ = path.write_text("name;E_GPa;nu\nbrass;102,5;0,34\n")
     ...     read_materials(path)["brass"].material
-    Material(name='brass', E=102500.0, nu=0.34, yield_stress=None)
+    Material(name='brass', E=102500.0, nu=0.34, yield_stress=None, thermal_expansion=None)
     """
     sheet = read_sheet(path, COLUMNS)
     missing = [name for name in _REQUIRED if name not in sheet.names]

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from cylcontact.bodies.material import Material, find_material, known_materials, modulus_in_MPa
+from cylcontact.bodies.material import (
+    Material,
+    changed,
+    find_material,
+    known_materials,
+    modulus_in_MPa,
+)
 from cylcontact.files.spec import Spec, broken
 from cylcontact.support.errors import InputError
 
@@ -70,9 +76,8 @@ class MaterialSpec(Spec):
             return Material(name, f"{self.E!r} GPa", self.nu, **of_file)
         rows, others = known_materials(own), ", or give E and nu"
         table = "the tables of materials"
-        return replace(
-            find_material(self.material, rows, source, key, table, others).material, **of_file
-        )
+        row = find_material(self.material, rows, source, key, table, others)
+        return changed(row.material, **of_file)
 
 
 def numbers_of(material: Material) -> dict[str, float | None]:

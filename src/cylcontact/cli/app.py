@@ -40,7 +40,8 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         fit.fit: "fit fitting/external-E1000.toml",
         fit.choose: "choose datasets/examples/pin-in-hole.csv --contact internal",
         fit.predict: 'predict build/data/result.json --load "4500 N"',
-        fit.plan: "plan datasets/examples/specimens.csv --law explicit --candidates 5:400",
+        fit.plan: "plan datasets/examples/specimens.csv --law explicit --candidates 5:400 "
+        "--contact internal --material 'high-strength steel' --Ri 10 --Rj 9.97 --length 20",
         fit.compare: "compare fitting/results/internal.json",
     },
     "Joints and laws": {

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -61,7 +62,7 @@ if TYPE_CHECKING:
 # Loads among which a plan chooses.
 _PLAN_LOADS = 41
 
-DATA = argument("A table, .csv, .txt, .xlsx or .parquet.", metavar="TABLE")
+DATA = argument("Tables, .csv, .txt, .xlsx or .parquet.", metavar="TABLE")
 RESULT = argument("A fit, e.g. results/NAME/result.json.", metavar="RESULT")
 RUNS = count(1, "Runs, instead of the campaign's.")
 SEED = count(0, "Seed of the random numbers.")
@@ -146,6 +147,8 @@ SETTINGS: Options = {
     "level": (float | None, LEVEL),
     "free": _texts("Fit what is fixed by default.", "NAME"),
 }  # fmt: skip
+# A fit is for long parts.
+_OF_PAIR = {name: option for name, option in PAIR.items() if name != "plane"}
 # By the names of the tables in a campaign file.
 PARAMETERS: Options = {
     "bounds": (list[str] | None, several("Fit between two values.", "--bound",
@@ -159,9 +162,9 @@ PARAMETERS: Options = {
 
 @takes("settings", SETTINGS)
 @takes("parameters", PARAMETERS)
-@takes("pair", PAIR, listed=False)
+@takes("pair", _OF_PAIR)
 def fit(
-    source: Path = argument("A campaign, .toml, or a table.", metavar="CAMPAIGN|TABLE"),
+    sources: list[Path] = argument("A campaign, .toml, or tables.", metavar="CAMPAIGN|TABLE"),
     *,
     out: Path | None = output("A .json; for a table a folder, results/NAME."),
     runs: int | None = RUNS,
@@ -176,22 +179,27 @@ def fit(
     parameters: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
-    """Calibrate a law to another law over a grid, or to a table of measurements.
+    """Calibrate a law to another law over a grid, or to tables of measurements.
 
-    For what a table does not say of its pair, use the options of cylcontact check, such as --pin.
+    What the tables do not say of their pair, options give. Several tables are fitted together, each
+    in its own units; --group file takes each as a series.
     """
     from cylcontact.datasets.grid import Grid
     from cylcontact.fitting import Campaign, DataFit, calibrate, fit_table
     from cylcontact.fitting.stored import require_same_inputs
 
     where, given = scheduler or jobs, pair | settings | ({} if law is None else {"law": law})
+    source = sources[0]
     if source.suffix.lower() == ".json":
         remedy = f"print it with: cylcontact compare {source}"
         raise InputError(str(source), "", None, "is a fit result", remedy)
     planned: Campaign
     if is_table(source):
-        planned = _measured(source, given | parameters, seed, runs).campaign(given["law"])
-        folder, target = _place(source, given["law"], out)
+        planned = _measured(sources, given | parameters, seed, runs).campaign(given["law"])
+        folder, target = _place(sources, given["law"], out)
+    elif len(sources) > 1:
+        rule, remedy = "is a campaign, which is fitted alone", "name one campaign, or tables"
+        raise InputError(str(source), "", None, rule, remedy)
     else:
         for name in given:
             rule = "is an option for tables of measurements, and this is a campaign"
@@ -222,8 +230,8 @@ def fit(
     say(f"{result}\n\nwritten to {folder or target}{names}")
 
 
-def _place(source: Path, law: str, out: Path | None) -> tuple[Path | None, Path]:
-    """Return the folder of a fit to a table, none for a .json alone, and its result in it.
+def _place(sources: list[Path], law: str, out: Path | None) -> tuple[Path | None, Path]:
+    """Return the folder of a fit to tables, none for a .json alone, and its result in it.
 
     A second law has a folder of its own beside that of the first, with its name.
     """
@@ -231,19 +239,26 @@ def _place(source: Path, law: str, out: Path | None) -> tuple[Path | None, Path]
 
     if out is not None and out.suffix.lower() == ".json":
         return None, out
-    folder = out or source.parent / "results" / source.stem
+    folder = out or _folder_of(sources)
     if out is None:
         with suppress(InputError):  # there is no result yet
             if read_result(folder / FIT_FILES[0]).law != law:
-                folder = folder.with_name(f"{source.stem}-{law.replace(':', '-')}")
+                folder = folder.with_name(f"{folder.name}-{law.replace(':', '-')}")
     return folder, folder / FIT_FILES[0]
 
 
-@takes("settings", SETTINGS, listed=False)
-@takes("parameters", PARAMETERS, listed=False)
-@takes("pair", PAIR, listed=False)
+def _folder_of(tables: list[Path]) -> Path:
+    """Return the folder of the results of tables, beside the first."""
+    from cylcontact.fitting.campaign import name_of_tables
+
+    return tables[0].parent / "results" / name_of_tables(tables)
+
+
+@takes("settings", SETTINGS)
+@takes("parameters", PARAMETERS)
+@takes("pair", _OF_PAIR)
 def choose(
-    data: Path = DATA,
+    data: list[Path] = DATA,
     *,
     law: list[str] | None = several("The laws to compare; all by default.", of=str, metavar="NAME"),
     out: Path | None = output("The folder; results/NAME beside the table."),
@@ -254,14 +269,11 @@ def choose(
     parameters: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
-    """Fit all laws to a table, rank them, and say whether the data can decide.
-
-    The table takes the options of cylcontact fit, the pair those of check.
-    """
+    """Fit all laws to tables, rank them, and say whether the data can decide."""
     from cylcontact.fitting.choice import choose_law
     from cylcontact.fitting.folder import write_choice
 
-    folder = out or data.parent / "results" / data.stem
+    folder = out or _folder_of(data)
     require_writable(*(folder / name for name in CHOICE_FILES))
     measured = _measured(
         data, {**pair, **settings, **parameters, "law": law[0] if law else "johnson"}
@@ -275,18 +287,17 @@ def choose(
     say(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
 
 
-@takes("settings", SETTINGS, listed=False)
-@takes("parameters", PARAMETERS, listed=False)
-@takes("pair", PAIR, listed=False)
+@takes("settings", SETTINGS)
+@takes("parameters", PARAMETERS)
+@takes("pair", _OF_PAIR)
 def plan(
-    data: Path = DATA,
+    data: list[Path] = DATA,
     *,
-    law: str = option("The law, e.g. johnson.", metavar="NAME", default=...),
+    law: str | None = option("The law, e.g. johnson.", metavar="NAME"),
     candidates: Any = option(
         'Loads to choose from, in N/mm or with their unit, e.g. 5:400 or "100 N:5 kN".',
         metavar="LOW:HIGH",
         parser=_RANGE,
-        default=...,
     ),
     add: int = count(1, "Readings to add.", default=5),
     parameter: str | None = option("The parameter to narrow; all by default.", metavar="NAME"),
@@ -298,10 +309,7 @@ def plan(
     parameters: dict[str, Any],
     pair: dict[str, Any],
 ) -> None:
-    """Say which further readings of a table would narrow its intervals most.
-
-    The table takes the options of cylcontact fit, the pair those of check.
-    """
+    """Say which further readings would narrow the intervals of a table most."""
     import numpy as np
 
     from cylcontact.fitting import fit_table
@@ -309,14 +317,17 @@ def plan(
 
     if out is not None:
         require_writable(*(out / name for name in PLAN_FILES))
-    measured = _measured(data, {**pair, **settings, **parameters, "law": law})
+    lacks = {} if candidates else {"the loads to choose from": "--candidates 5:400"}
+    given = {**pair, **settings, **parameters} | ({} if law is None else {"law": law})
+    measured = _measured(data, given, lacks=lacks)
+    law = given["law"]
     with progress_bars() as progress:
         fitted = fit_table(measured.campaign(law), 1, progress)
     length = fitted.data.columns.get("length")
     of_pair = None if length is None or np.ptp(length) else float(length[0])
     low, high = (load_in_N_per_mm(load, of_pair) for load in candidates)
     rule, remedy = "must be above zero, the lower first", "give e.g. 5:400"
-    require(0 < low < high, str(data), "--candidates", ":".join(candidates), rule, remedy)
+    require(0 < low < high, str(data[0]), "--candidates", ":".join(candidates), rule, remedy)
     taken = np.geomspace(low, high, _PLAN_LOADS)
     chosen = fitted.plan(taken, add, dR=clearances or None, parameter=parameter)
     say(chosen)
@@ -421,23 +432,29 @@ def verify(
 
 
 def _measured(
-    path: Path,
+    paths: list[Path],
     given: dict[str, Any],
     seed: int | None = None,
     runs: int | None = None,
+    lacks: Mapping[str, str] = MappingProxyType({}),
 ) -> MeasuredTable:
-    """Return a table with the options for it."""
+    """Return tables with the options for them; refuse all that is missing at once.
+
+    `lacks` names other options that the command needs, each with an example.
+    """
+    from cylcontact.datasets.measurements import MissingInputError
     from cylcontact.fitting.campaign import read_table
 
-    source = str(path)
-    require(is_table(path), source, "", None, "is not a table", "name a table of measurements")
-    require_file(path)
+    source = ", ".join(map(str, paths))
+    for path in paths:
+        require(is_table(path), str(path), "", None, "is not a table", "name a table")
+        require_file(path)
     if "contact" not in given and {*OF_PIN_AND_HOLE} & {*given}:
         given["contact"] = "internal"
-    for name, example in (("law", "explicit"), ("contact", "internal")):
-        remedy = f"add --{name} {example}"
-        require(name in given, source, f"--{name}", None, "is required for a table", remedy)
-    law, contact = given["law"], given["contact"]
+    examples = {"law": "--law explicit", "contact": "--contact internal"}
+    missing = {f"the {name}": text for name, text in examples.items() if name not in given}
+    missing |= lacks
+    law, contact = given.get("law", "explicit"), given.get("contact", "internal")
     housing = housing_of(given, source, contact)
     constants, blamed = constants_of(given, source, contact)
     others = {*IN_CONSTANTS, "law", "contact"}
@@ -449,8 +466,17 @@ def _measured(
         "seed": seed,
         "starts": runs,
     }
+    more = ""
     with blaming_options(blamed):
-        return read_table(path, law, None, contact, constants, **settings)
+        try:
+            table = read_table(paths, law, None, contact, constants, **settings)
+        except MissingInputError as error:
+            if not missing:
+                raise
+            missing, more = missing | error.lacks, error.more
+    if missing:
+        raise MissingInputError(source, missing, more)
+    return table
 
 
 def _tables(source: str, given: dict[str, Any]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.cli.options import (
@@ -10,25 +11,22 @@ from cylcontact.cli.options import (
     argument,
     number,
     option,
+    output,
     reader,
+    require_output,
     takes,
 )
-from cylcontact.cli.pair import JOINT, blaming_options, material_of, pair_of, read_housing
+from cylcontact.cli.pair import JOINT, named_option, own_materials
 from cylcontact.cli.terminal import say
-from cylcontact.files.reading import plain_number
+from cylcontact.joint.words import blaming, joint_from_words, temperature_words
 from cylcontact.support.choices import listed
 from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
-    from cylcontact.bodies.iso286 import IsoFit
     from cylcontact.joint.loaded import LoadedJoint
 
+PAGES = (".html", ".pdf", ".png")
 WHAT = ("clearance", "modulus", "length")
-
-
-def _temperatures(text: str) -> tuple[float, float]:
-    pin, _, hole = text.partition(",")
-    return plain_number(pin), plain_number(hole or pin)
 
 
 _AT: dict[str, Any] = {"rich_help_panel": "Load and surroundings"}
@@ -41,7 +39,7 @@ AROUND: Options = {
     "temperature": (
         str | None,
         option("Temperature in °C, or PIN,HOLE; radii are those at 20 °C.", metavar="T",
-               parser=reader(_temperatures, "must be one number or two, PIN,HOLE"), **_AT),
+               parser=reader(temperature_words, "must be one number or two, PIN,HOLE"), **_AT),
     ),
     "rim": (str | None, option(
         "The housing's rim when warm: free, held, or the material of the frame.",
@@ -54,60 +52,23 @@ TARGETS: Options = {
     "peak": (float | None, number("Largest pressure, MPa.", **_TO)),
     "factor": (float | None, number("First yield over the load.", **_TO)),
 }
-# Where errors of the joint come from.
-_OPTIONS = {
-    **{key: f"--{key}" for key in ("load", "iso", "depth", "temperature", "rim", "factor")},
-    **{key: f"--{key}" for key in ("stiffness", "penetration", "peak")},
-    **{"pin": "--temperature", "hole": "--temperature", "datum": "--depth", "housing": "--R-o"},
-    **{"R_o": "--R-o", "layers": "--layer", "clamp": "--clamp"},
-}
+# What a target is called in the errors of a search.
+_TARGETS = {name: name for name in TARGETS} | {"yield_stress": "factor"}
 
 
 def joint_of(
     pair: dict[str, Any], around: dict[str, Any], source: str, sought: str = ""
 ) -> LoadedJoint:
     """Return the joint that the options of a command give; `sought` is what it is to find."""
-    from cylcontact.files.units import load_in_N_per_mm
-    from cylcontact.joint.loaded import resolve
-
-    code, rim = around.get("iso"), around.get("rim")
-    iso = None if code is None else _read_iso(code, source, sought)
-    housing = read_housing(pair, source)
-    cylinders = pair_of(pair, source, iso, free=sought == "clearance")
-    # Of a length that is sought the load is the total, as on a length of 1 mm.
-    length = 1.0 if sought == "length" else cylinders.length
-    if sought == "length":
-        rule, remedy = "is what is sought (size length)", "leave it out"
-        require(cylinders.length is None, source, "--length", cylinders.length, rule, remedy)
-    text = around.get("load", "100")
-    unit = "" if text.strip()[-1:].isalpha() or "/" in text else " N/mm"
-    try:
-        load = load_in_N_per_mm(f"{text}{unit}", length)
-    except InputError as error:
-        remedy = error.remedy.replace("the length", "--length")
-        raise InputError(source, "--load", text, error.rule, remedy) from None
-    state: Any = rim
-    if rim not in (None, "free", "held"):
-        state = material_of(str(rim), pair, source, "--rim")
-    with blaming_options(_OPTIONS, source):
-        return resolve(
-            cylinders, load, housing=housing, iso=iso, depth=around.get("depth"),
-            temperature=around.get("temperature"), rim=state,
-        )  # fmt: skip
-
-
-def _read_iso(code: str, source: str, sought: str) -> IsoFit:
-    from cylcontact.bodies.iso286 import IsoFit
-
-    rule, remedy = "gives the clearance, which is what is sought", "leave out --iso, give --Ri"
-    require(sought != "clearance", source, "--iso", code, rule, remedy)
-    return IsoFit.read(code, source, "--iso")
+    own = own_materials(pair, source)
+    return joint_from_words(pair | around, source, named_option, own, sought)
 
 
 @takes("pair", JOINT)
 @takes("around", AROUND)
 def check(
     *,
+    out: Path | None = output("One page to file, .html, .pdf or .png."),
     as_json: bool = JSON,
     pair: dict[str, Any],
     around: dict[str, Any],
@@ -118,9 +79,12 @@ def check(
     """
     from cylcontact.joint.check import checked
 
+    require_output(out, *PAGES)
     joint = joint_of(pair, around, "check")
-    with blaming_options(_OPTIONS, "check"):
+    with blaming(named_option, "check"):
         answer = checked(joint)
+    if out is not None:
+        answer.save(out)
     say(answer.to_json() if as_json else str(answer))
     for warning in answer.warnings:
         say(f"warning: {warning}", err=True)
@@ -154,7 +118,7 @@ def size(
         targets["penetration"] *= 1e-3
     joint = joint_of(pair, around, "size", what)
     try:
-        with blaming_options({"yield_stress": "--factor", **_OPTIONS}, "size"):
+        with blaming(named_option, "size", _TARGETS):
             answer = size_of(joint, what, **targets)  # type: ignore[arg-type]
     except InputError as error:
         value = error.value

@@ -18,9 +18,10 @@ from cylcontact.cli.options import (
     require_output,
     takes,
 )
-from cylcontact.cli.pair import JOINT, option_of, pair_of, read_housing
+from cylcontact.cli.pair import JOINT, named_option, own_materials
 from cylcontact.cli.terminal import say
 from cylcontact.files.writing import replacing_all, require_suffix
+from cylcontact.joint.words import housing_from_words, pair_from_words
 from cylcontact.support.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, listed
 from cylcontact.support.errors import InputError, require
 
@@ -171,21 +172,22 @@ def _refuse(given: Mapping[str, Any], rule: str, remedy: str) -> None:
 def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) -> None:
     """Write a law, conformal contact that of one pair, to a file or to standard output."""
     from cylcontact.export import law_named, source_and_header
-    from cylcontact.export.notation import require_callable
+    from cylcontact.export.languages import require_callable
     from cylcontact.laws.housing_spec import in_housing
 
     if out is not None:
         require_callable(target, out.stem)
-    housing, contact, origin, of_pair = read_housing(pair, "export"), None, "", None
+    own, contact, origin, of_pair = own_materials(pair, "export"), None, "", None
+    housing = housing_from_words(pair, "export", named_option, own)
     law: ContactLaw
     if housing is not None:
         law = in_housing(what, housing, "export", "RESULT|LAW")
     else:
         law, contact, origin = law_named(what, pair.get("contact"))
     if law.name == "conformal" and (housing is not None or {*pair} - {"contact"}):
-        of_pair = pair_of(pair, "export")
+        of_pair = pair_from_words(pair, "export", named_option, own)
     else:
-        others = {option_of(name): value for name, value in pair.items() if name != "contact"}
+        others = {named_option(name): value for name, value in pair.items() if name != "contact"}
         _refuse(others, "is for conformal contact or a joint", "leave it out, or export conformal")
     source, header = source_and_header(law, contact, target, origin, of_pair)
     if out is None:
@@ -243,7 +245,7 @@ def _export_joint(path: Path, target: str, out: Path | None, pair: Mapping[str, 
     from cylcontact.files.spec import read_toml
     from cylcontact.mechanism import ClearanceJoint, SpatialJoint, read_joint
 
-    others = {option_of(name): value for name, value in pair.items() if name != "materials"}
+    others = {named_option(name): value for name, value in pair.items() if name != "materials"}
     _refuse(others, "is in the file of the joint already", "leave it out, or --joint")
     joint: SpatialJoint | ClearanceJoint
     if read_toml(path).get("kind") == "spatial":

@@ -18,7 +18,6 @@ from cylcontact.cli.options import (
     several,
 )
 from cylcontact.cli.terminal import progress_bars, say
-from cylcontact.files.writing import write_table
 from cylcontact.support.choices import FORMATS, Format, listed
 from cylcontact.support.errors import InputError
 
@@ -29,17 +28,18 @@ def figure(
         "fig12 result=build/internal.json.",
         default=None,
     ),
-    out: Path | None = output("The folder; reports/figures by default."),
+    out: Path | None = output("The folder; build/figures by default."),
     width: str | None = option(f"{listed(WIDTHS)}, or a number of mm.", metavar="WIDTH"),
     style: str | None = option("A matplotlib style, by name or file.", metavar="STYLE"),
     formats: list[str] | None = several(
         f"{listed(FORMATS)}.", "--format", of=one_of(FORMATS), metavar="FORMAT"
     ),
     jobs: int = JOBS,
+    as_json: bool = option("The files and captions as JSON.", "--json", default=False),
 ) -> None:
     """Draw figures, each with its numbers as CSV and its caption."""
     from cylcontact.plots.style import read_width
-    from cylcontact.reports.figures import write_figures
+    from cylcontact.reports.figures import files_as_json, write_figures
 
     chosen, arguments = _names_and_arguments(names or ())
     with progress_bars() as progress:
@@ -54,6 +54,9 @@ def figure(
             workers=jobs,
             progress=progress,
         )
+    if as_json:
+        say(files_as_json(written))
+        return
     count = sum(path.suffix == ".csv" for path in written)
     say(f"{count} {'figure' if count == 1 else 'figures'} in {written[0].parent}")
 
@@ -71,7 +74,7 @@ def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str
 def report(
     out: Path = output("The page.", default=Path("build/report.html")),
     results: Path = RESULTS_FOLDER,
-    figures: Path = option("The folder of figures.", default=Path("reports/figures")),
+    figures: Path = option("The folder of figures.", default=Path("build/figures")),
 ) -> None:
     """Write one HTML page with coefficients, figures and claims."""
     from cylcontact.reports.page import write_page
@@ -87,12 +90,11 @@ def claims(
     as_json: bool = option("The claims as JSON.", "--json", default=False),
 ) -> None:
     """Compare the claims of the paper with computed numbers, in every interpretation."""
-    from cylcontact.reports.claims import claims_of, to_json, to_table, to_text
+    from cylcontact.reports.claims import claims_of, to_json, to_text, write_claims
 
     require_output(out, ".csv")
-    computed = claims_of(Path())
-    if out is None:
-        say(to_json(computed) if as_json else to_text(computed))
+    if out is not None:
+        say(f"{len(write_claims(Path(), out))} claims written to {out}")
         return
-    write_table(to_table(computed), out)
-    say(f"{len(computed)} claims written to {out}")
+    computed = claims_of(Path())
+    say(to_json(computed) if as_json else to_text(computed))

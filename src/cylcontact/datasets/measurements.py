@@ -108,7 +108,8 @@ class MeasuredData(Spec):
     sha256: str
     contact: Contact
     row_word: str = "line"
-    lines: list[int]
+    # Positions in the table; of several tables with the file, as b.csv:12.
+    lines: list[int | str]
     numbers: dict[str, list[float]]
     labels: dict[str, list[str]]
     notes: list[str]
@@ -164,14 +165,8 @@ class Measurements:
         columns = {name: column[rows] for name, column in self.columns.items()}
         return Measurements(self.data, self.rows[rows], columns)
 
-    def place(self, row: int) -> str:
-        """Return the position of a row in words, with its file if there are several."""
-        where = f"{self.data.row_word} {self.line(row)}"
-        files = self.data.labels.get(_FILE)
-        return where if files is None else f"{files[int(self.rows[row])]}, {where}"
-
-    def line(self, row: int) -> int:
-        """Return the position of a row in the table."""
+    def line(self, row: int) -> int | str:
+        """Return the position of a row in the table, with its file if there are several."""
         return self.data.lines[int(self.rows[row])]
 
     def groups(self, over: str) -> tuple[list[str], Indices]:
@@ -189,7 +184,7 @@ class Measurements:
         index = {name: number for number, name in enumerate(dict.fromkeys(names))}
         return list(index), np.array([index[name] for name in names], dtype=np.intp)
 
-    def duplicates(self) -> list[list[int]]:
+    def duplicates(self) -> list[list[int | str]]:
         """Return the positions of identical rows, one list for each group of them."""
         alike = sorted(self._alike(*self.columns), key=lambda rows: int(rows[0]))
         return [[self.line(k) for k in rows] for rows in alike]
@@ -205,7 +200,7 @@ class Measurements:
     def _group_name(self, over: str, k: int) -> str:
         """Return the name of the group that row k belongs to."""
         if over == "rows":
-            return self.place(k)
+            return f"{self.data.row_word} {self.line(k)}"
         if over == "dR":
             return f"ΔR = {self.columns['dR'][k]:.6g} mm"
         if over == "pair":
@@ -330,7 +325,7 @@ def _joined(parts: Mapping[str, MeasuredData], spec: TableSpec) -> MeasuredData:
         sha256=", ".join(part.sha256 for part in every),
         contact=every[0].contact,
         row_word=row_words.pop() if len(row_words) == 1 else "row",
-        lines=[line for part in every for line in part.lines],
+        lines=[f"{name}:{line}" for name, part in parts.items() for line in part.lines],
         numbers={
             key: _stacked(every, [part.numbers[key] for part in every])
             for key in every[0].numbers
@@ -655,15 +650,9 @@ def _require(
     wrong = np.flatnonzero(~(allowed.allows(values) & np.isfinite(values)))
     if wrong.size:
         first = int(wrong[0])
-        where = _place(data, source, first)
+        where = f"{source}, {data.row_word} {data.lines[first]}"
         more = f" ({wrong.size - 1} more like it)" if wrong.size > 1 else ""
         raise InputError(where, name, float(values[first]), allowed.rule, f"{remedy}{more}")
-
-
-def _place(data: MeasuredData, source: str, row: int) -> str:
-    """Return the file and the position of a row."""
-    files = data.labels.get(_FILE)
-    return f"{source if files is None else files[row]}, {data.row_word} {data.lines[row]}"
 
 
 def require_positive_penetration(measured: Measurements, source: str, remedy: str) -> None:
@@ -699,7 +688,7 @@ def _complete_geometry(data: MeasuredData, columns: _Numbers, source: str) -> No
             rule = f"{' and '.join(texts)} leave {words[name]} = {values[k]:g} mm"
             remedy = "correct one of them"
         of_all = all(len(data.numbers[key]) == 1 for key in given)
-        where = source if of_all else _place(data, source, k)
+        where = source if of_all else f"{source}, {data.row_word} {data.lines[k]}"
         remedy += "; both are radii in mm, no diameters"
         raise InputError(where, ", ".join(given), None, rule, remedy)
     columns[name] = values

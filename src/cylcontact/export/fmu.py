@@ -1,7 +1,7 @@
 """A clearance joint as an FMU by FMI 2.0: its C, the standard's functions around it, a library.
 
-Unlike in other files, the joint's numbers are arguments, because instances may have parameters of
-their own: clearance, friction and restitution.
+Instances have parameters of their own, clearance, friction and restitution: each has its own
+numbers of joint and law, which `tune` sets.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import io
 import math
-import re
 import shutil
 import subprocess
 import sys
@@ -27,8 +26,8 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from cylcontact.export.joint import MOTIONS, Element, with_clearance
-from cylcontact.export.notation import C, filled_template
-from cylcontact.export.plain import Program, Vector, fields_of
+from cylcontact.export.languages import C
+from cylcontact.export.plain import Vector, fields_of
 from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.joint import ClearanceJoint, contact
 from cylcontact.joint.clearance import MOST_FRICTION, TANGENT_FROM
@@ -71,18 +70,13 @@ _MOTION = {
 }  # fmt: skip
 
 Nodes = Annotated[FloatArray, 0]
-_TUNE = """
-def tune(clearance, friction, restitution, joint, law):
-    '''Set what depends on the parameters; the clearance is in the unit of the joint.'''
-    joint.friction = friction
-    joint.chi = cubic_at((restitution - {first!r}) / {step!r}, table_chi, {last}) / restitution
-"""
+# The end of a law at another clearance.
 _END = """
-    deepest = {part!r} * {end}
-    joint.last_penetration = deepest
-    joint.last_load = load_at(deepest, joint, law)
-    more = load_at(deepest * 1.000006, joint, law)
-    joint.last_slope = (more - load_at(deepest * 0.999994, joint, law)) / (deepest * 1.2e-5)
+deepest = {part!r} * {end}
+joint.last_penetration = deepest
+joint.last_load = load_at(deepest, joint, law)
+more = load_at(deepest * 1.000006, joint, law)
+joint.last_slope = (more - load_at(deepest * 0.999994, joint, law)) / (deepest * 1.2e-5)
 """
 
 
@@ -122,26 +116,6 @@ class Variable(NamedTuple):
         )
 
 
-class _Passed(C):
-    """C in which the joint's numbers are an argument; records have the fields that are used."""
-
-    def record(self, kind: Any, fields: Mapping[str, Any]) -> str:
-        """Return a type."""
-        used = {**fields}
-        if kind == self.program.records["joint"]:
-            used = {name: part for name, part in fields.items() if self.uses(name)}
-        return super().record(kind, used)
-
-    @cached_property
-    def all_text(self) -> str:
-        """The text of all functions."""
-        return "\n".join(self.function(f) for f in self.program.functions.values())
-
-    def uses(self, name: str) -> bool:
-        """Return whether a function uses a field of the joint."""
-        return re.search(rf"\bjoint->{name}\b", self.all_text) is not None
-
-
 @dataclass(frozen=True)
 class JointFmu:
     """The FMU of a joint."""
@@ -154,27 +128,11 @@ class JointFmu:
         return self.element.planar
 
     @cached_property
-    def law_record(self) -> Any:
-        """The type of the law's numbers."""
-        kinds = {float: np.float64, int: np.int64}
-        return np.dtype([(n, kinds[c.kind]) for n, c in self.element.law.numbers.items()])
-
-    @cached_property
-    def language(self) -> _Passed:
+    def language(self) -> C:
         """The joint's functions in C."""
-        element, name = self.element, self.joint.identifier
-        record = element.record.dtype
-        records: dict[str, Any] = {"joint": Annotated[Any, record]}
-        constants: dict[str, Any] = {"law": element.law.numbers}
-        if element.law.tune:
-            records, constants = {**records, "law": Annotated[Any, self.law_record]}, {}
-        program = Program(constants, records=records)
-        element.read(program, "evaluate", "accept", "ahead")
+        program = self.element.program("evaluate", "accept", "ahead")
         program.functions["tune"] = program.read_text(self._tune(), self._names(), {"return": None})
-        program.records = {n: kind.__metadata__[0] for n, kind in records.items()}
-        public = {**element.public, record: f"{name}_joint", self.law_record: f"{name}_law"}
-        public |= {f: f"{name}_{f}" for f in ("ahead", "tune")}
-        return _Passed(program, public, scratch="w")
+        return self.element.language("c", program)
 
     def _names(self) -> dict[str, Any]:
         """Return what the names of `tune` mean."""
@@ -202,32 +160,36 @@ class JointFmu:
         return np.unique(mm) / self.joint.in_mm
 
     def _tune(self) -> str:
-        """Return the text of `tune`."""
-        joint, law, spatial = self.joint, self.element.law, self.element.contacts > 1
+        """Return the text of `tune`, which sets what depends on the parameters."""
         step = (1.0 - _LEAST_RESTITUTION) / _RESTITUTIONS
-        text = _TUNE.format(first=_LEAST_RESTITUTION, step=step, last=_RESTITUTIONS)
-        if not law.tune:
-            return text.replace("clearance, ", "").replace(
-                "; the clearance is in the unit of the joint", ""
-            )
+        place = f"(restitution - {_LEAST_RESTITUTION!r}) / {step!r}"
         lines = [
-            f"dR = clearance * {joint.in_mm!r}",
-            *law.tune,
-            f"joint.clearance = dR * {1.0 if spatial else 1e-3!r}",
-            f"joint.R_pin = joint.{'R_hole' if spatial else 'R_bearing'} - joint.clearance",
+            f"def tune({', '.join(v.name for v in self.parameters)}, joint, law):",
+            "'Set what depends on the parameters; a clearance is in the unit of the joint.'",
+            "joint.friction = friction",
+            f"joint.chi = cubic_at({place}, table_chi, {_RESTITUTIONS}) / restitution",
+            *(self._tune_clearance() if self.element.law.tune else []),
         ]
+        return "\n    ".join(lines)
+
+    def _tune_clearance(self) -> Iterator[str]:
+        """Yield the lines that follow the clearance."""
+        joint, law, spatial = self.joint, self.element.law, self.element.contacts > 1
+        yield f"dR = clearance * {joint.in_mm!r}"
+        yield from law.tune
+        yield f"joint.clearance = dR * {1.0 if spatial else 1e-3!r}"
+        yield f"joint.R_pin = joint.{'R_hole' if spatial else 'R_bearing'} - joint.clearance"
         if spatial and (edge := float(self.element.record["edge"])) > 0.0:
             R_pin, clearance = (float(self.element.record[n]) for n in ("R_pin", "clearance"))
             edge *= math.sqrt(clearance / R_pin)
-            lines.append(f"joint.edge = {edge!r} * sqrt(joint.R_pin / joint.clearance)")
+            yield f"joint.edge = {edge!r} * sqrt(joint.R_pin / joint.clearance)"
         if law.end != "inf":
-            lines += _END.format(part=TANGENT_FROM, end=law.end).strip().splitlines()
+            yield from _END.format(part=TANGENT_FROM, end=law.end).strip().splitlines()
         if joint.can_yield:
             size = self.clearances.size
             load = f"load_of_table(dR, yield_dR, yield_load, yield_slopes, {size})"
             per = f" / {joint.pair.contact_length('the joint')!r}" if spatial else ""
-            lines.append(f"joint.{'yields' if spatial else 'first_yield'} = {load}{per}")
-        return text + "".join(f"    {line.strip()}\n" for line in lines)
+            yield f"joint.{'yields' if spatial else 'first_yield'} = {load}{per}"
 
     # --- the files ---
 
@@ -284,25 +246,22 @@ class JointFmu:
         It is the same for the same joint, version and compiler. Raises `InputError` if there is no
         C compiler, or it fails.
         """
-        name, parts = self.joint.identifier, {**self._parts(), "guid": ""}
-        sources = self.element.files(self.language, name)
-        templates = "fmi2.c", "modelDescription.xml"
-        texts = [*sources.values(), *(filled_template(each, parts) for each in templates)]
+        name, c, parts = self.joint.identifier, self.language, {**self._parts(), "guid": ""}
+        texts = [c.file(parts, each) for each in ("fmi2.c", "modelDescription.xml")]
         hashed = hashlib.sha256("\0".join(texts).encode()).digest()
         parts["guid"] = f"{{{uuid.UUID(bytes=hashed[:16])}}}"
-        sources[f"{name}_fmi2.c"] = filled_template("fmi2.c", parts)
+        source, model = (c.file(parts, each) for each in ("fmi2.c", "modelDescription.xml"))
         system, suffix = _LIBRARIES.get(sys.platform, _LIBRARIES["linux"])
         library = f"binaries/{system}{64 if sys.maxsize > 2**32 else 32}/{name}{suffix}"
         archive = _archive({
-            "modelDescription.xml": filled_template("modelDescription.xml", parts).encode(),
-            **{f"sources/{file}": text.encode() for file, text in sources.items()},
-            library: _library(sources, name + suffix),
+            "modelDescription.xml": model.encode(), f"sources/{name}.c": source.encode(),
+            library: _library(f"{name}.c", source, name + suffix),
         })  # fmt: skip
         return {f"{stem or name}.fmu": archive}
 
     def _parts(self) -> dict[str, str]:
         """Return what the templates ask for."""
-        joint, element = self.joint, self.element
+        joint, element, c = self.joint, self.element, self.language
         name, u = joint.identifier, element.unit
         factor = "" if u == "m" else ' factor="0.001"'
         units = [
@@ -321,9 +280,9 @@ class JointFmu:
         )
         outputs = [k for k, line in enumerate(lines, 1) if 'causality="output"' in line]
         first = [v.start for v in self.variables if v.causality == "input"]
-        law = "law" in self.language.program.records
         bounds = {v.name: v.bounds for v in self.parameters if v.bounds}
-        given = [f"parameter[{k}]" for k in range(len(self.parameters))]
+        given = [f"memory->parameter[{k}]" for k in range(len(self.parameters))]
+        given = c.program.functions["tune"].used([*given, "&memory->joint", "&memory->law"])
         return {
             "name": name, "title": quoteattr(comment(joint.name)), "version": version("cylcontact"),
             "text": quoteattr(f"Clearance joint, law '{comment(joint.law.name)}'"),
@@ -341,30 +300,22 @@ class JointFmu:
                 f'"{name} must be from {low!r} to {high!r}",'
                 for name, (low, high) in bounds.items()
             ),
-            "numbers": "\n".join(self._numbers()), "passed": self._passed(),
-            "given": ", ".join(f"memory->{each}" for each in given),
-            "law_field": f"{name}_law law;" if law else "",
-            "law_start": "memory->law = FIRST_LAW;" if law else "",
+            "given": ", ".join(given),
+            **c.parts(), **element.scratch(c),
+            "records": "\n\n".join(_whole_record(c, kind) for kind in c.public),
+            **{
+                f"first_{of}": c.constant(f"first_{of}", record.dtype, record, about)
+                for (of, record), about in zip(
+                    element.records.items(), (element.about, {}), strict=True
+                )
+            },
         }  # fmt: skip
 
-    def _passed(self) -> str:
-        """Return the arguments of the joint's functions behind the wrench."""
-        return "&memory->joint" + (
-            ", &memory->law" if "law" in self.language.program.records else ""
-        )
 
-    def _numbers(self) -> Iterator[str]:
-        """Yield the numbers of joint and law that an instance starts with."""
-        name, language = self.joint.identifier, self.language
-        used = {n: c for n, c in self.element.constants.items() if language.uses(n)}
-        both = {"joint": used, "law": self.element.law.numbers}
-        for of, fields in both.items():
-            if of in language.program.records:
-                yield f"static const {name}_{of} FIRST_{of.upper()} = {{"
-                for key, c in fields.items():
-                    about = f" /* {c.about} */" if c.about else ""
-                    yield f"    .{key} = {language.value(c.kind, c.value)},{about}"
-                yield "};"
+def _whole_record(language: C, kind: Any) -> str:
+    """Return a record with all of its fields, which the standard's functions take as an array."""
+    lines = "\n".join(f"    {language.declared(*each)};" for each in fields_of(kind).items())
+    return f"typedef struct {{\n{lines}\n}} {language.type_name(kind)};"
 
 
 def _about_motion(name: str) -> str:
@@ -378,20 +329,18 @@ def _unit_of(key: str, u: str) -> str:
     return unit.replace("u", u) if unit != "" else ""
 
 
-def _library(sources: Mapping[str, str], file: str) -> bytes:
-    """Return the compiled sources."""
+def _library(name: str, source: str, file: str) -> bytes:
+    """Return the compiled source."""
     compiler = next(filter(None, map(shutil.which, _COMPILERS)), None)
     if compiler is None:
         raise InputError(
             "export", "--to", "fmu", "needs a C compiler, and there is neither cc nor gcc",
             "install one (Debian: apt install gcc libc6-dev; macOS: xcode-select --install)",
         )  # fmt: skip
-    with TemporaryDirectory() as name:
-        folder = Path(name)
-        for path, text in sources.items():
-            (folder / path).write_text(text, encoding="ascii")
-        units = [path for path in sources if path.endswith(".c")]
-        command = [compiler, *_FLAGS, "-o", file, *units, "-lm"]
+    with TemporaryDirectory() as place:
+        folder = Path(place)
+        (folder / name).write_text(source, encoding="ascii")
+        command = [compiler, *_FLAGS, "-o", file, name, "-lm"]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode:
             first = next(iter(done.stderr.splitlines()), "it said nothing")

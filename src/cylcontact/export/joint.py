@@ -5,7 +5,6 @@ Both are `evaluate` and `accept` of `cylcontact.joint`, translated with what the
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -19,15 +18,8 @@ import numpy as np
 
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.export import conformal
-from cylcontact.export.notation import (
-    WIDTH,
-    C,
-    Fortran,
-    Matlab,
-    filled_template,
-    require_callable,
-)
-from cylcontact.export.plain import Constant, Program, fields_of
+from cylcontact.export.languages import WIDTH, C, Fortran, Matlab, require_callable
+from cylcontact.export.plain import Program, fields_of
 from cylcontact.impact import RATIO_BEND
 from cylcontact.joint import (
     ClearanceJoint,
@@ -41,7 +33,6 @@ from cylcontact.joint.contact import DEEPEST_SHARE
 from cylcontact.laws import Conformal
 from cylcontact.laws.kernels import TABLE
 from cylcontact.laws.lambert import OF_NUMBERS
-from cylcontact.laws.law import has_formula
 from cylcontact.laws.tabulated import load_of_table
 from cylcontact.support.arrays import FloatArray, require
 from cylcontact.support.plain_text import comment
@@ -144,12 +135,10 @@ class Element:
         """The joint's numbers."""
         return self.planar.block if self.joint is self.planar else self.joint.record
 
-    @cached_property
-    def constants(self) -> dict[str, Constant]:
-        """The joint's numbers with their meanings."""
-        about = _ABOUT if self.module is contact else _ABOUT_SPATIAL
-        kinds = fields_of(self.module.Joint.__metadata__[0])
-        return {n: Constant(k, self.record[n], about.get(n, "")) for n, k in kinds.items()}
+    @property
+    def about(self) -> Mapping[str, str]:
+        """What the joint's numbers are."""
+        return _ABOUT if self.module is contact else _ABOUT_SPATIAL
 
     def meaning(self, name: str) -> str:
         """Return what a number of the wrench is, with its unit."""
@@ -158,52 +147,49 @@ class Element:
         return MEANINGS[name].format(u=self.unit)
 
     @cached_property
-    def program(self) -> Program:
-        """`evaluate` and `accept`, with what they call."""
-        program = Program({"joint": self.constants, "law": self.law.numbers})
-        self.read(program, "evaluate", "accept")
-        return program
-
-    @cached_property
     def law(self) -> Law:
         """The law at the pair."""
         return law_of(self.planar)
 
-    def read(self, program: Program, *functions: str) -> None:
-        """Read functions of the module into a program, after the law that they call."""
-        text = _LOAD.format(call=self.law.call)
+    @property
+    def records(self) -> dict[str, Any]:
+        """The records of joint and law, by the arguments that have them."""
+        return {"joint": self.record, "law": self.law.record}
+
+    def program(self, *functions: str) -> Program:
+        """Return functions of the module, with the law that they call."""
+        program = Program({name: record.dtype for name, record in self.records.items()})
         program.instead.update(OF_NUMBERS)
+        text = _LOAD.format(call=self.law.call)
         program.instead[contact.load_at] = program.read_text(text, self.law.names)
         for name in functions:
             program.read(getattr(self.module, name))
+        return program
+
+    def language(self, target: str, program: Program) -> C:
+        """Return a program in a language."""
+        name, module = self.planar.identifier, self.module
+        public = {module.STATE: f"{name}_state", module.WRENCH: f"{name}_wrench"}
+        records = {self.record.dtype: "Joint", self.law.record.dtype: "Law"}
+        if module is spatial_forces:
+            records[module.WORK] = "Work"
+        return LANGUAGES[target](program, records | public, [*public])
 
     def source(self, target: str, stem: str = "") -> dict[str, str]:
         """Return the texts of the files by their names."""
         name = self.planar.identifier
         stem = stem or name
         require_callable(target, stem)
-        functions = {f.name.lower() for f in self.program.functions.values()} | {"start"}
+        program = self.program("evaluate", "accept")
+        functions = {f.name.lower() for f in program.functions.values()} | {"start"}
         called = {"fortran": ("name", name), "matlab": ("--out", stem)}.get(target, ("", ""))
         taken = functions | ({"law", "joint"} if target == "fortran" else set())
         rule, remedy = f"is taken by something else in {target}", "choose another name"
         require(called[1].lower() not in taken, "export", *called, rule, remedy)
-        language = LANGUAGES[target](self.program, self.public, scratch="w")
-        return self.files(language, stem)
-
-    def files(self, language: C, stem: str) -> dict[str, str]:
-        """Return the texts of the files in a language, by their names."""
-        suffixes = (".c", ".h") if language.suffix == ".c" else (language.suffix,)
+        language = self.language(target, program)
+        suffixes = (".c", ".h") if target == "c" else (language.suffix,)
         parts = {**self.parts(language), "stem": stem}
-        return {f"{stem}{suffix}": filled_template(f"joint{suffix}", parts) for suffix in suffixes}
-
-    @property
-    def public(self) -> dict[Any, str]:
-        """The public names of functions and records."""
-        name = self.planar.identifier
-        public: dict[Any, str] = {f: f"{name}_{f}" for f in ("evaluate", "accept")}
-        return public | {
-            self.module.STATE: f"{name}_state", self.module.WRENCH: f"{name}_wrench",
-        }  # fmt: skip
+        return {f"{stem}{suffix}": language.file(parts, f"joint{suffix}") for suffix in suffixes}
 
     def parts(self, language: C) -> dict[str, str]:
         """Return what the templates of a language ask for."""
@@ -213,35 +199,29 @@ class Element:
             f"{language.declared(n, kind)}{language.end} {mark} {self.meaning(n)}"
             for n, kind in fields_of(module.WRENCH).items()
         ]
-        zeros = [f"[{k}]" for k in range(self.contacts)] if self.contacts > 1 else [""]
-        parts = {
-            **language.parts(), "name": name, "capitals": name.upper(),
-            "contacts": str(self.contacts), "size": str(self.size), "state": rate,
-            "about": f"\n{mark} ".join(wrap(_FRAMES[module], WIDTH)), "wrench": "\n".join(wrench),
-            "comment": "\n".join(f"{mark} {x}".rstrip() for x in self._comment()),
-            "start": "\n".join(f"state->impact_rate{k} = 0.0;" for k in zeros),
-        }  # fmt: skip
         if isinstance(language, Matlab):
-            numbers = [language.number_of(*each) for each in language.program.numbers.items()]
-            parts |= {
-                "wrench": language.wrapped(language.parts_of_zero(module.WRENCH)),
-                "fields": "\n".join(language.constants()),
-                "numbers": "\n\n".join(filter(None, numbers)),
-            }
-        elif isinstance(language, Fortran):
-            uses = "ieee_value" in "".join(parts.values())
-            parts["nan_module"] = "use, intrinsic :: ieee_arithmetic" if uses else ""
-        else:
-            functions = {f.name: f for f in language.program.functions.values()}
-            records = language.program.records
-            parts["records"] = "\n\n".join(
-                language.record(k, fields_of(k)) for k in records.values()
-            )
-            parts["more"] = "".join(f", &{record}" for record in records)
-            parts["heads"] = "\n".join(
-                f"{language.head(f)};" for f in functions.values() if f.name in language.public
-            )
-        return {key: text.replace("\xa0", " ") for key, text in parts.items()}
+            wrench = [language.zeros(module.WRENCH)]
+        abouts = {"joint": self.about, "law": {}}
+        return {
+            **language.parts(), **self.scratch(language), "name": name, "capitals": name.upper(),
+            "contacts": str(self.contacts), "size": str(self.size), "wrench": "\n".join(wrench),
+            "state": rate + language.end, "about": f"\n{mark} ".join(wrap(_FRAMES[module], WIDTH)),
+            "comment": "\n".join(f"{mark} {x}".rstrip() for x in self._comment()),
+            **{
+                of: language.constant(f"this_{of}", record.dtype, record, abouts[of])
+                for of, record in self.records.items()
+            },
+        }  # fmt: skip
+
+    def scratch(self, language: C) -> dict[str, str]:
+        """Return the declaration of the work record of a joint in space, and how it is passed."""
+        if self.module is contact:
+            return {"work": "", "w": ""}
+        if isinstance(language, Matlab):
+            zeros = language.zeros(self.module.WORK)
+            return {"work": f"function w = no_work()\nw = {zeros};\nend", "w": "no_work(), "}
+        declared = language.declared("w", self.module.WORK) + language.end
+        return {"work": declared, "w": "w, " if isinstance(language, Fortran) else "&w, "}
 
     def _comment(self) -> list[str]:
         """Return the lines at the top of a file."""
@@ -321,17 +301,23 @@ def _rows(numbers: Mapping[str, Any]) -> list[str]:
 class Law(NamedTuple):
     """A law at a pair in a file, as text of plain Python.
 
-    `call` is the load at `depth` in mm, from `numbers`, which are those of `law`; `names` are what
-    the text calls. `tune` sets the numbers for a clearance `dR` in mm, empty if that has no
-    formula, and `end` is the largest penetration.
+    `call` is the load at `depth` in mm, from the numbers of the record `law`; `names` are what the
+    text calls. `tune` sets the numbers for a clearance `dR` in mm, empty if that has no formula,
+    and `end` is the largest penetration.
     """
 
     call: str
     names: dict[str, Any]
-    numbers: dict[str, Constant]
+    record: Any
     form: str
     tune: tuple[str, ...] = ()
     end: str = "inf"
+
+
+def _record(numbers: Mapping[str, Any]) -> Any:
+    """Return numbers as a record."""
+    kinds = {name: np.int64 if isinstance(x, int) else np.float64 for name, x in numbers.items()}
+    return np.array([tuple(numbers.values())], [*kinds.items()])[0]
 
 
 _LOAD = """
@@ -355,23 +341,6 @@ def with_clearance(joint: ClearanceJoint, dR: float | FloatArray) -> ClearanceJo
     return replace(joint, pair=other)
 
 
-def _moved(joint: ClearanceJoint, asked: Mapping[str, Any]) -> dict[str, str]:
-    """Return the constants that depend on the clearance, as Johnson's c does, by ln(R_i/R_j)."""
-    law: Any = joint.law
-    if not has_formula(law):
-        return {}
-    R_i = float(joint.pair.radii("the joint")[0])
-    dR = 0.5 * joint.radial
-    other = law.constants_at(with_clearance(joint, dR).pair)
-    by = math.log(R_i / (R_i - dR)) - math.log(R_i / (R_i - joint.radial))
-    slopes = {name: (float(value) - asked[name]) / by for name, value in other.items()}
-    start = math.log(R_i / (R_i - joint.radial))
-    return {
-        name: f"{asked[name] - slope * start!r} + {slope!r} * log({R_i!r} / ({R_i!r} - dR))"
-        for name, slope in slopes.items() if slope != 0.0
-    }  # fmt: skip
-
-
 def law_of(joint: ClearanceJoint) -> Law:
     """Return the law of a joint at its pair."""
     law: Any = joint.law
@@ -382,31 +351,31 @@ def law_of(joint: ClearanceJoint) -> Law:
     elif joint.kernel.kind == TABLE:
         x, y, slopes = np.reshape(joint.kernel.parameters[1:], (3, -1))
         arrays = {"table_x": x, "table_y": y, "table_slopes": slopes}
-        call = f"load_of_table(depth, {', '.join([*arrays, str(x.size)])})"
-        return Law(call, {"load_of_table": load_of_table, **arrays}, {}, "a table of ln f by ln d")
+        call = f"load_of_table(depth, {', '.join(arrays)}, law.nodes)"
+        names = {**arrays, "load_of_table": load_of_table}
+        return Law(call, names, _record({"nodes": x.size}), "a table of ln f by ln d")
     else:
-        formula, constants = law.formula_for("internal"), law.constants_at(pair)
+        formula, constants = law.formula_at(pair), law.constants_for("internal")
     given = {name: getattr(pair, name) for name in formula.of_pair} | {**constants}
     asked = {n: v if np.ndim(v) or isinstance(v, int) else float(v) for n, v in given.items()}
-    wanted = list(inspect.signature(formula.load).parameters)[1:]
-    values = dict(zip(wanted, formula.numbers_of(**asked), strict=True))
+    values = dict(zip(formula.taken, formula.numbers_of(**asked), strict=True))
     arrays = {f"table_{name}": value for name, value in values.items() if np.ndim(value)}
-    named = [f"table_{name}" if np.ndim(values[name]) else f"law.{name}" for name in wanted]
+    named = [f"table_{n}" if np.ndim(value) else f"law.{n}" for n, value in values.items()]
     numbers = {
-        name: Constant(int, value) if isinstance(value, int) else Constant(float, float(value))
+        name: value if isinstance(value, int) else float(value)
         for name, value in values.items() if not np.ndim(value)
     }  # fmt: skip
-    tuned = {"dR": "dR", "R_j": f"{asked.get('R_i')!r} - dR", **_moved(joint, asked)}
+    tuned = {"dR": "dR", "R_j": f"{asked.get('R_i')!r} - dR"}
     if formula.numbers is None:
         tune = [f"law.{name} = {text}" for name, text in tuned.items() if name in numbers]
     else:
         at = ", ".join(tuned.get(name, repr(asked[name])) for name in formula.asked)
-        tune = [f"at = numbers({at})", *(f"law.{name} = at.{name}" for name in wanted)]
+        tune = [f"at = numbers({at})", *(f"law.{name} = at.{name}" for name in values)]
     end = "inf"
     if formula.end is not None and math.isfinite(joint.kernel.max_penetration):
         end = f"end({', '.join(f'law.{name}' for name in formula.taken_by_end)})"
     elif math.isfinite(constants.get("largest", math.inf)):
         end = "law.largest * dR"
     functions = {n: f for n in ("load", "numbers", "end") if (f := getattr(formula, n)) is not None}
-    names = {**functions, **arrays, "inf": math.inf, "log": math.log}
-    return Law(f"load(depth, {', '.join(named)})", names, numbers, form, tuple(tune), end)
+    names = functions | arrays | {"inf": math.inf}
+    return Law(f"load(depth, {', '.join(named)})", names, _record(numbers), form, tuple(tune), end)

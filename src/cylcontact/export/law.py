@@ -7,15 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from textwrap import wrap
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from cylcontact.bodies.material import Material
 from cylcontact.bodies.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.export.conformal import table_of
-from cylcontact.export.notation import WIDTH, C, Fortran, MatlabArrays, filled_template, plain_ascii
-from cylcontact.export.plain import Function, Program, Vector
+from cylcontact.export.languages import WIDTH, C, Fortran, MatlabArrays, plain_ascii
+from cylcontact.export.plain import Function, Program, Vector, names_in
 from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.laws import LAWS, Conformal, Johnson
 from cylcontact.laws.formula import OF_PAIR, STEP, Formula
@@ -44,43 +44,10 @@ _MODULI = (2e3, 70e3, 207e3, 600e3)
 _DEPTHS = np.geomspace(1e-6, 1.0, 61)[:, None, None]
 # Rounding may take this part from a load that levels off.
 _ROUNDING = 1e-9
-_INSIDE = '''
-def {what}_inside({arguments}):
-    """Return the {what} in {unit} inside the law's domain."""
-    {constants}
-    {numbers}
-    return {value}
-'''
-_DOMAIN = '''
-def is_inside({arguments}) -> bool:
-    """Return whether there is a load."""
-    {constants}
-    {numbers}
-    return {domain}{ends}
-'''
-_PUBLIC = '''
-def {name}_{what}({arguments}):
-    """Return the {what} in {unit}; NaN outside the law's domain."""
-    if penetration < 0:
-        return 0
-    if not ({domain}):
-        return nan
-    {constants}
-    {numbers}
-    {check}
-    value = {value}
-    # At first touch a formula may have no value, as ln 0.
-    return value if penetration > 0 or value >= 0 else 0
-'''
 
 
 class _Elemental(Fortran):
     """Functions that take arrays too, but those that take a table."""
-
-    names: ClassVar[Mapping[str, str]] = {
-        **Fortran.names,
-        "inf": "ieee_value(1.0_wp, ieee_positive_inf)",
-    }
 
     def function(self, f: Function) -> str:
         """Return a function."""
@@ -89,6 +56,8 @@ class _Elemental(Fortran):
         return super().function(f)
 
 
+# The variable of a frame that has the numbers of the pair: no law has a constant of this name.
+NUMBERS = "numbers_of_pair"
 LANGUAGES: Mapping[str, type[C]] = {"c": C, "fortran": _Elemental, "matlab": MatlabArrays}
 
 
@@ -116,38 +85,6 @@ class ExportedLaw:
         """The arguments of the function, in order."""
         asked = self.formula.of_pair
         return ("penetration", *(n for n in OF_PAIR if n in ("E_star", "dR") or n in asked))
-
-    def texts(self) -> dict[str, dict[str, str]]:
-        """Return what the functions of load and stiffness consist of, as plain Python."""
-        wanted = self.formula.taken
-        tables = {name for name, value in self.constants.items() if np.ndim(value)}
-        given, numbers = ", ".join(f"table_{n}" if n in tables else n for n in wanted), ""
-        if self.formula.numbers is not None:
-            numbers = f"at = numbers({', '.join(self.formula.asked)})"
-            given = ", ".join(f"at.{name}" for name in wanted)
-        depth = "penetration"
-        if self.penetration_factor != 1:
-            depth = f"penetration / {self.penetration_factor!r}"
-        values = {"load": f"load({depth}, {given})", "stiffness": f"stiffness({depth}, {given})"}
-        if self.formula.stiffness is None:
-            more, less = (f"load({depth} * {by!r}, {given})" for by in (1 + STEP, 1 - STEP))
-            values["stiffness"] = f"({more} - {less}) / ({depth} * {2 * STEP!r})"
-        over = self.load_factor / self.penetration_factor
-        for what, factor in {"load": self.load_factor, "stiffness": over}.items():
-            if factor != 1:
-                values[what] = f"{factor!r} * {values[what]}"
-        scalars = [f"{n} = {v!r}" for n, v in self.constants.items() if not np.ndim(v)]
-        form = {
-            "name": self.name, "arguments": ", ".join(self.arguments), "numbers": numbers,
-            "constants": "\n    ".join(scalars), "domain": self.domain, "ends": "", "check": "",
-        }  # fmt: skip
-        if self.formula.end is not None:
-            at = "at." if numbers else ""
-            last = f"end_of({', '.join(at + name for name in self.formula.taken_by_end)})"
-            form["ends"] = f" and {depth} <= {last}"
-            form["check"] = f"if not {depth} <= {last}:\n        return nan"
-        units = {"load": "N/mm", "stiffness": "N/mm^2"}
-        return {w: {**form, "what": w, "value": v, "unit": units[w]} for w, v in values.items()}
 
     @property
     def domain(self) -> str:
@@ -186,46 +123,95 @@ class ExportedLaw:
 
 def source(law: ExportedLaw, target: str) -> str:
     """Return a law as the text of a file in a language."""
-    program = Program({}, instead=dict(OF_NUMBERS))
-    texts = law.texts()
-    names: dict[str, Any] = {"nan": float("nan"), "inf": float("inf")}
-    names |= {f"table_{n}": v for n, v in law.constants.items() if np.ndim(v)}
-    functions = ("load", "stiffness", "numbers")
-    names |= {n: f for n in functions if (f := getattr(law.formula, n))}
-    names["end_of"] = law.formula.end
-    forms = {"is": _DOMAIN, "": _INSIDE} if target == "matlab" else {"": _PUBLIC}
-    if "is" in forms:
-        program.functions["is"] = program.read_text(_DOMAIN.format(**texts["load"]), names)
-    for what, form in texts.items():
-        program.functions[what] = program.read_text(forms[""].format(**form), names)
-    language = LANGUAGES[target](program, {f"{law.name}_{w}": f"{law.name}_{w}" for w in texts})
+    program = Program(instead=dict(OF_NUMBERS))
+    frame = _Frame(law, program, LANGUAGES[target](program))
+    language = frame.language
+    domain = program.expression(law.domain, dict.fromkeys(law.arguments, float))
     parts = {
-        **language.parts(), "name": law.name, "capitals": law.name.upper(),
+        **frame.parts(), **language.parts(), "name": law.name,
         "about": "\n".join(f"{language.comment} {line}".rstrip() for line in law.comment()),
-        "heads": _heads(law), "arguments": ", ".join(law.arguments),
+        "arguments": ", ".join(law.arguments), "heads": _heads(law),
+        "domain": language.text(domain),
         "total": " + ".join(law.arguments),
         "rows": "\n".join(f"{n} = reshape({n} + zero, 1, []);" for n in law.arguments),
         "hidden": "\n".join(f"{n}(outside) = 1;" for n in law.arguments),
     }  # fmt: skip
-    if target == "matlab":
-        numbers = (language.number_of(*each) for each in program.numbers.items())
-        parts["numbers"] = "\n\n".join(filter(None, numbers))
-    return filled_template(f"law{language.suffix}", parts).replace("\xa0", " ")
+    return language.file(parts, f"law{language.suffix}")
 
 
 def header(law: ExportedLaw) -> str:
     """Return the C header of a law, which C++ takes too."""
     parts = {"name": law.name, "capitals": law.name.upper(), "heads": _heads(law)}
-    return filled_template("law.h", parts)
+    return C(Program()).file(parts, "law.h")
 
 
 def _heads(law: ExportedLaw) -> str:
-    """Return the declarations of a law in C."""
-    given = ", ".join(f"double {name}" for name in law.arguments)
-    return "\n".join(
-        "\n".join(wrap(f"double {law.name}_{what}({given});", WIDTH, subsequent_indent="    "))
-        for what in ("load", "stiffness")
-    )
+    """Return the arguments of a law in C."""
+    return ", ".join(f"double {name}" for name in law.arguments)
+
+
+class _Frame:
+    """What the functions of load and stiffness compute in the frame of a template."""
+
+    def __init__(self, law: ExportedLaw, program: Program, language: C) -> None:
+        """Read the functions of a law into a program."""
+        formula = law.formula
+        asked = {key: getattr(formula, key) for key in ("numbers", "load", "stiffness", "end")}
+        self.read = {key: program.read(f) for key, f in asked.items() if f is not None}
+        self.law, self.program, self.language = law, program, language
+        self.tables = {f"table_{n}": v for n, v in law.constants.items() if np.ndim(v)}
+        program.numbers |= self.tables
+        self.result = self.read["numbers"].returns if "numbers" in self.read else None
+        names = {*law.arguments, *law.constants}
+        self.local = dict.fromkeys(names, float) | {NUMBERS: self.result}
+
+    def parts(self) -> dict[str, str]:
+        """Return the expressions and statements of the template, by name."""
+        law, formula, language = self.law, self.law.formula, self.language
+        depth, of_depth = "penetration", law.penetration_factor
+        if of_depth != 1:
+            depth = f"penetration / {of_depth!r}"
+        values = {"load": self.call("load", depth)}
+        if formula.stiffness is None:
+            more, less = (self.call("load", f"{depth} * {by!r}") for by in (1 + STEP, 1 - STEP))
+            values["stiffness"] = f"({more} - {less}) / ({depth} * {2 * STEP!r})"
+        else:
+            values["stiffness"] = self.call("stiffness", depth)
+        factors = {"load": law.load_factor, "stiffness": law.load_factor / of_depth}
+        for what, factor in factors.items():
+            if factor != 1:
+                values[what] = f"{factor!r} * {values[what]}"
+        last = "inf" if formula.end is None else self.call("end")
+        texts = values | {"inside": f"{depth} <= {last}"}
+        read = {name: self.expression(text) for name, text in texts.items()}
+        parts = {name: language.text(node) for name, node in read.items()}
+        numbers, declared = "", ""
+        if self.result is not None:
+            declared = language.declared(NUMBERS, self.result) + language.end
+            read["numbers"] = self.expression(self.call("numbers"))
+            numbers = language.assigned(NUMBERS, read["numbers"]) + language.end
+        for what in ("load", "stiffness"):
+            nodes = [read[key] for key in (what, "inside", "numbers") if key in read]
+            used = {name for node in nodes for name in names_in(node)}
+            constants = {n: v for n, v in law.constants.items() if n in used}
+            lines = [language.local_constant(*each) for each in constants.items()]
+            parts[f"constants_of_{what}"] = "\n".join(lines)
+        return {**parts, "numbers_at": numbers, "declared": declared}
+
+    def call(self, what: str, *first: str) -> str:
+        """Return the call of a function of the law in Python's syntax."""
+        f, formula = self.read[what], self.law.formula
+        wanted = {"numbers": tuple(formula.asked), "end": formula.taken_by_end}
+        names = wanted.get(what, formula.taken)
+        given = [f"table_{n}" if f"table_{n}" in self.tables else n for n in names]
+        if self.result is not None and what != "numbers":
+            given = [f"{NUMBERS}.{name}" for name in names]
+        return f"{f.name}({', '.join([*first, *given])})"
+
+    def expression(self, text: str) -> Any:
+        """Return an expression in Python's syntax, read."""
+        functions = {f.name: f for f in self.read.values()}
+        return self.program.expression(text, self.local, functions | self.tables)
 
 
 def exported(

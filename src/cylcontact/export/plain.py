@@ -4,9 +4,12 @@ A plain function keeps to these rules; anything else is refused with its express
 
 - Statements: assignments (also `a, b = x, y`, one after the other), `if`, `while`, `for` over a
   `range` with a literal step, `break`, `return`, and calls of functions that change a record.
-- A call's result is not unpacked: assign a `NamedTuple` and use its fields.
+- `x if test else y` as the right side of an assignment or as what is returned becomes an `if`;
+  inside an expression it is `choose(test, x, y)`, which may compute both.
 - Numbers, vectors, `NamedTuple`s and records (`np.dtype`) are the only values. What has no
   annotation is a float. A function returns one number or one `NamedTuple`, or changes records.
+- A call's result is not unpacked: assign a `NamedTuple` and use its fields. If the call changes a
+  record, its result is not assigned to a field of that record.
 - Functions: other plain functions, and those in `KNOWN`, called without keywords.
 - Comparisons are not chained. `//` and `%` are for whole numbers that are not negative.
 - `max(x, 0.0)` and `np.maximum(x, 0.0)` keep a NaN only if it is the first argument, as Python's
@@ -14,7 +17,9 @@ A plain function keeps to these rules; anything else is refused with its express
 - Names differ by more than case, because Fortran ignores case. A variable that a loop carries from
   turn to turn gets a value before the loop.
 - A constant of a module has the same value wherever its name is used.
-- `joint` and `law` are not passed on: they are constants of the file that is written.
+
+The reader leaves few forms: one target in an assignment, no `+=`, no choices but `choose`, no
+arguments that a function does not use. Every expression has its type in `kind`.
 """
 
 from __future__ import annotations
@@ -27,9 +32,8 @@ import math
 import textwrap
 import tokenize
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import pairwise
 from types import FunctionType
 from typing import Any, NamedTuple, NoReturn
 
@@ -38,99 +42,82 @@ import numpy as np
 from cylcontact.support.errors import InputError
 from cylcontact.support.plain_text import RESERVED
 
-Node = Any  # of a syntax tree, with what `_Reader` adds to it
+Node = Any  # of a syntax tree, with `kind`, and `called` of a call
 
 
-@dataclass(frozen=True)
-class Vector:
+class Vector(NamedTuple):
     """The type of an array of numbers; its size is 0 where it does not matter."""
 
     size: int
 
 
-class Constant(NamedTuple):
-    """A constant of a file: its type, its value, and a remark for the reader."""
-
-    kind: Any
-    value: Any
-    about: str = ""
-
-
-@dataclass
+@dataclass(eq=False)
 class Function:
-    """A plain function; a type is float, int, bool, a `Vector`, a `NamedTuple` or a `np.dtype`."""
+    """A plain function; a type is float, int, bool, a `Vector`, a `NamedTuple` or a `np.dtype`.
+
+    `takes` are the arguments in the source, `arguments` those that it uses.
+    """
 
     name: str
-    arguments: dict[str, Any]
-    returns: Any = float
-    body: list[Any] = field(default_factory=list)
-    about: str = ""
+    takes: dict[str, Any]
+    returns: Any
+    about: str
+    arguments: dict[str, Any] = field(default_factory=dict)
+    body: list[Node] = field(default_factory=list)
     locals: dict[str, Any] = field(default_factory=dict)
-    changes: list[str] = field(default_factory=list)  # the records that it changes
-    unused: set[str] = field(default_factory=set)  # records of the program that it does not use
+    changes: set[str] = field(default_factory=set)  # the records that it changes
+
+    def used(self, values: Iterable[Any]) -> list[Any]:
+        """Return the values of those arguments that the function uses, of all that it takes."""
+        pairs = zip(self.takes, values, strict=True)
+        return [value for name, value in pairs if name in self.arguments]
 
 
-# Functions that every language has or that `notation` adds, by their names in C.
+# Functions that every language has or that `languages` adds, by one name.
 KNOWN: dict[Any, str] = {
     getattr(module, name): name
     for module in (math, np)
-    for name in ("log", "log1p", "exp", "sqrt", "sin", "cos", "tan", "hypot")
+    for name in ("log", "log1p", "exp", "sqrt", "sin", "cos", "tan", "hypot", "copysign")
 }
-KNOWN |= {math.copysign: "copysign", np.copysign: "copysign"}
 KNOWN |= {math.acos: "acos", np.arccos: "acos", math.asin: "asin", np.arcsin: "asin"}
-KNOWN |= {math.atan: "atan", np.arctan: "atan"}
+KNOWN |= {math.atan: "atan", np.arctan: "atan", np.where: "choose"}
 KNOWN |= {np.maximum: "larger", max: "larger", np.minimum: "smaller", min: "smaller"}
 KNOWN |= {abs: "abs", np.abs: "abs", math.fabs: "abs", int: "int"}
-_CHOICES = (np.where,)  # and any function named `choose`
-
-_STATEMENTS = (
-    ast.Assign, ast.AugAssign, ast.Expr, ast.Return, ast.Break, ast.If, ast.For, ast.While,
-)  # fmt: skip
-_EXPRESSIONS = (
-    ast.Constant, ast.Name, ast.Attribute, ast.Subscript, ast.Call, ast.IfExp, ast.Compare,
-    ast.BoolOp, ast.BinOp, ast.UnaryOp,
-)  # fmt: skip
-_OPERATORS = (
-    ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Mod, ast.FloorDiv, ast.Pow, ast.BitAnd, ast.BitOr,
-    ast.Gt, ast.GtE, ast.Lt, ast.LtE, ast.Eq, ast.NotEq, ast.And, ast.Or, ast.Not, ast.USub,
-)  # fmt: skip
-_SYNTAX = (*_STATEMENTS, *_EXPRESSIONS, *_OPERATORS, ast.Load, ast.Store)
+_LOGIC = {ast.BitAnd: ast.And, ast.BitOr: ast.Or}
 
 
 @dataclass
 class Program:
-    """Functions in the order in which they call each other, with their types and constants.
+    """Functions in the order in which they call each other, with their types and numbers.
 
-    `constants` are the fields of `joint` and `law`, `records` the types of those of the two that
-    are passed all the same; `instead` replaces functions by others.
+    `records` are types of arguments by name, in place of their annotations; `instead` replaces
+    functions by others; `used` are the fields of records that are read or written.
     """
 
-    constants: Mapping[str, Mapping[str, Constant]]
+    records: Mapping[str, Any] = field(default_factory=dict)
     instead: dict[Any, Any] = field(default_factory=dict)
     functions: dict[Any, Function] = field(default_factory=dict)
     types: list[Any] = field(default_factory=list)
     numbers: dict[str, Any] = field(default_factory=dict)
-    used: set[tuple[str, str]] = field(default_factory=set)
-    records: Mapping[str, Any] = field(default_factory=dict)
+    used: set[tuple[Any, str]] = field(default_factory=set)
 
     def read(self, function: Any) -> Function:
         """Return a function of the package, after those that it calls."""
         function = getattr(function, "py_func", function)
         if function not in self.functions:
-            other = self.instead.get(function)
+            other = self.instead.get(function, function)
             if isinstance(other, Function):
                 self.functions[function] = other
-            elif other is not None:
+            elif other is not function:
                 self.functions[function] = self.read(other)
             else:
-                hints = typing.get_type_hints(function, include_extras=True)
                 lines, first = inspect.getsourcelines(function)
-                text = textwrap.dedent("".join(lines))
-                names = _names_in(function)
-                read = self.read_text(text, names, hints, function.__code__.co_filename, first)
-                if any(read.name.lower() == each.name.lower() for each in self.functions.values()):
-                    rule, remedy = "has the name of another function", "rename one of them"
-                    _Place(read.name, function.__module__).refuse(ast.Name(read.name), rule, remedy)
+                hints = typing.get_type_hints(function, include_extras=True)
+                code = function.__code__
+                cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
+                names = {**vars(builtins), **function.__globals__}
+                names |= {name: cell.cell_contents for name, cell in cells}
+                read = self.read_text("".join(lines), names, hints, code.co_filename, first)
                 self.functions[function] = read
         return self.functions[function]
 
@@ -139,34 +126,41 @@ class Program:
         file: str = "", first: int = 1,
     ) -> Function:  # fmt: skip
         """Return a function from its text, which begins at line `first` of a file."""
+        text = textwrap.dedent(text)
         tree = next(n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.FunctionDef))
-        ast.increment_lineno(tree, first - 1)
-        where = _Place(tree.name, file.replace("\\", "/").rpartition("/")[2])
+        about = (ast.get_docstring(tree) or "").partition("\n\n")[0].replace("\n", " ")
+        del tree.body[: bool(about)]
+        hints = {**(hints or {}), **self.records}
+        takes = {a.arg: kind_of(hints.get(a.arg, float)) for a in tree.args.args}
+        f = Function(tree.name, takes, kind_of(hints.get("return", float)), about)
+        _add_remarks(tree, text)
+        reader = _Reader(self, f, names, file.replace("\\", "/").rpartition("/")[2], first - 1)
         a = tree.args
         if a.vararg or a.kwarg or a.kwonlyargs or a.posonlyargs:
-            where.refuse(tree, "takes other than plain arguments", "name each", f"def {tree.name}")
-        hints = {**(hints or {}), **self.records}
-        kinds = {arg.arg: kind_of(hints.get(arg.arg, float)) for arg in a.args}
-        about = (ast.get_docstring(tree) or "").partition("\n\n")[0].replace("\n", " ")
-        if about:
-            del tree.body[0]
-        read = Function(tree.name, kinds, kind_of(hints.get("return", float)), about=about)
-        _add_remarks(tree, text, first)
-        _Reader(self, read, names, where).read_body(tree.body)
-        used = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
-        read.unused = {name for name in kinds if name in self.records and name not in used}
-        known = sorted({**read.arguments, **read.locals}, key=str.lower)
-        for one, other in pairwise(known):
-            if one.lower() == other.lower():
-                rule = "differ by case alone, which Fortran ignores"
-                where.refuse(tree, rule, "rename one", f"{one}, {other}")
-        for name in (tree.name, *known):
+            reader.refuse(tree, "takes other than plain arguments", "name each")
+        reader.read(tree)
+        lowered = [name.lower() for name in (tree.name, *{**takes, **f.locals})]
+        for name in (tree.name, *{**takes, **f.locals}):
             if not name.isascii() or name in RESERVED:
-                where.refuse(tree, "is not a name in other languages", "rename it", name)
-        if tree.name.lower() in map(str.lower, known):
-            where.refuse(tree, "has a variable of its own name", "rename it", tree.name)
-        self.see(*kinds.values(), read.returns)
-        return read
+                reader.refuse(tree, "is not a name in other languages", "rename it", name)
+            same = [each for each in {**takes, **f.locals} if each.lower() == name.lower()]
+            if len(same) > 1:
+                rule = "differ by case alone, which Fortran ignores"
+                reader.refuse(tree, rule, "rename one", ", ".join(same))
+        if lowered.count(tree.name.lower()) > 1:
+            reader.refuse(tree, "has a variable of its own name", "rename it", tree.name)
+        if any(f.name.lower() == each.name.lower() for each in self.functions.values()):
+            reader.refuse(tree, "has the name of another function", "rename one", f.name)
+        self.see(*f.arguments.values(), f.returns)
+        return f
+
+    def expression(
+        self, text: str, local: Mapping[str, Any], names: Mapping[str, Any] | None = None
+    ) -> Node:
+        """Return an expression with local variables and the functions that `names` has, read."""
+        f = Function("it", dict(local), float, "")
+        reader = _Reader(self, f, {**(names or {}), "inf": math.inf}, "", 0)
+        return reader.visit(ast.parse(text, mode="eval").body)
 
     def see(self, *kinds: Any) -> None:
         """Add types to those of the file, after the types of their fields."""
@@ -175,39 +169,9 @@ class Program:
                 self.see(*fields.values())
                 self.types.append(kind)
 
-    def type_of(self, node: Node, local: Mapping[str, Any]) -> Any:  # noqa: PLR0911
-        """Return the type of an expression."""
-        match node:
-            case ast.Constant(value=value):
-                return type(value)
-            case ast.Name(id=name):
-                return local.get(name, type(self.numbers.get(name, 0.0)))
-            case ast.Attribute(value=ast.Name(id=of), attr=name) if of in self.constants:
-                return self.constants[of][name].kind
-            case ast.Attribute(value=value, attr=name):
-                return fields_of(self.type_of(value, local))[name]
-            case ast.Call():
-                return self._type_of_call(node, local)
-            case ast.BinOp(left=x, op=op, right=y) if not isinstance(op, ast.Div):
-                both = self.type_of(x, local), self.type_of(y, local)
-                return int if both == (int, int) else float
-            case ast.UnaryOp(op=ast.USub(), operand=operand):
-                return self.type_of(operand, local)
-            case ast.IfExp(body=yes, orelse=no):
-                both = self.type_of(yes, local), self.type_of(no, local)
-                return both[0] if both[0] == both[1] else float
-            case ast.Compare() | ast.BoolOp() | ast.UnaryOp():
-                return bool
-        return float
-
-    def _type_of_call(self, node: Node, local: Mapping[str, Any]) -> Any:
-        called = getattr(node, "called", None)
-        if isinstance(called, Function):
-            return called.returns
-        if called is not None or node.func.id == "int":
-            return called or int
-        is_whole = node.func.id == "abs" and self.type_of(node.args[0], local) is int
-        return int if is_whole else float
+    def fields(self, kind: Any) -> dict[str, Any]:
+        """Return the fields of a record that functions read or write."""
+        return {name: part for name, part in fields_of(kind).items() if (kind, name) in self.used}
 
 
 def kind_of(hint: Any) -> Any:
@@ -221,305 +185,359 @@ def kind_of(hint: Any) -> Any:
 def fields_of(kind: Any) -> dict[str, Any]:
     """Return the types of the fields of a `NamedTuple` or a record; none of a number."""
     if isinstance(kind, np.dtype):
-        shapes = {name: kind[name] for name in kind.names or ()}
+        parts = {name: kind[name] for name in kind.names or ()}
         return {
             name: Vector(part.shape[0]) if part.shape else int if part.kind == "i" else float
-            for name, part in shapes.items()
+            for name, part in parts.items()
         }
-    return typing.get_type_hints(kind) if hasattr(kind, "_fields") else {}
+    return (
+        typing.get_type_hints(kind) if isinstance(kind, type) and hasattr(kind, "_fields") else {}
+    )
 
 
-def _names_in(function: FunctionType) -> dict[str, Any]:
-    """Return what the names in a function mean outside it."""
-    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
-    inner = {name: cell.cell_contents for name, cell in cells}
-    return {**vars(builtins), **function.__globals__, **inner}
-
-
-def _add_remarks(tree: ast.FunctionDef, text: str, first: int) -> None:
+def _add_remarks(tree: ast.FunctionDef, text: str) -> None:
     """Give each statement the comments before it and on its line."""
     tokens = tokenize.generate_tokens(io.StringIO(text).readline)
     left = [
-        (t.start[0] + first - 1, t.string.lstrip("# ")) for t in tokens
+        (t.start[0], t.string.lstrip("# ")) for t in tokens
         if t.type == tokenize.COMMENT and not t.string.startswith(("# fmt:", "# noqa"))
     ]  # fmt: skip
-    lines = text.splitlines()
     statements: list[Any] = [n for n in ast.walk(tree) if isinstance(n, ast.stmt) and n is not tree]
     for node in sorted(statements, key=lambda n: n.lineno):
-        has_body = isinstance(node, ast.If | ast.For | ast.While)
-        last = node.lineno if has_body else node.end_lineno
+        last = node.lineno if hasattr(node, "body") else node.end_lineno
         node.remarks = [words for line, words in left if line <= last]
-        before = node.lineno - sum(line < node.lineno for line, _ in left if line <= last)
-        node.gap = not lines[before - first - 1].strip()
         left = [each for each in left if each[0] > last]
 
 
-class _Place(NamedTuple):
-    """The function and the file that are read, for errors."""
+@dataclass
+class _Reader(ast.NodeVisitor):
+    """Reads the statements of a function; `visit` returns an expression with its type."""
 
-    function: str
+    program: Program
+    f: Function
+    names: Mapping[str, Any]
     file: str
+    before: int  # lines of the file before the function
 
     def refuse(self, node: ast.AST, rule: str, remedy: str, text: str = "") -> NoReturn:
         """Raise `InputError` with an expression and its line."""
-        line = getattr(node, "lineno", None)
-        source = ", ".join(filter(None, (self.file, f"line {line}" if line else "")))
+        line = f"line {node.lineno + self.before}" if self.file and hasattr(node, "lineno") else ""
         words = (text or ast.unparse(node)).partition("\n")[0]
-        where = f"{source}: `{words}`" if source else f"`{words}`"
+        source = ", ".join(filter(None, (self.f.name, self.file, line)))
         rule = f"cannot be written in another language: it {rule}"
-        raise InputError(f"{self.function}, {where}", "", None, rule, remedy)
+        raise InputError(f"{source}: `{words}`", "", None, rule, remedy)
 
+    def read(self, tree: ast.FunctionDef) -> None:
+        """Read the body; a variable that is first a whole number and then a float is a float."""
+        floats = dict[str, Any]()
+        while True:
+            self.f.locals, self.f.changes = {**floats}, set()
+            try:
+                self.f.body = self.block(tree.body)
+            except _FloatFoundError as found:
+                floats[found.name] = float
+            else:
+                break
+        used = {name for node in self.f.body for name in names_in(node)}
+        self.f.arguments = {name: kind for name, kind in self.f.takes.items() if name in used}
 
-class _Reader(ast.NodeTransformer):
-    """Resolves the names in a function's body."""
+    def generic_visit(self, node: ast.AST) -> NoReturn:
+        """Refuse what the rules do not have."""
+        self.refuse(node, "is not in the rules of plain functions", "write it otherwise")
 
-    def __init__(
-        self, program: Program, function: Function, names: Mapping[str, Any], where: _Place
-    ) -> None:
-        self.program, self.function, self.names, self.where = program, function, names, where
+    # --- statements: each becomes a list of simpler ones ---
 
-    def read_body(self, body: list[ast.stmt]) -> None:
-        """Read statements and the types of variables."""
-        stored = [n for each in body for n in ast.walk(each) if isinstance(n, ast.Name)]
-        variables = {n.id for n in stored if isinstance(n.ctx, ast.Store)}
-        self.variables = {*self.function.arguments, *variables}
-        self.function.body = self._block(body)
-        for each in self.function.body:
-            self._learn(each)
-        typed = _Types(self.program, self.function, self.where)
-        self.function.body = [typed.visit(each) for each in self.function.body]
+    def block(self, body: list[Any]) -> list[Node]:
+        """Return statements that are read."""
+        done: list[Node] = []
+        for node in body:
+            parts = self.visit(node)
+            if parts:
+                parts[0].remarks = getattr(node, "remarks", [])
+            done += parts
+        return done
 
-    def visit(self, node: ast.AST) -> Any:
-        """Read one node; refuse what the rules do not have."""
-        if not isinstance(node, _SYNTAX):
-            self.where.refuse(node, "is not in the rules of plain functions", "write it otherwise")
-        return super().visit(node)
-
-    def _block(self, body: list[ast.stmt]) -> list[Any]:
-        done = [self.visit(each) for each in body if not isinstance(each, ast.Pass)]
-        return [one for each in done for one in (each if isinstance(each, list) else [each])]
-
-    def _learn(self, tree: ast.stmt) -> None:
-        """Learn the types of variables, and which arguments are changed."""
-        f, known = self.function, {**self.function.arguments, **self.function.locals}
-        for node in _in_order(tree):
-            match node:
-                case ast.Assign(targets=[ast.Name(id=name)], value=value):
-                    kind = self.program.type_of(value, known)
-                    before = f.locals.get(name, kind)
-                    f.locals[name] = known[name] = kind if kind == before else float
-                case ast.AugAssign(target=ast.Name(id=name)) if name not in f.locals:
-                    f.locals[name] = known[name]
-                case ast.For(target=ast.Name(id=name)):
-                    f.locals[name] = known[name] = int
-                case ast.Attribute(ctx=ast.Store()) | ast.Subscript(ctx=ast.Store()):
-                    self._note_change(node)
-                case ast.Call() if isinstance(called := getattr(node, "called", None), Function):
-                    if len(called.arguments) != len(node.args):
-                        names = ", ".join(called.arguments)
-                        self.where.refuse(node, "lacks arguments", f"give all of {names}")
-                    for name, value in zip(called.arguments, node.args, strict=True):
-                        if name in called.changes:
-                            self._note_change(value)
-
-    def _note_change(self, node: Node) -> None:
-        while isinstance(node, ast.Attribute | ast.Subscript):
-            node = node.value
-        if node.id in self.function.arguments and node.id not in self.function.changes:
-            self.function.changes.append(node.id)
-
-    def visit_Assign(self, node: Node) -> Any:
-        remarks, gap = node.remarks, node.gap
+    def visit_Assign(self, node: Node) -> list[Node]:
+        """Return an assignment for each target; a choice becomes an `if`."""
         match node:
             case ast.Assign(targets=[ast.Tuple(elts=names)], value=ast.Tuple(elts=values)):
-                parts: list[Node] = []
-                written: set[str] = set()
+                written = set[str]()
+                done = list[Node]()
                 for name, value in zip(names, values, strict=True):
-                    if written & {n.id for n in ast.walk(value) if isinstance(n, ast.Name)}:
+                    if written & set(names_in(value)):
                         remedy = "write one assignment after the other"
-                        self.where.refuse(node, "uses a variable that it changes", remedy)
-                    written |= {n.id for n in ast.walk(name) if isinstance(n, ast.Name)}
-                    parts.append(ast.copy_location(ast.Assign([name], value), node))
-                    parts[-1].remarks, parts[-1].gap = [], False
-                parts[0].remarks, parts[0].gap = remarks, gap
-                return [self.visit(part) for part in parts]
+                        self.refuse(node, "uses a variable that it changes", remedy)
+                    written |= set(names_in(name))
+                    done += self.visit_Assign(ast.copy_location(ast.Assign([name], value), node))
+                return done
+            case ast.Assign(targets=[target], value=ast.IfExp(test, yes, no)):
+                one, other = (
+                    list[ast.stmt]([ast.copy_location(ast.Assign([target], x), node)])
+                    for x in (yes, no)
+                )
+                return self.visit_If(ast.copy_location(ast.If(test, one, other), node))
             case ast.Assign(targets=[ast.Tuple()]):
                 remedy = "assign a NamedTuple, and use its fields"
-                self.where.refuse(node, "unpacks the result of a call", remedy)
+                self.refuse(node, "unpacks the result of a call", remedy)
             case ast.Assign(targets=[_, _, *_]):
-                self.where.refuse(node, "has two targets", "write two assignments")
-        return self.generic_visit(node)
+                self.refuse(node, "has two targets", "write two assignments")
+        return [self._assignment(node, node.targets[0], self.visit(node.value))]
 
-    def visit_Expr(self, node: ast.Expr) -> Any:
+    def _assignment(self, node: Node, target: Node, value: Node) -> Node:
+        """Return an assignment to a variable, a field or an element."""
+        if isinstance(target, ast.Name):
+            name = target.id
+            kind = self.f.locals.setdefault(name, self.f.takes.get(name, value.kind))
+            if (kind, value.kind) == (int, float):
+                raise _FloatFoundError(name)
+            if kind is not value.kind and (kind, value.kind) != (float, int):
+                self.refuse(node, f"changes the type of {name}", "use two names")
+            return ast.Assign([_typed(ast.Name(name), kind)], _as(kind, value))
+        target = self.visit(target)
+        self._change(target)
+        if _root(target) in _changed(value):
+            rule, remedy = "assigns to a record that the call changes", "use a variable"
+            self.refuse(node, rule, remedy)
+        return ast.Assign([target], _as(target.kind, value))
+
+    def visit_AugAssign(self, node: Node) -> list[Node]:
+        """Return `x = x + y` for `x += y`."""
+        sum_of = ast.copy_location(ast.BinOp(node.target, node.op, node.value), node)
+        return self.visit_Assign(ast.copy_location(ast.Assign([node.target], sum_of), node))
+
+    def visit_Return(self, node: Node) -> list[Node]:
+        """Return a value; a choice becomes an `if`."""
+        if isinstance(choice := node.value, ast.IfExp):
+            yes, no = (
+                list[ast.stmt]([ast.copy_location(ast.Return(x), node)])
+                for x in (choice.body, choice.orelse)
+            )
+            return self.visit_If(ast.copy_location(ast.If(choice.test, yes, no), node))
+        return [ast.Return(node.value and _as(self.f.returns, self.visit(node.value)))]
+
+    def visit_Expr(self, node: ast.Expr) -> list[Node]:
+        """Return a call of a function that changes records."""
         if not isinstance(node.value, ast.Call):
-            self.where.refuse(node, "does nothing", "remove it")
-        return self.generic_visit(node)
+            self.refuse(node, "does nothing", "remove it")
+        return [ast.Expr(self.visit(node.value))]
 
-    def visit_If(self, node: Node) -> Any:
-        node.test = self.visit(node.test)
-        node.body, node.orelse = self._block(node.body), self._block(node.orelse)
-        return node
+    def visit_If(self, node: ast.If) -> list[Node]:
+        """Return an `if` with the blocks read."""
+        return [ast.If(self.visit(node.test), self.block(node.body), self.block(node.orelse))]
 
-    def visit_While(self, node: Node) -> Any:
+    def visit_While(self, node: ast.While) -> list[Node]:
+        """Return a `while`."""
         if node.orelse:
-            self.where.refuse(node, "is a loop with an else", "use a variable")
-        return self.visit_If(node)
+            self.refuse(node, "is a loop with an else", "use a variable")
+        return [ast.While(self.visit(node.test), self.block(node.body), [])]
 
-    def visit_For(self, node: Node) -> Any:
-        call, is_named = node.iter, isinstance(node.target, ast.Name)
-        is_range = isinstance(call, ast.Call) and ast.unparse(call.func) == "range"
-        if not (is_named and is_range) or node.orelse:
-            self.where.refuse(node, "is a loop over something else", "loop over a range")
-        args = call.args
-        if len(args) == 3:
-            try:
-                ast.literal_eval(args[2])
-            except ValueError:
-                self.where.refuse(node, "has a step that is not a literal", "write a number")
-        node.target.id = node.target.id.lstrip("_")
-        node.limits = [self.visit(each) for each in [ast.Constant(0)] * (len(args) == 1) + args]
-        node.iter = ast.Constant(0)
-        node.body = self._block(node.body)
-        return node
+    def visit_For(self, node: Node) -> list[Node]:
+        """Return a loop with its limits: first value, end, and step as a number."""
+        match node:
+            case ast.For(ast.Name(id=name), ast.Call(ast.Name("range"), args), body, []):
+                name = name.lstrip("_")
+            case _:
+                self.refuse(node, "is a loop over something else", "loop over a range")
+        self.f.locals[name] = int
+        first, end, *step = [ast.Constant(0)] * (len(args) == 1) + args
+        try:
+            by = ast.literal_eval(step[0]) if step else 1
+        except ValueError:
+            self.refuse(node, "has a step that is not a literal", "write a number")
+        limits = self.visit(first), self.visit(end), by
+        loop: Node = ast.For(ast.Name(name), ast.Constant(0), self.block(body), [])
+        loop.limits = limits
+        return [loop]
 
-    def visit_Compare(self, node: ast.Compare) -> Any:
-        if len(node.ops) > 1:
-            self.where.refuse(node, "chains comparisons", "join two with `and`")
-        return self.generic_visit(node)
+    def visit_Break(self, node: ast.Break) -> list[Node]:
+        """Return a `break`."""
+        return [node]
 
-    def visit_Constant(self, node: ast.Constant) -> Any:
+    def visit_Pass(self, _: ast.Pass) -> list[Node]:
+        """Return nothing."""
+        return []
+
+    def _change(self, node: Node) -> None:
+        """Note that the argument at the root of an expression is changed."""
+        if (name := _root(node)) in self.f.takes:
+            self.f.changes.add(name)
+
+    # --- expressions ---
+
+    def visit_Constant(self, node: Node) -> Node:
+        """Return a number."""
         if not isinstance(node.value, bool | int | float):
-            self.where.refuse(node, "is not a number", "use numbers")
-        return node
+            self.refuse(node, "is not a number", "use numbers")
+        return _typed(node, type(node.value))
 
-    def visit_Name(self, node: ast.Name) -> Any:
-        if node.id in self.variables or node.id in self.program.constants:
-            return node
+    def visit_Name(self, node: Node) -> Node:
+        """Return a variable, or a number of the module."""
+        known = {**self.f.takes, **self.f.locals}
+        if node.id in known:
+            return _typed(node, known[node.id])
         if node.id not in self.names:
-            self.where.refuse(node, "is not defined", "define it in the module")
+            self.refuse(node, "is not defined", "define it in the module")
         return self._number(node, node.id, self.names[node.id])
 
-    def visit_Attribute(self, node: ast.Attribute) -> Any:
+    def visit_Attribute(self, node: Node) -> Node:
+        """Return a field of a record, or a number of another module."""
         match node.value:
-            case ast.Name(id=of) if of in self.program.constants:
-                if node.attr not in self.program.constants[of]:
-                    self.where.refuse(node, f"is not a number of the {of}", "add it there")
-                self.program.used.add((of, node.attr))
-                return node
-            case ast.Name(id=of) if of not in self.variables:
+            case ast.Name(id=of) if of not in self.f.takes and of not in self.f.locals:
                 return self._number(node, node.attr, getattr(self.names.get(of), node.attr, None))
-        return self.generic_visit(node)
+        value = self.visit(node.value)
+        kinds = fields_of(value.kind)
+        if node.attr not in kinds:
+            self.refuse(node, "is not a number of the record", "add it there")
+        self.program.used.add((value.kind, node.attr))
+        return _typed(ast.Attribute(value, node.attr), kinds[node.attr])
 
-    def _number(self, node: ast.expr, name: str, value: Any) -> ast.expr:
-        is_number = isinstance(value, int | float | np.number | np.ndarray) and np.ndim(value) <= 1
-        if not is_number:
-            self.where.refuse(node, "is neither a number nor a vector", "use numbers")
-        if np.ndim(value) == 0 and not math.isfinite(value):
-            return ast.Name("nan" if math.isnan(value) else "inf")
+    def _number(self, node: ast.expr, name: str, value: Any) -> Node:
+        """Return a number or vector of a module by its name, short ones as they are."""
+        if not isinstance(value, int | float | np.number | np.ndarray) or np.ndim(value) > 1:
+            self.refuse(node, "is neither a number nor a vector", "use numbers")
+        kind = Vector(0) if np.ndim(value) else int if isinstance(value, int) else float
         name = name.lstrip("_")
+        if kind is float and not math.isfinite(value):
+            return _typed(ast.Name("nan" if math.isnan(value) else "inf"), float)
         if len(name) < 3 and name != "pi":  # short names would collide
-            return ast.Constant(value)
+            constant: Any = value
+            return _typed(ast.Constant(constant), kind)
         if not np.array_equal(self.program.numbers.setdefault(name, value), value):
-            self.where.refuse(node, "is a constant with two values", "rename one")
-        return ast.Name(name)
+            self.refuse(node, "is a constant with two values", "rename one")
+        return _typed(ast.Name(name), kind)
 
-    def visit_BinOp(self, node: ast.BinOp) -> Any:
-        self.generic_visit(node)
-        logical = {ast.BitAnd: ast.And, ast.BitOr: ast.Or}.get(type(node.op))
-        if logical is None:
-            return node
-        return ast.copy_location(ast.BoolOp(logical(), [node.left, node.right]), node)
+    def visit_IfExp(self, node: ast.IfExp) -> Node:
+        """Return a choice inside an expression."""
+        args = [self.visit(each) for each in (node.test, node.body, node.orelse)]
+        kind = int if args[1].kind is args[2].kind is int else float
+        return self._call(node, args, None, "choose", kind, {0: bool, 1: kind, 2: kind})
 
-    def visit_Call(self, node: ast.Call) -> Any:
-        function: Any = None
+    def visit_Subscript(self, node: ast.Subscript) -> Node:
+        """Return a number of a vector."""
+        return _typed(ast.Subscript(self.visit(node.value), self.visit(node.slice)), float)
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> Node:
+        """Return a sign or `not`."""
+        x: Node = self.visit(node.operand)
+        if isinstance(x, ast.Constant) and isinstance(node.op, ast.USub):
+            number: Any = x.value
+            return _typed(ast.Constant(-number), x.kind)
+        return _typed(ast.UnaryOp(node.op, x), x.kind)
+
+    def visit_BinOp(self, node: Node) -> Node:
+        """Return an operation of two numbers; & and | are `and` and `or`."""
+        if type(node.op) in _LOGIC:
+            return self.visit(ast.BoolOp(_LOGIC[type(node.op)](), [node.left, node.right]))
+        x, y = self.visit(node.left), self.visit(node.right)
+        whole = x.kind is y.kind is int and not isinstance(node.op, ast.Div | ast.Pow)
+        if isinstance(node.op, ast.Mod | ast.FloorDiv) and not whole:
+            self.refuse(node, "divides other than whole numbers", "use `/`")
+        kind = int if whole else float
+        return _typed(ast.BinOp(_as(kind, x), node.op, _as(kind, y)), kind)
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> Node:
+        """Return conditions that are joined."""
+        return _typed(ast.BoolOp(node.op, [self.visit(each) for each in node.values]), bool)
+
+    def visit_Compare(self, node: ast.Compare) -> Node:
+        """Return a comparison of two numbers or conditions."""
+        if len(node.ops) > 1:
+            self.refuse(node, "chains comparisons", "join two with `and`")
+        x, y = self.visit(node.left), self.visit(node.comparators[0])
+        kind = float if float in (x.kind, y.kind) else x.kind
+        return _typed(ast.Compare(_as(kind, x), node.ops, [_as(kind, y)]), bool)
+
+    def visit_Call(self, node: Node) -> Node:
+        """Return a call of a plain function, of a known one, or of a `NamedTuple`."""
         match node.func:
-            case ast.Attribute(value=ast.Name(id=of), attr=attr):
+            case ast.Attribute(ast.Name(id=of), attr):
                 function = getattr(self.names.get(of), attr, None)
-            case ast.Name(id=name):
-                function = self.names.get(name)
+            case _:
+                function = self.names.get(getattr(node.func, "id", ""))
         if node.keywords or any(isinstance(each, ast.Starred) for each in node.args):
-            self.where.refuse(node, "has keywords or stars", "give plain arguments")
+            self.refuse(node, "has keywords or stars", "give plain arguments")
         args = [self.visit(each) for each in node.args]
         if function is float:
             return args[0]
-        if function in _CHOICES or getattr(function, "__name__", "") == "choose":
-            return ast.copy_location(ast.IfExp(*args), node)
-        called: Any = None
-        if function in KNOWN:
-            name = KNOWN[function]
-        elif hasattr(function, "_fields"):
+        if hasattr(function, "_fields"):
             self.program.see(function)
-            called, name = function, function.__name__
-        elif isinstance(getattr(function, "py_func", function), FunctionType):
-            called = self.program.read(function)
-            name = called.name
-        else:
+            kind: Any = function
+            return self._call(node, args, kind, kind.__name__, kind, fields_of(kind))
+        plain = getattr(function, "py_func", function)
+        name = "choose" if getattr(plain, "__name__", "") == "choose" else KNOWN.get(function)
+        if name is None and isinstance(plain, FunctionType | Function):
+            f = plain if isinstance(plain, Function) else self.program.read(plain)
+            return self._call(node, args, f, f.name, f.returns, f.takes)
+        if name is None:
             known = ", ".join(sorted({*KNOWN.values()} - {"larger", "smaller"} | {"max", "min"}))
             rule = "calls a function that other languages may not have"
-            self.where.refuse(node, rule, f"use {known} and plain functions")
-        call: Any = ast.copy_location(ast.Call(ast.Name(name), args, []), node)
+            self.refuse(node, rule, f"use {known} and plain functions")
+        whole = name == "int" or (name == "abs" and args[0].kind is int)
+        kinds = dict.fromkeys(range(len(args)), float)
+        if name in ("abs", "int"):
+            kinds[0] = args[0].kind
+        elif name == "choose":
+            kinds[0] = bool
+        return self._call(node, args, None, name, int if whole else float, kinds)
+
+    def _call(
+        self, node: Node, args: list[Node], called: Any, name: str, kind: Any,
+        takes: Mapping[Any, Any],
+    ) -> Node:  # fmt: skip
+        """Return a call with its values as the types that it takes."""
+        if len(args) != len(takes):
+            self.refuse(node, "lacks arguments", f"give all of {', '.join(map(str, takes))}")
+        args = [_as(k, x) for k, x in zip(takes.values(), args, strict=True)]
+        if isinstance(called, Function):
+            args = called.used(args)
+            for argument, value in zip(called.arguments, args, strict=True):
+                if argument in called.changes:
+                    self._change(value)
+        call = _typed(ast.Call(ast.Name(name), args, []), kind)
         call.called = called
         return call
 
 
-class _Types(ast.NodeTransformer):
-    """Writes whole numbers as floats where Python takes them as such; refuses wrong types."""
+class _FloatFoundError(Exception):
+    """A variable that was read as a whole number is a float."""
 
-    def __init__(self, program: Program, function: Function, where: _Place) -> None:
-        self.program, self.function, self.where = program, function, where
-        self.local = {**function.arguments, **function.locals}
-
-    def type_of(self, node: ast.expr) -> Any:
-        """Return the type of an expression."""
-        return self.program.type_of(node, self.local)
-
-    def visit(self, node: Node) -> Any:
-        """Return a node with floats as floats."""
-        node = self.generic_visit(node)
-        match node:
-            case ast.For():
-                node.limits = [self.visit(each) for each in node.limits]  # type: ignore[attr-defined]
-            case ast.BinOp(op=ast.Mod() | ast.FloorDiv()) if self.type_of(node) is not int:
-                self.where.refuse(node, "divides other than whole numbers", "use `/`")
-            case ast.BinOp(op=op) if (
-                isinstance(op, ast.Div | ast.Pow) or self.type_of(node) is float
-            ):
-                node.left, node.right = _float(node.left), _float(node.right)
-            case ast.Compare(left=x, comparators=[y]) if float in map(self.type_of, (x, y)):
-                node.left, node.comparators = _float(x), [_float(y)]
-            case ast.IfExp() if self.type_of(node) is float:
-                node.body, node.orelse = _float(node.body), _float(node.orelse)
-            case ast.Assign(targets=[target]) if self.type_of(target) is float:
-                node.value = _float(node.value)
-            case ast.AugAssign(target=target) if self.type_of(target) is float:
-                node.value = _float(node.value)
-            case ast.Return() if node.value and self.function.returns is float:
-                node.value = _float(node.value)
-            case ast.Call():
-                self._type_arguments(node)
-        return node
-
-    def _type_arguments(self, node: Node) -> None:
-        called = getattr(node, "called", None)
-        kinds = called.arguments if isinstance(called, Function) else fields_of(called)
-        whole = called is None and self.type_of(node) is int
-        wanted = list(kinds.values()) or [int if whole else float] * len(node.args)
-        pairs = zip(node.args, wanted, strict=True)
-        node.args = [_float(each) if kind is float else each for each, kind in pairs]
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.name = name
 
 
-def _float(node: Node) -> Any:
-    match node:
-        case ast.Constant(value=value) if type(value) is int:
-            return ast.Constant(float(value))
-        case ast.UnaryOp(op=ast.USub()):
-            node.operand = _float(node.operand)
-        case ast.IfExp():
-            node.body, node.orelse = _float(node.body), _float(node.orelse)
+def _root(node: Node) -> str:
+    """Return the variable of a field or an element."""
+    while isinstance(node, ast.Attribute | ast.Subscript):
+        node = node.value
+    return str(node.id)
+
+
+def _changed(node: Node) -> set[str]:
+    """Return the variables that a call changes."""
+    f = getattr(node, "called", None)
+    if not isinstance(f, Function):
+        return set()
+    pairs = zip(f.arguments, node.args, strict=True)
+    return {_root(value) for name, value in pairs if name in f.changes}
+
+
+def _typed(node: Node, kind: Any) -> Node:
+    node.kind = kind
     return node
 
 
-def _in_order(node: ast.AST) -> Iterator[Any]:
-    yield node
-    for each in ast.iter_child_nodes(node):
-        yield from _in_order(each)
+def _as(kind: Any, node: Node) -> Node:
+    """Return a whole number as a float where a float is wanted."""
+    if kind is float and isinstance(node, ast.Constant) and type(node.value) is int:
+        return _typed(ast.Constant(float(node.value)), float)
+    return node
+
+
+def names_in(node: Any) -> Iterator[str]:
+    """Yield the names in a tree, in the limits of loops too."""
+    for each in ast.walk(node):
+        if isinstance(each, ast.Name):
+            yield each.id
+        for limit in getattr(each, "limits", ())[:2]:
+            yield from names_in(limit)

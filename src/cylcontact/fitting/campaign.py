@@ -293,6 +293,17 @@ class MeasuredTable:
         return _on_measurements(self.name, spec, self.measurements, model, self.source)
 
 
+def name_of_tables(paths: Sequence[Path]) -> str:
+    """Return a name for a fit to tables, as that of its folder: those of the files.
+
+    >>> name_of_tables([Path("a.csv.gz"), Path("b.csv")])
+    'a+b'
+    """
+    stems = [path.name.removesuffix(".gz").rpartition(".")[0] or path.name for path in paths]
+    more = [f"{len(stems) - 3} more"] if len(stems) > 4 else []
+    return "+".join(stems[: 3 if more else 4] + more)
+
+
 def read_table(
     table: object,
     law: str,
@@ -302,12 +313,20 @@ def read_table(
     name: str = "",
     **settings: Any,
 ) -> MeasuredTable:
-    """Read a table, a path or a DataFrame, with the keys of a campaign file as settings."""
-    is_file = isinstance(table, str | Path)
-    path, source = (Path(str(table)), str(table)) if is_file else (Path("data"), "DataFrame")
-    if not is_file and not hasattr(table, "iloc"):
-        rule, remedy = f"is a {type(table).__name__}", "give a DataFrame, or the path of a table"
-        raise InputError("fit", "data", None, rule, remedy)
+    """Read a table, with the keys of a campaign file as settings.
+
+    `table` is a path or a DataFrame, or a list of them, which are fitted together.
+    """
+    tables = [*table] if isinstance(table, list | tuple) else [table]
+    files = [Path(str(each)) for each in tables if isinstance(each, str | Path)]
+    for each in tables:
+        if not isinstance(each, str | Path) and not hasattr(each, "iloc"):
+            remedy = "give a DataFrame, the path of a table, or a list of them"
+            raise InputError("fit", "data", None, f"is a {type(each).__name__}", remedy)
+    source = ", ".join(map(str, files)) or "DataFrame"
+    path = files[0] if files else Path("data")
+    if not tables:
+        raise InputError("fit", "data", None, "is an empty list", "give at least one table")
     if pair is not None and contact not in (None, pair.contact):
         rule = f"contradicts the pair, which is for {pair.contact} contact"
         raise InputError("fit", "contact", contact, rule, "leave it out")
@@ -316,19 +335,26 @@ def read_table(
         raise InputError("fit", "contact", None, "is required without a pair", "give a pair")
     given = {key: value for key, value in settings.items() if value is not None}
     of_pair = {} if pair is None else constants_of(pair)
-    given |= {"data": path.name, "law": law, "contact": contact}
+    data = tuple(each.name for each in files) if len(files) > 1 else path.name
+    given |= {"data": data, "law": law, "contact": contact}
     spec = parse_spec(MeasuredSpec, given | {"constants": of_pair | {**(constants or {})}}, source)
-    return _table(name or path.stem, spec, path if is_file else table, path.parent, source)
+    name = name or name_of_tables(files or [path])
+    return _table(name, spec, tables if len(tables) > 1 else tables[0], path.parent, source)
 
 
 def _on_table_file(spec: MeasuredSpec, path: Path) -> Campaign:
     """Return the campaign of a file that names a table."""
-    source, table = str(path), beside_or_above(path.parent, spec.data)
-    if table is None:
-        rule = "no such file beside the campaign or above it"
-        raise InputError(source, "data", spec.data, rule, "name a .csv, .xlsx or .parquet table")
+    source, names = str(path), [spec.data] if isinstance(spec.data, str) else [*spec.data]
+    tables = []
+    for name in names:
+        table = beside_or_above(path.parent, name)
+        if table is None:
+            rule = "no such file beside the campaign or above it"
+            raise InputError(source, "data", name, rule, "name a .csv, .xlsx or .parquet table")
+        tables.append(table)
     _law_model(spec, path.parent, source)  # refuses an unknown one before any data
-    return _table(path.stem, spec, table, path.parent, source).campaign(spec.law)
+    readings = tables if len(tables) > 1 else tables[0]
+    return _table(path.stem, spec, readings, path.parent, source).campaign(spec.law)
 
 
 def _table(

@@ -12,7 +12,7 @@ from cylcontact.fitting.calibration import calibrate, space_of
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.measure import fit_table
 from cylcontact.fitting.readings import fit_with_noise
-from cylcontact.fitting.results import FitResult, Rows, or_blank
+from cylcontact.fitting.results import FitResult, LawFit, Rows, or_blank
 from cylcontact.fitting.space import Space
 from cylcontact.fitting.stored import read_result
 from cylcontact.support.parallel import Workers
@@ -69,6 +69,7 @@ def _side_by_side(results: list[FitResult]) -> str:
     for label, name in zip(_labels(first), first.estimates, strict=True):
         paper = f"{published.coefficients[name]:g}" if published else "-"
         rows.append((label, paper, *(_with_error(r, name) for r in results)))
+    rows += _on_common_samples(results)
     rows += [(label, "", *cells) for label, cells in _numbers(results)]
     rows = [(*row[:2], *(cell or "-" for cell in row[2:])) for row in rows]
     columns = [f"{first.law}, {first.contact}", "published", *(r.name for r in results)]
@@ -82,14 +83,29 @@ def _side_by_side(results: list[FitResult]) -> str:
     return "\n".join([str(TextTable(columns, rows)), *map(_samples, results)])
 
 
+def _on_common_samples(results: Sequence[FitResult]) -> Rows:
+    """Return a row for the samples of each of several fits to a law, on which all are compared."""
+    rows: Rows = []
+    for result in results if len(results) > 1 else ():
+        if not isinstance(result, LawFit):
+            continue
+        campaign = Campaign.of_settings(result.name, result.settings, result.name)
+        space, _ = space_of(campaign)
+        every = [result.published, *results]
+        cells = [or_blank(space.value_of(e.coefficients) if e else None, ".5g") for e in every]
+        rows.append((f"objective on the samples of {brief(result.name)}", *cells))
+    return rows
+
+
 def _numbers(results: Sequence[FitResult]) -> Iterable[tuple[str, list[str]]]:
     """Yield the label and the cells of each row beneath the coefficients."""
     objectives = [result.objective for result in results]
     published = [result.published for result in results]
     largest = [result.max_abs_diff_percent for result in results]
     yield "objective", [", ".join(filter(None, (o.name, o.unit))) for o in objectives]
-    yield "  fitted", [f"{o.value:.5g}" for o in objectives]
-    yield "  published", [or_blank(p.objective if p else None) for p in published]
+    if len(results) == 1 or not isinstance(results[0], LawFit):  # or _on_common_samples has them
+        yield "  fitted", [f"{o.value:.5g}" for o in objectives]
+        yield "  published", [or_blank(p.objective if p else None) for p in published]
     yield "  lower bound", [or_blank(getattr(result, "bound", None)) for result in results]
     yield "largest difference, %", [or_blank(each.fitted, ".4g") for each in largest]
     yield "  published", [or_blank(each.published) for each in largest]

@@ -60,7 +60,7 @@ class DataFit(FitResult):
     # Of the searched coefficients; empty if they have no covariance.
     correlation: list[list[float]]
     # The lines of outliers.
-    outliers: list[int]
+    outliers: list[int | str]
     noise: FittedDeviations
     log_likelihood: float | None
     # The number of free parameters, deviations of the noise and fixed effects.

@@ -176,8 +176,8 @@ def _on_outliers(optimum: Optimum) -> str:
     changes = [f"{k} {v:.4g} → {without[k]:.4g}" for k, v in values if k in without]
     return (
         f"outliers (beyond {_threshold(optimum):.1f} robust standard deviations), included in the "
-        "fit: lines "
-        f"{_listed(lines, ', ')}{'; without them ' if changes else ''}{', '.join(changes)}"
+        f"fit: lines {_listed(lines, ', ')}{'; without them ' if changes else ''}"
+        f"{', '.join(changes)} (--exclude {','.join(str(line(row)) for row in [*far][:_LISTED])})"
     )
 
 

@@ -57,7 +57,10 @@ def plot(optimum: Optimum, law: str, level: float, ax: Axes | None = None) -> Ax
 
 
 def plot_residuals(
-    data: Measurements, standardised: FloatArray, outliers: Collection[int], ax: Axes | None = None
+    data: Measurements,
+    standardised: FloatArray,
+    outliers: Collection[int | str],
+    ax: Axes | None = None,
 ) -> Axes:
     """Draw residuals over the load, and name the lines of outliers."""
     lines = {k: data.line(k) for k in range(len(data))}

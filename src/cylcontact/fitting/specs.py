@@ -117,8 +117,9 @@ class CampaignSpec(ParametersSpec):
 class MeasuredSpec(ParametersSpec, TableSpec):
     """A campaign file that names a table of measurements."""
 
-    data: str = Field(
-        description="the path of a .csv, .xlsx or .parquet table, beside or above the file"
+    data: str | Annotated[tuple[str, ...], Field(strict=False)] = Field(
+        description="the path of a .csv, .xlsx or .parquet table beside or above the file, or a "
+        "list of paths",
     )
     contact: Contact = Field(description='"internal" or "external"')
     law: str = Field(description="the law to fit, or module:function for one of your own")

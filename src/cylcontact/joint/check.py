@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,12 +21,16 @@ from cylcontact.support.arrays import as_floats
 from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import pandas as pd
     from matplotlib.axes import Axes
 
 __all__ = ["JointCheck", "Numbers", "check_joint"]
 
 _NO_CLEARANCE = "no clearance"
+# Columns of the text.
+_WIDTH = 100
 # The ratios R_o/R of the lugs by finite elements, from which the sector of a lug comes.
 _STUDIED = 1.3, 4.0
 
@@ -168,11 +173,11 @@ class JointCheck:
         return pd.DataFrame(values, index=list(NUMBERS))
 
     def __str__(self) -> str:
-        lines = [*described(self.joint), "", *_answer(self), "", *_advice(self)]
+        lines = [*described(self.joint), "", *answer_lines(self), "", *_advice(self)]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        return TextTable(*_cells(self), described(self.joint)[0])._repr_html_()
+        return TextTable(*cells(self), described(self.joint)[0])._repr_html_()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the joint and its numbers under plain names, for JSON; None where there is none.
@@ -222,6 +227,18 @@ class JointCheck:
         from cylcontact.joint.picture import draw_check
 
         return draw_check(self, ax)
+
+    def save(self, path: Path | str) -> Path:
+        """Write one page with sketch, inputs, answer, picture and assumptions.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, .html, .pdf or .png.
+        """
+        from cylcontact.joint.page import write_page
+
+        return write_page(self, path)
 
 
 def check_joint(
@@ -435,20 +452,29 @@ def _warm(joint: LoadedJoint) -> str:
     return f"{text}, {frame}"
 
 
-def _answer(check: JointCheck) -> list[str]:
+def answer_lines(check: JointCheck) -> list[str]:
     """Return the numbers: a line each for one pair, a table for a fit."""
-    joint = check.joint
     if check.iso is None:
         return _single(check)
-    lines = [str(TextTable(*_cells(check)))]
+    return [str(TextTable(*cells(check))), *words(check)]
+
+
+def words(check: JointCheck) -> list[str]:
+    """Return what the table of numbers does not say: where it yields, and what is missing."""
+    joint, lines = check.joint, []
     if joint.seized > 5e-5:
         lines.append(f"{100 * joint.seized:.2g} % of the pairs have no clearance; the mean and "
                      "percentiles are of the others")  # fmt: skip
     name, worst = check.worst
     if worst.first_yield and not np.isnan(worst.factor_to_yield):
-        lines.append(f"the {name} pair yields first: {worst.first_yield}")
+        which = f"the {name} pair yields first" if check.iso else "first yield"
+        lines.append(f"{which}: {worst.first_yield}")
     elif not has_yield_stresses(check.pair, check.housing):
         lines.append("first yield: the yield stresses are not given")
+    else:
+        lines.append(f"first yield: {worst.first_yield}")
+    if not joint.has_penetration:
+        lines.append("the penetration needs the depth at which the plane is held")
     return lines
 
 
@@ -493,7 +519,7 @@ def _text(value: float) -> str:
     return f"{float(f'{value:.4g}'):,.10g}"
 
 
-def _cells(check: JointCheck) -> tuple[list[str], list[list[str]]]:
+def cells(check: JointCheck) -> tuple[list[str], list[list[str]]]:
     """Return the heading and the rows of the answer as a table."""
     columns = check.band or {"": check.numbers}
     rows = []
@@ -546,7 +572,8 @@ def _advice(check: JointCheck) -> list[str]:
         "johnson": "johnson, which gave this answer: a formula with Lambert's W",
     }[check.law]
     lines = [f"{'law to export':<20}{use}"]
-    lines.append(f"{'not included':<20}{', '.join(not_included(check.joint))}")
+    parts = ", ".join(not_included(check.joint))
+    lines += textwrap.wrap(f"{'not included':<20}{parts}", _WIDTH, subsequent_indent=" " * 20)
     if check.pair.contact == "internal" and check.housing is None:
         lines.append(f"{'':<20}The housing may deform by more than this penetration: give its "
                      "outer radius (--R-o)")  # fmt: skip

@@ -45,21 +45,25 @@ def draw_check(check: JointCheck, ax: Axes | None = None) -> Axes:
             load = as_floats(np.linspace(0, end, _POINTS)[1:])
             label = name if check.iso else "to first yield" if known else "this joint"
             axes.plot(load, _drawn(load, pair, joint), label=label, marker="")
+            if known:
+                y = _drawn(as_floats(end), pair, joint)
+                axes.plot(end, y, "x", color="black", markersize=4)
         at_yield = of_worst.first_yield_N_per_mm
         if not np.isnan(at_yield):
             label = f"first yield: {at_yield:,.0f} N/mm" + (f" ({worst})" if check.iso else "")
             y = _drawn(as_floats(at_yield), solved[worst], joint)
             axes.plot(at_yield, y, "X", color=ACCENT,
                       markerfacecolor=ACCENT, markersize=6, label=label)  # fmt: skip
-        for pair in pairs.values():
+        for name, pair in pairs.items():
+            inside = not check.load > ends[name]  # beyond first yield the point is hollow
             axes.plot(check.load, _drawn(as_floats(check.load), pair, joint), "o", color="black",
-                      markerfacecolor="black", markersize=3)  # fmt: skip
+                      markerfacecolor="black" if inside else "white", markersize=3)  # fmt: skip
         axes.axvline(check.load, color="black", linewidth=0.6, linestyle=":", marker="",
                      label=f"this load: {check.load:,.4g} N/mm")  # fmt: skip
         what = "penetration (µm)" if joint.has_penetration else "largest pressure (MPa)"
         axes.set(xlabel="load (N/mm)", ylabel=what, xlim=(0, top), ylim=(0, None))
         axes.set_title(title_of(joint))
-        axes.legend(fontsize=6)
+        axes.legend(fontsize=6, loc="lower right", frameon=True, framealpha=0.9, edgecolor="none")
     return axes
 
 

@@ -279,7 +279,8 @@ def reach(w: Work, joint: Joint) -> None:
             w.penetration[side] = w.delta
             w.penetration_rate[side] = w.rate
             if abs(z) < joint.half:
-                w.penetration_rate[side] += w.slope * (high_rate if side == 0 else low_rate)
+                drift = high_rate if side == 0 else low_rate
+                w.penetration_rate[side] += w.slope * drift
             if joint.crown > 0.0:
                 seek(side, w, joint)
                 section(w.deepest_at[side], w, joint)

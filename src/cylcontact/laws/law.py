@@ -186,9 +186,9 @@ class Law:
         given = self.coefficients_for(contact) if self.defaults else self
         return {name: float(getattr(given, name)) for name in self.formula_for(contact).constants}
 
-    def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
-        """Return the constants of the formula at a pair."""
-        return self.constants_for(pair.contact)
+    def formula_at(self, pair: CylinderPair) -> Formula:
+        """Return the formula for a pair."""
+        return self.formula_for(pair.contact)
 
     @property
     def title(self) -> str:
@@ -210,7 +210,7 @@ class Law:
     def numbers_at(self, pair: CylinderPair) -> tuple[Any, ...]:
         """Return the numbers of the formula at a pair."""
         self.require_pair(pair)
-        formula, law = self.formula_for(pair.contact), f"the {self.name} law"
+        formula, law = self.formula_at(pair), f"the {self.name} law"
         if {"R_i", "R_j"} & {*formula.of_pair}:
             pair.radii(law)
         if "length" in formula.of_pair:
@@ -221,11 +221,11 @@ class Law:
         finite = np.isfinite(asked.get("dR", 0.0))
         require(finite, self.title, "pair.R_j", pair.R_j, rule, remedy)
         with np.errstate(all="ignore"):
-            return formula.numbers_of(**asked, **self.constants_at(pair))
+            return formula.numbers_of(**asked, **self.constants_for(pair.contact))
 
     def at_pair(self, pair: CylinderPair) -> AtPair:
         """Return the load and the stiffness at a pair, as functions of the penetration."""
-        numbers, formula = self.numbers_at(pair), self.formula_for(pair.contact)
+        numbers, formula = self.numbers_at(pair), self.formula_at(pair)
         shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
         return AtPair(
             lambda penetration: formula.load(penetration, *numbers),

@@ -16,7 +16,6 @@ the pair.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, NamedTuple
 
@@ -82,6 +81,11 @@ def ends(reach, E_star, kappa, c) -> Ends:
 def of_clearance(E_star, dR, kappa, c) -> Ends:
     """Return both ends for Λ = 4π·ΔR."""
     return ends(4 * pi * dR, E_star, kappa, c)
+
+
+def of_unlike(E_star, dR, R_i, R_j, alpha, kappa, c) -> Ends:
+    """Return both ends for Λ = 4π·ΔR·(R_j/R_i)^α."""
+    return ends(4 * pi * dR, E_star, kappa, c - alpha * log(R_i / R_j))
 
 
 def of_quarter_clearance(E_star, dR, kappa, c) -> Ends:
@@ -217,15 +221,16 @@ class Johnson(LogarithmicLaw):
         c = 2 * w_i * ln_4R + 2 * w_j * ln_2H - w_i + w_j * below - ln_4R
         return tuple(ends(as_floats(pi), pair.E_star, self.kappa, c + self.c + 1))
 
-    def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
-        """Return κ and c, with ln(Λ/(4π·ΔR)) in c, which is 0 for equal materials."""
+    def formula_at(self, pair: CylinderPair) -> Formula:
+        """Return the formula for a pair; materials that differ need the radii."""
         modulus_i, modulus_j = pair.moduli
         if np.all(modulus_i == modulus_j):
-            return super().constants_at(pair)
-        R_i, R_j = pair.radii("Johnson's law for different materials")
-        shares = pair.E_star / modulus_i - pair.E_star / modulus_j
-        return {"kappa": self.kappa, "c": self.c + shares * log(R_i / R_j)}
+            return self.formula
+        pair.radii("Johnson's law for different materials")
+        return _UNLIKE
 
+
+_UNLIKE = _formula(of_unlike)
 
 # The others by name, each with the reading of its source that it takes; κ = 1 unless it says so.
 RELATIVES: dict[str, LogarithmicLaw] = {

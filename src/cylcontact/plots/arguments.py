@@ -16,12 +16,14 @@ from cylcontact.plots.figure import new_figure
 from cylcontact.plots.style import figure_style
 from cylcontact.support.arrays import FloatArray, require
 from cylcontact.support.errors import InputError
+from cylcontact.support.plain_text import as_label
 
 __all__ = [
     "AnyLaw",
     "Range",
     "as_law",
     "axes_for",
+    "law_label",
     "pins_in_hole",
     "require_line",
     "require_one_pair",
@@ -30,6 +32,8 @@ __all__ = [
 
 AnyLaw = ContactLaw | str
 Range = tuple[float, float]
+# Laws that are called after what they are.
+_DESCRIBED = ("conformal", "enhanced", "explicit")
 
 
 @contextmanager
@@ -78,6 +82,23 @@ def as_law(law: AnyLaw, source: str, key: str) -> ContactLaw:
         "give e.g. laws.Johnson(), with the brackets",
     )
     return law
+
+
+def law_label(name: str, possessive: bool = False) -> str:
+    """Return a law's name as a figure writes it; one that is called after a person has capitals.
+
+    Examples
+    --------
+    >>> law_label("lankarani-nikravesh"), law_label("johnson", possessive=True)
+    ('Lankarani-Nikravesh', "Johnson's")
+    >>> law_label("enhanced"), law_label("explicit", possessive=True)
+    ('enhanced', "the explicit law's")
+    """
+    if name in LAWS and name not in _DESCRIBED:
+        person = name.title().replace("Esdu", "ESDU")
+        return f"{person}'s" if possessive else person
+    label = as_label(name)
+    return f"the {label} law's" if possessive else label
 
 
 def require_range(given: Range, source: str, key: str, unit: str) -> None:

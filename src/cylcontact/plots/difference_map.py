@@ -20,13 +20,13 @@ from cylcontact.plots.arguments import (
     Range,
     as_law,
     axes_for,
+    law_label,
     pins_in_hole,
     require_range,
 )
 from cylcontact.plots.figure import legend_below, plain_log, round_ticks
 from cylcontact.plots.maps import add_scale, draw_contours, label_contours
 from cylcontact.support.arrays import FloatArray, as_floats, require
-from cylcontact.support.plain_text import as_label
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -106,7 +106,7 @@ def plot_map(
     >>> bronze = Material("bronze", E=110e3, nu=0.34, yield_stress=220.0)
     >>> ax = plot_map(laws.Enhanced(), laws.Johnson(), bronze, load=(10.0, 5000.0))
     >>> ax.get_legend_handles_labels()[1]
-    ["beyond the reference's largest load",
+    ["beyond Johnson's largest load",
     'first yield (von Mises), $R_i$ = 10 mm; ticked side yields']
     """
     law, reference = as_law(law, "plot_map", "law"), as_law(reference, "plot_map", "reference")
@@ -129,11 +129,11 @@ def plot_map(
         axes.set(xlim=dR, ylim=load)
         axes.set(xlabel=r"radial clearance $\Delta R$ (mm)", ylabel="load (N/mm)")
         if colorbar:
-            label = f"penetration of {as_label(law.name)} less {as_label(reference.name)} (%)"
+            label = f"penetration, {law_label(law.name)} less {law_label(reference.name, True)} (%)"
             add_scale(axes.figure, axes, label)
         lines = draw_contours(axes, np.broadcast_to(pair.dR, loads.shape), loads, percent)
         ends = np.broadcast_to(reference.max_load(pair), (POINTS[0], 1))[:, 0]
-        _shade_beyond(axes, clearances, ends, load)
+        _shade_beyond(axes, clearances, ends, load, law_label(reference.name, True))
         if criterion is not None and _has_yield_stress(pair):
             words = f"first yield ({criterion}), $R_i$ = {R_i:g} mm"
             _draw_yield_line(axes, clearances, yield_load(pair, criterion)[:, 0], load, words)
@@ -183,7 +183,10 @@ def map_grid(
 def map_table(
     law: ContactLaw, reference: ContactLaw, material: Material, **window: Any
 ) -> pd.DataFrame:
-    """Return the numbers of `plot_map`, one row for each point of its grid.
+    """Return the numbers of `plot_map` at clearances and loads of a rectangular grid.
+
+    The loads are the same for every clearance; beyond the end of the reference its penetration and
+    the difference are NaN.
 
     Parameters
     ----------
@@ -206,11 +209,13 @@ def map_table(
     >>> aluminium = Material("aluminium", E=69e3, nu=0.33)
     >>> table = map_table(laws.Enhanced(), laws.Johnson(), aluminium)
     >>> len(table), table["difference_percent"].abs().max().round(1)
-    (13041, np.float64(71.7))
+    (13041, np.float64(69.1))
     """
     import pandas as pd
 
-    pair, load = map_grid(reference, material, **window)
+    pair, _ = map_grid(reference, material, **window)
+    low, high = window.get("load", LOAD)
+    load = as_floats(np.broadcast_to(np.geomspace(low, high, POINTS[1]), POINTS))
     columns = {
         "dR_mm": pair.dR,
         "load_N_per_mm": load,
@@ -229,12 +234,12 @@ def _has_yield_stress(pair: CylinderPair) -> bool:
     return None not in (pair.material_i.yield_stress, pair.material_j.yield_stress)
 
 
-def _shade_beyond(axes: Axes, dR: FloatArray, ends: FloatArray, load: Range) -> None:
+def _shade_beyond(axes: Axes, dR: FloatArray, ends: FloatArray, load: Range, whose: str) -> None:
     """Shade the loads beyond the reference's largest one, if there are any in the window."""
     low, high = load
     if (ends >= high).all():
         return
-    words = "beyond the reference's largest load"
+    words = f"beyond {whose} largest load"
     axes.fill_between(dR, np.clip(ends, low, high), high, **BEYOND, label=words)
     axes.plot(dR, ends, "-", color="black", linewidth=0.8, marker="")
 

@@ -42,11 +42,15 @@ _UNDATED: dict[Format, dict[str, None]] = {
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
     "svg": {"Date": None, "Creator": None},
 }
+# Where a format says what a picture is from.
+_ORIGIN: dict[Format, str] = {"png": "Comment", "pdf": "Subject", "svg": "Source"}
 # How the numbers of a figure are written as CSV. Seven significant digits are more than a figure
 # can show, and fewer than round-off affects.
 NUMBERS: Any = {"index": False, "float_format": "%.7g", "lineterminator": "\n"}
 # Widths in mm of a legend's sample and of a letter of its text.
 _SAMPLE, _LETTER = 13.0, 1.25
+# In mm, with room for a caption below it on a journal's page.
+_TALLEST = 205.0
 # More labels than this crowd a logarithmic axis.
 MOST_TICKS = 9
 
@@ -140,7 +144,8 @@ def panels(
     heights : sequence of float
         The parts of a panel, one below the other with one horizontal axis, in relative heights.
     least_mm : float
-        The least width of a panel: in a narrow figure the panels stand in several rows.
+        The least width of a panel: in a narrow figure the panels stand in several rows, each as
+        much lower as a journal's page asks for.
     below_mm : float
         Height of a legend below all panels.
     **shared
@@ -160,7 +165,7 @@ def panels(
     """
     in_a_row = min(count, max(1, int(width_mm("page") // least_mm)))
     rows, parts = -(-count // in_a_row), len(heights)
-    figure = new_figure("page", rows * height_mm + below_mm)
+    figure = new_figure("page", min(rows * height_mm + below_mm, _TALLEST))
     ratios = list(heights) * rows
     grid = figure.subplots(len(ratios), in_a_row, squeeze=False, height_ratios=ratios, **shared)
     by_panel = grid.reshape(rows, parts, in_a_row).swapaxes(1, 2).reshape(-1, parts).tolist()
@@ -173,13 +178,14 @@ def panels(
     return figure, by_panel[:count]
 
 
-def save(figure: Figure, path: Path, form: Format) -> None:
-    """Write a figure at the resolution of print, with neither date nor version in the file.
+def save(figure: Figure, path: Path, form: Format, origin: str = "") -> None:
+    """Write a figure at the resolution of print, undated, with what it is from in its metadata.
 
     It is drawn in memory first: on a full disk matplotlib's PDF fails with an error of its own.
     """
     stream = io.BytesIO()
-    figure.savefig(stream, format=form, dpi=PRINT_DPI, metadata=_UNDATED[form])
+    metadata = {**_UNDATED[form], **({_ORIGIN[form]: origin} if origin else {})}
+    figure.savefig(stream, format=form, dpi=PRINT_DPI, metadata=metadata)
     path.write_bytes(stream.getvalue())
 
 
@@ -192,7 +198,7 @@ def legend_below(axes: Axes, ncols: int = 3, **more: Any) -> None:
     """Name what is drawn in a panel below its figure, where it hides nothing."""
     handles, labels = axes.get_legend_handles_labels()
     if handles:
-        width = axes.figure.canvas.figure.get_figwidth() * MM_PER_INCH
+        width = axes.figure.bbox.width / axes.figure.dpi * MM_PER_INCH
         entry = _SAMPLE + _LETTER * max(map(len, labels))
         ncols = max(1, min(ncols, int(width // entry)))
         axes.figure.legend(handles, labels, loc="outside lower center", ncols=ncols, **more)

@@ -29,7 +29,7 @@ NORM = BoundaryNorm(LEVELS, len(COLOURS), extend="both")
 
 # A light rim that keeps text legible on every colour.
 RIM = withStroke(linewidth=1.8, foreground="white")
-LABEL_ROOM = 15.0  # pixels at 100 dpi that a contour's label needs on every side
+LABEL_ROOM = 19.0  # pixels at 100 dpi that a contour's label needs on every side
 
 
 def add_scale(figure: FigureBase, axes: Axes | Sequence[Axes], label: str) -> None:

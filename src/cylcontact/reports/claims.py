@@ -22,6 +22,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from cylcontact.files.provenance import data_read, modules_of, origin_of
+from cylcontact.files.writing import replacing
 from cylcontact.reports.figures import report_module
 from cylcontact.support.errors import InputError
 
@@ -36,6 +38,7 @@ __all__ = [
     "to_json",
     "to_table",
     "to_text",
+    "write_claims",
 ]
 
 Interpretation = tuple[str, str, bool | None]
@@ -123,6 +126,18 @@ def to_table(claims: list[Claim]) -> pd.DataFrame:
             for how, ours, holds in each.interpretations
         ]
     )
+
+
+def write_claims(root: Path, path: Path) -> list[Claim]:
+    """Compute the claims of a folder and write them as a table, below a line on what it is from."""
+    with data_read(root) as data:
+        computed = claims_of(root)
+    sources = modules_of(root / "reports" / "claims.py")
+    origin = origin_of(root, [*sources, *data], path)
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        file.write(f"# {origin}\n")
+        to_table(computed).to_csv(file, index=False, lineterminator="\n")
+    return computed
 
 
 def to_json(claims: list[Claim]) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import json
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -21,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
+from cylcontact.files.provenance import data_read, modules_of, origin_of
 from cylcontact.files.writing import replacing_all, require_apart, require_writable
 from cylcontact.plots.figure import NUMBERS, save
 from cylcontact.plots.style import figure_style
@@ -122,9 +124,8 @@ def caption(root: Path, name: str, arguments: Mapping[str, str] | None = None) -
     recipe = _recipe(root, name, arguments or {})
     takes = inspect.signature(recipe).parameters
     values = {key: each.default for key, each in takes.items()} | dict(arguments or {})
-    function = recipe
+    function = _function(recipe)
     if isinstance(recipe, partial):
-        function = recipe.func
         values |= dict(zip(inspect.signature(function).parameters, recipe.args, strict=False))
     words = inspect.cleandoc(function.__doc__ or "").format(**values)
     return " ".join(words.split())
@@ -144,15 +145,17 @@ def write_figures(
 ) -> list[Path]:
     """Draw figures, all by default, and write the pictures, the numbers and the caption of each.
 
-    The files of a figure are complete or absent. The same input gives the same bytes for every
-    number of workers.
+    The files of a figure are complete or absent. Pictures and numbers say in their metadata and
+    in a first line that begins with # what they are from: the version, the files that the figure
+    has read and their hashes, the seed of fits among them and, in `build`, the commit. The same
+    inputs give the same bytes, for every number of workers.
 
     Parameters
     ----------
     root, names, arguments
         As for `draw`; the values of arguments become part of the files' names.
     folder : path, optional
-        Where to write; by default `reports/figures`.
+        Where to write; by default `build/figures`.
     formats : sequence of str, optional
         Of png, pdf and svg.
     style, width : optional
@@ -175,7 +178,7 @@ def write_figures(
     chosen, given = list(dict.fromkeys(names)) or list(recipes(root)), dict(arguments or {})
     for name in chosen:
         _recipe(root, name, given)
-    target = folder or root / "reports" / "figures"
+    target = folder or root / "build" / "figures"
     stems = ["-".join([name, *map(_part, given.values())]) for name in chosen]
     ends = (*formats, "csv", "txt")
     files = {stem: [target / f"{stem}.{end}" for end in ends] for stem in stems}
@@ -192,6 +195,22 @@ def write_figures(
     return written
 
 
+def files_as_json(written: Sequence[Path]) -> str:
+    """Return the files of each figure with its caption, as JSON."""
+    by_figure: dict[str, list[Path]] = {}
+    for path in written:
+        by_figure.setdefault(path.stem, []).append(path)
+    rows = [
+        {
+            "figure": name,
+            "caption": paths[-1].read_text(encoding="utf-8").strip(),
+            "files": [str(path) for path in paths],
+        }
+        for name, paths in by_figure.items()
+    ]
+    return json.dumps(rows, ensure_ascii=False, indent=1)
+
+
 def _write(
     root: Path,
     name: str,
@@ -203,10 +222,15 @@ def _write(
 ) -> None:
     """Draw one figure and write its files, all of them or none."""
     with figure_style(style, width), replacing_all(paths) as (*pictures, csv, txt):
-        figure, table = draw(root, name, arguments)
+        with data_read(root) as data:
+            figure, table = draw(root, name, arguments)
+        module = Path(inspect.getfile(_function(_recipe(root, name, arguments))))
+        origin = str(origin_of(root, [*modules_of(module), *data], paths[0]))
         for form, picture in zip(formats, pictures, strict=True):
-            save(figure, picture, form)
-        table.to_csv(csv, **NUMBERS)
+            save(figure, picture, form, origin)
+        with csv.open("w", encoding="utf-8", newline="") as file:
+            file.write(f"# {origin}\n")
+            table.to_csv(file, **NUMBERS)
         txt.write_text(f"{caption(root, name, arguments)}\n", encoding="utf-8")
 
 
@@ -222,6 +246,11 @@ def _recipe(root: Path, name: str, arguments: Mapping[str, str]) -> Recipe:
             rule = f"takes {', '.join(takes)}" if takes else "takes no arguments"
             raise InputError(name, key, value, rule, "leave it out")
     return known[name]
+
+
+def _function(recipe: Recipe) -> Recipe:
+    """Return the function of a recipe, which may have some of its arguments already."""
+    return recipe.func if isinstance(recipe, partial) else recipe
 
 
 def _part(value: str) -> str:

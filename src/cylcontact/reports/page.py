@@ -5,9 +5,13 @@ from __future__ import annotations
 import base64
 from collections.abc import Sequence
 from html import escape
+from importlib.metadata import version
 from pathlib import Path
 
+from cylcontact.files.provenance import data_read, modules_of, origin_of
 from cylcontact.files.writing import replacing
+from cylcontact.fitting.calibration import space_of
+from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.results import LawFit
 from cylcontact.reports.claims import Claim, claims_of
 from cylcontact.support.errors import InputError
@@ -25,6 +29,8 @@ figure { margin: 2rem 0; } img { max-width: 100%; height: auto; background: whit
 table { border-collapse: collapse; } td, th { padding: .2rem .8rem; text-align: right; }
 td:first-child, th:first-child { text-align: left; } tr { border-bottom: 1px solid #8884; }
 .scroll { overflow-x: auto; } details { margin: .4rem 0; } li { overflow-wrap: anywhere; }
+footer { margin-top: 3rem; border-top: 1px solid #8884; font-size: .85rem; }
+footer p { overflow-wrap: anywhere; }
 @media (prefers-color-scheme: dark) { body { background: #111; color: #eee; } }
 """
 
@@ -46,7 +52,7 @@ def write_page(
     results : path, optional
         The folder of fit results; by default `fitting/results`.
     figures : path, optional
-        The folder of drawn figures; by default `reports/figures`.
+        The folder of drawn figures; by default `build/figures`.
 
     Returns
     -------
@@ -54,31 +60,42 @@ def write_page(
         What is missing, each with the command that makes it.
     """
     missing: list[str] = []
-    found = results or root / "fitting" / "results"
-    parts = [
-        f"<h2>{contact.capitalize()} contact</h2>{_fits(found, names, missing)}"
-        for contact, names in FITS.items()
-    ]
-    drawn = sorted((figures or root / "reports" / "figures").glob("*.txt"))
-    if not drawn:
-        missing.append("the figures: cylcontact figure")
-    parts += ["<h2>Figures</h2>", *map(_figure, drawn)]
-    try:
-        claims = claims_of(root)
-    except InputError as error:
-        missing.append(f"the claims: {error}")
-    else:
-        parts += ["<h2>What the paper claims</h2>", _claims(claims)]
+    found, claims = results or root / "fitting" / "results", root / "reports" / "claims.py"
+    with data_read(root) as data:
+        parts = [
+            f"<h2>{contact.capitalize()} contact</h2>{_fits(found, names, missing)}"
+            for contact, names in FITS.items()
+        ]
+        drawn = sorted((figures or root / "build" / "figures").glob("*.txt"))
+        if not drawn:
+            missing.append("the figures: cylcontact figure")
+        parts += ["<h2>Figures</h2>", *map(_figure, drawn)]
+        try:
+            computed = claims_of(root)
+        except InputError as error:
+            missing.append(f"the claims: {error}")
+        else:
+            parts += ["<h2>What the paper claims</h2>", _claims(computed)]
     head = (
         '<!doctype html><html lang="en"><meta charset="utf-8"><title>cylcontact</title>'
         f'<meta name="viewport" content="width=device-width"><style>{_STYLE}</style>'
         "<h1>An enhanced cylindrical contact force model, computed again</h1>"
         "<p>Coefficients of the law f = (a·ΔR + b)·E*/ΔR·δⁿ: as published, recovered by the same "
         "kind of search with some coefficients fixed or tied, and fitted with all of them free. "
-        "The error is the root mean square of ln(δ/δ_Johnson) over the samples of the last fit.</p>"
+        "The error is the root mean square of ln(δ/δ_Johnson), of every column over the samples of "
+        "the last.</p>"
+    )
+    sources = modules_of(claims) if claims.is_file() else []
+    origin = escape(str(origin_of(root, [*sources, *data], path)))
+    foot = (
+        f"<footer><p>Made with {origin}. A figure says in its own metadata what it is from.</p>"
+        "<p>Please cite the paper, <i>An enhanced cylindrical contact force model</i>, C. Pereira, "
+        "A. Ramalho and J. Ambrósio, Multibody System Dynamics (2015), "
+        "doi:10.1007/s11044-015-9463-x, and this program as cylcontact "
+        f"{version('cylcontact')}, with its authors as in CITATION.cff.</p></footer>"
     )
     with replacing(path) as temporary:
-        temporary.write_text("\n".join([head, *parts, "</html>"]), encoding="utf-8")
+        temporary.write_text("\n".join([head, *parts, foot, "</html>"]), encoding="utf-8")
     return missing
 
 
@@ -95,10 +112,10 @@ def _fits(results: Path, names: Sequence[str], missing: list[str]) -> str:
         return "<p>No fit yet.</p>"
     last = list(fits.values())[-1]
     columns = {heading: fit.coefficients for heading, fit in fits.items()}
-    errors = {heading: fit.objective.value for heading, fit in fits.items()}
     if last.published is not None:
         columns = {"published": last.published.coefficients, **columns}
-        errors = {"published": last.published.objective, **errors}
+    space, _ = space_of(Campaign.of_settings(last.name, last.settings, last.name))
+    errors = {heading: space.value_of(values) for heading, values in columns.items()}
     rows = ["<tr><th>coefficient</th>" + "".join(f"<th>{each}</th>" for each in columns) + "</tr>"]
     for name in last.coefficients:
         cells = "".join(f"<td>{values[name]:.5g}</td>" for values in columns.values())

@@ -93,7 +93,14 @@ class OfArrays:
             np.array_equal(getattr(self, name), getattr(other, name)) for name in names
         )
 
-    __hash__ = None  # type: ignore[assignment]
+    def __hash__(self) -> int:
+        values = (getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
+        return hash(
+            tuple(
+                tuple(np.ravel(value).tolist()) if isinstance(value, np.ndarray) else value
+                for value in values
+            )
+        )
 
 
 class _Limit:

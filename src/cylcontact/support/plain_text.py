@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from keyword import kwlist
@@ -19,7 +19,7 @@ WIDTH = 100
 # Whether a command prints, so that advice names options, not arguments of Python.
 _IN_SHELL = ContextVar("in_shell", default=False)
 # Options in advice, and the same in Python.
-_IN_PYTHON = [
+_IN_PYTHON: list[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]]] = [
     (re.compile(pattern), python)
     for pattern, python in (
         (r"--(free|noise|group|sign|branch|loads|decimal|sheet) ([^\s,;)]+)", r'\1="\2"'),
@@ -28,6 +28,7 @@ _IN_PYTHON = [
         (r"--fix (\w+)=([\w.+-]+)", r'fixed={"\1": \2}'),
         (r"--runs (\d+)", r"runs=\1"),
         (r"`cylcontact choose`", "`cylcontact.choose`"),
+        (r"--exclude ([^\s;)]+)", lambda found: f"exclude={found[1].split(',')}"),
     )
 ]
 

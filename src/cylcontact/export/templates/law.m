@@ -8,15 +8,26 @@ $rows
 f = zero;
 k = zero;
 apart = penetration < 0;
-outside = ~is_inside($arguments);
+outside = ~($domain);
 $hidden
-f(:) = load_inside($arguments);
-k(:) = stiffness_inside($arguments);
+[load_of_law, stiffness_of_law, inside] = values_of_law($arguments);
+f(:) = load_of_law;
+k(:) = stiffness_of_law;
+outside = outside | ~inside;
 % At first touch a formula may have no value, as log(0).
 f((penetration == 0 & isnan(f(:).')) | apart) = 0;
 k((penetration == 0 & isnan(k(:).')) | apart) = 0;
 f(outside & ~apart) = NaN;
 k(outside & ~apart) = NaN;
+end
+
+function [load_of_law, stiffness_of_law, is_inside_law] = values_of_law($arguments)
+$constants_of_load
+$constants_of_stiffness
+$numbers_at
+load_of_law = $load;
+stiffness_of_law = $stiffness;
+is_inside_law = $inside;
 end
 
 $numbers

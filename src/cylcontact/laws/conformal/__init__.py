@@ -33,11 +33,26 @@ and the change of the pressure on the displacement: dL = −(1 − H)·dK − K�
 from 2Â and H without a quadrature of the logarithmic kernel.
 
 **The curve.** At fixed α, β, datum and housing, φ and d are one curve. `series` solves the equation
-for arcs, `arcs` seeks the arc of a load or a penetration, `curve` makes tables of them once,
-`housings` has the compliance of a ring or an eye, and `law` is what users call.
+for arcs, `arcs` seeks the arc of a load or a penetration, `curve` makes tables of them once, `many`
+seeks the arcs of many joints in compiled code, `housings` has the compliance of a ring or an eye,
+and `law` is what users call.
 """
 
 from cylcontact.laws.conformal.housings import Housing, Sector
-from cylcontact.laws.conformal.law import Conformal, Persson, persson_pressure, pressure
+from cylcontact.laws.conformal.law import (
+    Conformal,
+    ContactState,
+    Persson,
+    persson_pressure,
+    pressure,
+)
 
-__all__ = ["Conformal", "Housing", "Persson", "Sector", "persson_pressure", "pressure"]
+__all__ = [
+    "Conformal",
+    "ContactState",
+    "Housing",
+    "Persson",
+    "Sector",
+    "persson_pressure",
+    "pressure",
+]

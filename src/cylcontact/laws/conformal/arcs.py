@@ -18,7 +18,6 @@ from cylcontact.laws.conformal.housings import Kernel
 from cylcontact.laws.conformal.series import (
     Housed,
     Remainder,
-    Remainders,
     closed_forms,
     estimated_c,
     housed,
@@ -71,7 +70,7 @@ class Arc(NamedTuple):
 class Bodies:
     """A hole's share w_i of the compliance, Dundurs' β, the datum's C, and a housing.
 
-    Without a housing each element may have its own w_i, β and C.
+    Without a housing each element may have its own w_i and C; `many` is for elements of other β.
 
     The largest arcs of a rigid pin, equal bodies, and a hole of three times the pin's modulus:
 
@@ -81,16 +80,16 @@ class Bodies:
     """
 
     w_i: FloatArray
-    beta: float | FloatArray
+    beta: float
     C: FloatArray
     kernel: Kernel | None = None
 
     @cached_property
-    def remainder(self) -> Remainder | Remainders | None:
+    def remainder(self) -> Remainder | None:
         """What β and the housing add to 2Â, H and M; None if they add nothing."""
         if self.kernel is not None:
-            return housed(float(self.beta), float(self.w_i), self.kernel)
-        return Remainders(self.beta) if isinstance(self.beta, np.ndarray) else remainder(self.beta)
+            return housed(self.beta, float(self.w_i), self.kernel)
+        return remainder(self.beta)
 
     @cached_property
     def last(self) -> Arc:
@@ -110,10 +109,7 @@ class Bodies:
 
     def require_increasing(self) -> None:
         """Raise `InputError` if the datum makes δ decrease with the load at the last arc."""
-        least = self.last.L
-        rule = "makes the penetration decrease at large loads"
-        remedy = f"this pair needs C > {np.max(self.C - least):.6g}"
-        require(least > 0, "Conformal", "datum", self.C, rule, remedy)
+        require_increasing(self.last.L, self.C)
 
     def arc(self, q: FloatArray) -> Arc:
         """Return the arc with (1 − S)²/S = 1/(b²(1 + b²)) = q."""
@@ -249,6 +245,13 @@ class Bodies:
             k=arc.k + arc.k_slope * step,
             L=arc.L + arc.L_slope * step,
         )
+
+
+def require_increasing(least: FloatArray, C: FloatArray) -> None:
+    """Raise `InputError` if L is not positive at the last arc, where it is `least`."""
+    rule = "makes the penetration decrease at large loads"
+    remedy = f"this pair needs C > {np.max(C - least):.6g}"
+    require(least > 0, "Conformal", "datum", np.ravel(C)[0], rule, remedy)
 
 
 def _q_of_angle(angle: FloatArray | float) -> FloatArray:

@@ -24,7 +24,7 @@ from cylcontact.laws.conformal.arcs import Arc, Bodies
 from cylcontact.support.arrays import FloatArray, IndexArray, as_floats, on_one_thread
 
 # Steps of s up to _NEAR + ln D, and beyond, up to _FAR + ln D; numbers are at least `LEAST`.
-_STEP, _NEAR, FAR_STEP, _FAR = 1 / 128, 26.0, 0.5, 692.0
+_STEP, _NEAR, FAR_STEP, _FAR = 1 / 320, 26.0, 0.5, 692.0
 LEAST, MOST = 1e-300, 1e300
 # The first step is halved up to so many times, until L is right to this between the nodes.
 _HALVINGS, _ERROR = 5, 5e-11

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,12 +28,32 @@ from cylcontact.support.arrays import (
 )
 from cylcontact.support.html_repr import law_html
 
+if TYPE_CHECKING:
+    from cylcontact.laws.conformal.many import Many
+
+    _Curves = Curve | Bodies | Many
+    _Asked = tuple["_Quantity", FloatArray]  # and the unit of the result
+
 # By which numbers of pairs with one curve may differ.
 _ROUNDING = 1e-14
-# Rows of pairs without a housing at a time; numbers for which a housing gets no curve.
-_ROWS, _FEW = 512, 200
+# Rows of several materials at a time; numbers for which a housing gets no curve.
+_ROWS, _FEW = 16384, 200
+# Rows of one pair of materials from which a curve of their own is faster than a search for each.
+_SHARED = 40_000
+# Rows that are looked at to see whether there are few pairs of materials.
+_SAMPLE = 1024
 
 Datum = Literal["johnson"] | float | Housing
+
+
+class ContactState(NamedTuple):
+    """What `Conformal.state` returns; the fields are those of the methods."""
+
+    penetration: FloatArray  # mm
+    stiffness: FloatArray  # N/mm²
+    energy: FloatArray  # N
+    peak_pressure: FloatArray  # MPa
+    contact_angle: FloatArray  # degrees
 
 
 @dataclass(frozen=True)
@@ -72,7 +92,9 @@ class Conformal:
 
     Every pair has a curve, a table that is made once from a series (`laws.conformal.curve`).
     Relative to the series load, penetration and energy are right to 1e-10 and the stiffness to
-    1e-8 for φ from 1e-12 to 1e6, in thin eyes to ten times as much. The series has errors below
+    1e-9 for φ from 1e-12 to 1e6, in thin eyes to ten times as much. Arrays of materials are
+    searched joint by joint in compiled code (`laws.conformal.many`), 1 µs each on one core and
+    right to 1e-10, so that a joint in an array and alone agree to 1e-9. The series has errors below
     1e-11, and 1e-9 in the largest pressure, over every possible (α, β); for |β| < 1e-5 and arcs
     beyond 172.7°, which only a pin 1e5 times softer than the plate reaches, below 1e-7. In a
     housing of at least 1.3 times the hole's radius they are below 1e-9, and below 1e-4 in the
@@ -119,26 +141,22 @@ class Conformal:
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""
-        f = numbers_for(pair, load=load)
-        return self._answer(_PENETRATION, f, pair, _load_unit(pair), as_floats(pair.dR))
+        return self._under_load(load, pair, (_PENETRATION, as_floats(pair.dR)))[0]
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        delta = numbers_for(pair, penetration=penetration)
-        return self._answer(_LOAD, delta, pair, as_floats(pair.dR), _load_unit(pair))
+        return self._at_penetration(penetration, pair, (_LOAD, _load_unit(pair)))
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm² at `penetration` in mm; 0 at first touch."""
-        delta = numbers_for(pair, penetration=penetration)
-        return self._answer(_STIFFNESS, delta, pair, as_floats(pair.dR), pair.E_star)
+        return self._at_penetration(penetration, pair, (_STIFFNESS, pair.E_star))
 
     def energy(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the stored elastic energy per unit length in N, ∫f dδ up to `penetration` in mm.
 
         It is half the work of the pressure, f·(δ − ΔR·∫(1 − cos θ)·p dθ)/2 with p in f/R.
         """
-        delta, dR = numbers_for(pair, penetration=penetration), as_floats(pair.dR)
-        return self._answer(_ENERGY, delta, pair, dR, _load_unit(pair) * dR)
+        return self._at_penetration(penetration, pair, (_ENERGY, _energy_unit(pair)))
 
     def contact_angle(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the semi-angle ε of the contact arc in degrees under `load` in N/mm.
@@ -146,8 +164,7 @@ class Conformal:
         It stays below a limit angle at any load: 72.35° for a rigid pin, 84.83° for equal bodies,
         180° for a rigid plate and β = 0.
         """
-        f = numbers_for(pair, load=load)
-        return self._answer(_ANGLE, f, pair, _load_unit(pair), np.degrees(as_floats(1.0)))
+        return self._under_load(load, pair, (_ANGLE, _IN_DEGREES))[0]
 
     def peak_pressure(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the largest pressure in MPa under `load` in N/mm.
@@ -156,17 +173,58 @@ class Conformal:
         The radii must be known. The theory makes no difference between them; R here is √(R_i·R_j),
         so that small loads give exactly Hertz's pressure.
         """
-        f, unit = numbers_for(pair, load=load), _load_unit(pair)
-        R_i, R_j = pair.radii("the contact pressure")
-        return self._answer(_PEAK, f, pair, unit, as_floats(unit / np.sqrt(R_i * R_j)))
+        return self._under_load(load, pair, (_PEAK, _pressure_unit(pair)))[0]
+
+    def state(self, load: ArrayLike, pair: CylinderPair) -> ContactState:
+        """Return all that a load does, which for many joints takes no longer than one of them.
+
+        Parameters
+        ----------
+        load : array_like
+            In N/mm.
+        pair : CylinderPair
+            With known radii, which the pressure needs; all its numbers may be arrays.
+
+        Returns
+        -------
+        ContactState
+            With `penetration` in mm, `stiffness` in N/mm², `energy` in N, `peak_pressure` in MPa
+            and `contact_angle` in degrees, as the methods of these names have them; NaN for a
+            negative load.
+
+        Raises
+        ------
+        InputError
+            As for the class, or if the radii are not known.
+
+        Examples
+        --------
+        Three bushes of other materials on one pin:
+
+        >>> from cylcontact import CylinderPair, Material, laws
+        >>> steel = Material("steel", 207e3, 0.3)
+        >>> bushes = Material("bronze, aluminium, iron", [110e3, 70e3, 120e3], [0.34, 0.33, 0.26])
+        >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.98, pin=steel, hole=bushes)
+        >>> state = Conformal().state(500.0, pair)
+        >>> print((1e3 * state.penetration).round(3), state.peak_pressure.round(1))
+        [5.736 7.085 5.544] [57.9 51.2 57.8]
+        """
+        asked = (
+            (_PENETRATION, as_floats(pair.dR)),
+            (_STIFFNESS_UNDER, pair.E_star),
+            (_ENERGY_UNDER, _energy_unit(pair)),
+            (_PEAK, _pressure_unit(pair)),
+            (_ANGLE, _IN_DEGREES),
+        )
+        return ContactState(*self._under_load(load, pair, *asked))
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return inf, but the load in N/mm at which the law ends in some housings."""
-        return self._end(_Question(lambda curve, _: curve.end[0]), pair, _load_unit(pair))
+        return self._end(_Quantity(lambda curve, _: curve.end[0]), pair, _load_unit(pair))
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return inf, but the penetration in mm at `max_load` where there is one."""
-        return self._end(_Question(lambda curve, _: curve.end[1]), pair, as_floats(pair.dR))
+        return self._end(_Quantity(lambda curve, _: curve.end[1]), pair, as_floats(pair.dR))
 
     def curve(self, pair: CylinderPair) -> Curve:
         """Return the curve of one pair, whose E* and ΔR may be arrays."""
@@ -181,11 +239,11 @@ class Conformal:
         """Raise `InputError` for external contact."""
         require_hole(type(self).__name__, pair)
 
-    def _end(self, question: _Question, pair: CylinderPair, unit: FloatArray) -> FloatArray:
+    def _end(self, quantity: _Quantity, pair: CylinderPair, unit: FloatArray) -> FloatArray:
         """Return where the law ends, in a unit."""
         zero = np.zeros(np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR)))
         if isinstance(self.datum, Housing):
-            return self._answer(question, as_floats(zero + LEAST), pair, as_floats(1.0), unit)
+            return self._answers(as_floats(zero + LEAST), pair, as_floats(1.0), (quantity, unit))[0]
         self.require_pair(pair)
         return as_floats(zero + np.inf)
 
@@ -198,73 +256,98 @@ class Conformal:
         parts = pair.shares[0], pair.beta.round(15), self.constant(pair), which
         return kernels, [as_floats(part) for part in parts]
 
-    def _answer(
-        self,
-        question: _Question,
-        numbers: FloatArray,
-        pair: CylinderPair,
-        unit: FloatArray,
-        of_result: FloatArray,
-    ) -> FloatArray:
-        """Return an answer in the unit `of_result` for numbers that are divided by `unit`.
+    def _under_load(self, load: ArrayLike, pair: CylinderPair, *asked: _Asked) -> list[FloatArray]:
+        """Return quantities, each in its unit, under loads in N/mm."""
+        return self._answers(numbers_for(pair, load=load), pair, _load_unit(pair), *asked)
 
-        One pair has one curve, as has each housing. Rows of other materials are answered by arcs.
+    def _at_penetration(
+        self, penetration: ArrayLike, pair: CylinderPair, asked: _Asked
+    ) -> FloatArray:
+        """Return a quantity in its unit at penetrations in mm."""
+        delta = numbers_for(pair, penetration=penetration)
+        return self._answers(delta, pair, as_floats(pair.dR), asked)[0]
+
+    def _answers(
+        self, numbers: FloatArray, pair: CylinderPair, unit: FloatArray, *asked: _Asked
+    ) -> list[FloatArray]:
+        """Return quantities, each in its unit, for numbers that are divided by `unit`.
+
+        One pair has one curve, as has each housing. Rows of other materials are searched, but if
+        few pairs of materials have many rows each, these have a curve as well.
         """
         self.require_pair(pair)
         kernels, parts = self._parts(pair)
-        columns = [numbers, unit, of_result, *parts]
+        columns = [numbers, unit, *(of for _, of in asked), *parts]
         shape = np.broadcast_shapes(*(column.shape for column in columns))
         columns = [c if c.ndim == 0 else np.broadcast_to(c, shape).ravel() for c in columns]
-        results = np.empty(math.prod(shape))
+        results = [np.empty(math.prod(shape)) for _ in asked]
+        size = results[0].size
 
-        def fill(curve: Curve | Bodies, here: slice | IndexArray) -> None:
-            x, unit, of_result = (c if c.ndim == 0 else c[here] for c in columns[:3])
+        def fill(curve: _Curves, here: slice | IndexArray) -> None:
+            x, unit, *of_results = (
+                c if c.ndim == 0 else c[here] for c in columns[: 2 + len(asked)]
+            )
             with np.errstate(all="ignore"):
-                results[here] = question.asked(curve, as_floats(x / unit)) * of_result
+                ratio = as_floats(x / unit)
+                for (quantity, _), result, of in zip(asked, results, of_results, strict=True):
+                    result[here] = quantity.at(curve, ratio) * of
 
         if _are_one(parts):
             curve = _curve_of(parts, kernels)
-            for here in _blocks(results.size, BLOCK):
+            for here in _blocks(size, BLOCK):
                 fill(curve, here)
-        elif isinstance(self.datum, Housing):
-            _fill_by_curves(fill, np.broadcast_arrays(*columns[3:]), kernels)
         else:
-            rows = [np.broadcast_to(column, results.shape) for column in columns[3:6]]
-            for here in _blocks(results.size, _ROWS):
-                w_i, beta, C = (row[here] for row in rows)
-                bodies = Bodies(w_i, beta, C)
-                bodies.require_increasing()
-                fill(bodies, here)
-        return as_floats(results.reshape(shape))
+            rows = [np.broadcast_to(column, (size,)) for column in columns[2 + len(asked) :]]
+            if isinstance(self.datum, Housing) or _are_few(rows):
+                _fill_by_curves(fill, rows, kernels)
+            else:
+                _fill_by_search(fill, rows[:3], increasing=isinstance(self.datum, str))
+        return [as_floats(result.reshape(shape)) for result in results]
 
 
-class _Question(NamedTuple):
-    """What is asked of a curve or of arcs, over the load or over the penetration."""
+class _Quantity(NamedTuple):
+    """A quantity of a curve, over the load or over the penetration."""
 
-    answer: Callable[[Curve | Bodies, FloatArray], FloatArray | float]
+    value: Callable[[_Curves, FloatArray], FloatArray | float]
     by_load: bool = False
     grows: bool = True  # without bound
 
-    def asked(self, curve: Curve | Bodies, x: FloatArray) -> FloatArray:
-        """Return the answer for any numbers: for negative ones 0, or NaN by the load."""
+    def at(self, curve: _Curves, x: FloatArray) -> FloatArray:
+        """Return it for any numbers: for negative ones 0, or NaN by the load."""
         end = curve.end[0 if self.by_load else 1]
         most = min(end, MOST)
         if x.min() >= LEAST and x.max() <= most:  # the usual case
-            return as_floats(self.answer(curve, x))
+            return as_floats(self.value(curve, x))
         inside = as_floats(np.where(x > LEAST, np.minimum(x, most), LEAST))
-        value = np.where(x > 0, self.answer(curve, inside), 0.0)
+        value = np.where(x > 0, self.value(curve, inside), 0.0)
         if self.grows:
             value = np.where(x == np.inf, np.inf, value)
         outside = ~(x <= end) | (x < 0) if self.by_load else ~(x <= end)
         return inside_or_nan(value, ~outside)
 
 
-_LOAD = _Question(lambda curve, d: curve.load(d))
-_STIFFNESS = _Question(lambda curve, d: curve.stiffness(d), grows=False)
-_ENERGY = _Question(lambda curve, d: curve.energy(d))
-_PENETRATION = _Question(lambda curve, phi: curve.penetration(phi), by_load=True)
-_ANGLE = _Question(lambda curve, phi: curve.angle(phi), by_load=True, grows=False)
-_PEAK = _Question(lambda curve, phi: phi * curve.peak(phi), by_load=True)
+_LOAD = _Quantity(lambda curve, d: curve.load(d))
+_STIFFNESS = _Quantity(lambda curve, d: curve.stiffness(d), grows=False)
+_ENERGY = _Quantity(lambda curve, d: curve.energy(d))
+_PENETRATION = _Quantity(lambda curve, phi: curve.penetration(phi), by_load=True)
+_ANGLE = _Quantity(lambda curve, phi: curve.angle(phi), by_load=True, grows=False)
+_PEAK = _Quantity(lambda curve, phi: phi * curve.peak(phi), by_load=True)
+_STIFFNESS_UNDER = _Quantity(
+    lambda curve, phi: curve.stiffness(curve.penetration(phi)), by_load=True, grows=False
+)
+_ENERGY_UNDER = _Quantity(lambda curve, phi: curve.energy(curve.penetration(phi)), by_load=True)
+_IN_DEGREES = np.degrees(as_floats(1.0))
+
+
+def _energy_unit(pair: CylinderPair) -> FloatArray:
+    """Return E*·ΔR² in N."""
+    return as_floats(_load_unit(pair) * as_floats(pair.dR))
+
+
+def _pressure_unit(pair: CylinderPair) -> FloatArray:
+    """Return E*·ΔR/√(R_i·R_j) in MPa."""
+    R_i, R_j = pair.radii("the contact pressure")
+    return as_floats(_load_unit(pair) / np.sqrt(R_i * R_j))
 
 
 def _load_unit(pair: CylinderPair) -> FloatArray:
@@ -300,22 +383,62 @@ def _curve_of(parts: list[FloatArray], kernels: Sequence[Kernel | None]) -> Curv
     return _curve(_bodies(w_i, beta, C, kernels[0]))
 
 
+def _are_few(rows: Sequence[FloatArray]) -> bool:
+    """Return whether rows of materials are of so few pairs that a curve for each is faster."""
+    size = rows[0].size
+    sample = np.stack([row[:: size // _SAMPLE + 1] for row in rows])
+    return bool(np.unique(sample, axis=1).shape[1] * _SHARED <= size)
+
+
+def _kinds(rows: Sequence[FloatArray]) -> tuple[FloatArray, list[IndexArray]]:
+    """Return the distinct columns of rows, and where each is."""
+    which = np.zeros(rows[0].size, dtype=np.intp)
+    for row in rows:  # a sort of numbers is much faster than one of columns
+        if row.strides != (0,):
+            values, number = np.unique(row, return_inverse=True)
+            which = np.unique(which * values.size + number, return_inverse=True)[1]
+    order = np.argsort(which, kind="stable")
+    places = np.split(order, np.flatnonzero(np.diff(which[order])) + 1)
+    return np.stack([row[[place[0] for place in places]] for row in rows]), places
+
+
 def _fill_by_curves(
-    fill: Callable[[Curve | Bodies, IndexArray], None],
+    fill: Callable[[_Curves, IndexArray], None],
     rows: Sequence[FloatArray],
     kernels: Sequence[Kernel | None],
 ) -> None:
-    """Fill in the results of rows that have a housing each, several housings at a time."""
-    keys, which = np.unique(np.stack(rows), axis=1, return_inverse=True)
+    """Fill in the results of rows that have a curve each, several curves at a time."""
+    keys, places = _kinds(rows)
 
     def fill_one(k: int) -> None:
         *key, kernel = keys[:, k].tolist()
-        bodies, here = _bodies(*key, kernels[int(kernel)]), np.flatnonzero(which == k)
+        bodies, here = _bodies(*key, kernels[int(kernel)]), places[k]
         bodies.require_increasing()
         fill(_curve(bodies) if here.size > _FEW else bodies, here)
 
-    with on_one_thread(), ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        list(pool.map(fill_one, range(keys.shape[1])))
+    with on_one_thread():
+        _on_all_cores(fill_one, range(len(places)))
+
+
+def _fill_by_search(
+    fill: Callable[[_Curves, slice], None], rows: Sequence[FloatArray], *, increasing: bool
+) -> None:
+    """Fill in the results of rows by a search for each; check the datum unless `increasing`."""
+    from cylcontact.laws.conformal.many import Many  # which imports numba
+
+    def fill_block(here: slice) -> None:
+        many = Many(*(np.ascontiguousarray(row[here]) for row in rows))
+        if not increasing:
+            many.require_increasing()
+        fill(many, here)
+
+    _on_all_cores(fill_block, _blocks(rows[0].size, _ROWS))
+
+
+def _on_all_cores(function: Callable[[Any], None], parts: Iterable[Any]) -> None:
+    """Call a function for all parts."""
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        list(pool.map(function, parts))
 
 
 @dataclass(frozen=True)

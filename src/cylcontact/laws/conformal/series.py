@@ -21,9 +21,9 @@ a quadrature of the logarithmic kernel.
 
 A housing adds Σ(1 − n²)·g_nm·P_m·cos nθ to the equation (`cylcontact.laws.conformal.housings`).
 
-`remainder` has the difference to the closed forms of β = 0 for one β, `housed` for one housing, and
-`Remainders` for many β, as Chebyshev series in ε. All of these functions are analytic at ε = 0;
-their singularity at 180° is beyond the largest arc.
+`remainder` has the difference to the closed forms of β = 0 for one β, and `housed` for one housing,
+as Chebyshev series in ε; `cylcontact.laws.conformal.many` has it for all β. All of these functions
+are analytic at ε = 0; their singularity at 180° is beyond the largest arc.
 """
 
 from __future__ import annotations
@@ -52,13 +52,11 @@ _PEAKS = 1025
 # Where the pressure is negative, sought on so many arcs and points along half of each.
 _ARCS, _ALONG, _NO_PRESSURE = 129, 65, 1e-6
 # Below this the remainder is proportional to β: what is of second order in β is below 1e-10.
-_SMALL_BETA = 1e-5
-# For many β: how many of each sign have a solution, and the ends of |β|^(1/4).
-_BETAS, _R = 20, (_SMALL_BETA**0.25, 0.5**0.25)
+SMALL_BETA = 1e-5
 # Below this S, (H − 1)/S is 1/2 + Σ 2Sⁿ⁻¹/((n − 1)n(n + 1)), because the closed form loses digits.
-_SERIES_END = 0.1
+SERIES_END = 0.1
 _N = np.arange(2.0, 14.0)
-_SERIES = np.concatenate([[0.5], 2 / ((_N - 1) * _N * (_N + 1))])
+SERIES_OF_HOOP = np.concatenate([[0.5], 2 / ((_N - 1) * _N * (_N + 1))])
 
 
 class Solution(NamedTuple):
@@ -84,18 +82,20 @@ def closed_forms(b2: FloatArray) -> ClosedForms:
     """Return the solution for β = 0 at b²: a = c² and H = 2S − c²·ln(c)/S with c = 1 − S."""
     c = 1 / (1 + b2)
     S = b2 * c
-    small, inner = np.minimum(S, _SERIES_END), np.maximum(S, _SERIES_END)
-    log = np.log1p(np.maximum(b2, _SERIES_END))  # -ln c
+    small, inner = np.minimum(S, SERIES_END), np.maximum(S, SERIES_END)
+    log = np.log1p(np.maximum(b2, SERIES_END))  # -ln c
     h = (2 * inner - 1 + (1 - inner) ** 2 * log / inner) / inner
     H_slope = 2 + (1 - inner) / inner * (1 - log * (1 + inner) / inner)  # by S
-    series = polynomial.polyval(small, _SERIES)
-    series_slope = polynomial.polyval(small, _SERIES * np.arange(_SERIES.size))  # times S
+    series = polynomial.polyval(small, SERIES_OF_HOOP)
+    series_slope = polynomial.polyval(
+        small, SERIES_OF_HOOP * np.arange(SERIES_OF_HOOP.size)
+    )  # times S
     return ClosedForms(
         S,
         c**2,
-        as_floats(np.where(S < _SERIES_END, series, h)),
+        as_floats(np.where(S < SERIES_END, series, h)),
         -2 * S * c**2,
-        as_floats(c * np.where(S < _SERIES_END, series_slope, H_slope - h)),
+        as_floats(c * np.where(S < SERIES_END, series_slope, H_slope - h)),
     )
 
 
@@ -245,70 +245,21 @@ def remainder(beta: float) -> Remainder | None:
     """Return the remainder for one β, None for β = 0, where there is none."""
     if beta == 0:
         return None
-    if abs(beta) < _SMALL_BETA:
-        full, factor = remainder(math.copysign(_SMALL_BETA, beta)), abs(beta) / _SMALL_BETA
+    if abs(beta) < SMALL_BETA:
+        full, factor = remainder(math.copysign(SMALL_BETA, beta)), abs(beta) / SMALL_BETA
         assert full is not None
         return Remainder(full.top, full.series * factor)
-    return Remainder(float(_top(abs(beta))), _of_beta(beta))
+    return Remainder(float(_top(abs(beta))), of_beta(beta))
 
 
-def _of_beta(beta: float) -> FloatArray:
+def of_beta(beta: float) -> FloatArray:
     """Return the series of a remainder for one β."""
     top = float(_top(abs(beta)))
     series, solution, b = _series(top, beta, _NODES)
     peak = np.zeros((_NODES + 1, 2))
-    peak[:-1, 0] = _fitted(solution.peak / persson_peak(b) - 1)
+    peak[:-1, 0] = fitted(solution.peak / persson_peak(b) - 1)
     peak[:-2, 1] = chebyshev.chebder(peak[:-1, 0]) * 2 / top
     return np.hstack([series, peak])
-
-
-@dataclass(frozen=True, eq=False)
-class Remainders:
-    """The remainders of many β, one for each number.
-
-    Over β, the coefficients of `Remainder.series` are smooth functions of |β|^(1/4) on each side of
-    0, and Chebyshev series of it are made once for all β.
-    """
-
-    beta: FloatArray
-
-    @property
-    def top(self) -> FloatArray:
-        """The ends of the series."""
-        return _top(np.maximum(abs(self.beta), _SMALL_BETA))
-
-    @cached_property
-    def series(self) -> FloatArray:
-        """As `Remainder.series`, with the numbers along a third axis."""
-        size = abs(self.beta)
-        r = (np.maximum(size, _SMALL_BETA) ** 0.25 - _R[0]) / (_R[1] - _R[0])
-        T = chebyshev.chebvander(2 * r - 1, _BETAS - 1)
-        series = np.empty((_NODES + 1, 8, size.size))
-        for sign in (-1, 1):
-            here = (self.beta > 0) == (sign > 0)
-            series[..., here] = np.tensordot(_over_beta(sign), T[here], ((0,), (1,))) * size[here]
-        return series
-
-    def additions(self, angle: FloatArray) -> FloatArray:
-        """Return the additions to a, h and M and their derivatives by ε, stacked."""
-        return self._at(angle, self.series[:, :6])
-
-    def peak(self, angle: FloatArray) -> FloatArray:
-        """Return the largest pressure over Persson's on the same arc, less 1, and its slope."""
-        return self._at(angle, self.series[:, 6:])
-
-    def _at(self, angle: FloatArray, series: FloatArray) -> FloatArray:
-        x = np.minimum(2 * angle / self.top - 1, 1.0)
-        return as_floats(chebyshev.chebval(x, series, tensor=False))
-
-
-@lru_cache(maxsize=2)
-@on_one_thread()
-def _over_beta(sign: int) -> FloatArray:
-    """Return the series in |β|^(1/4) of those in ε over |β|, shape (betas, nodes + 1, 8)."""
-    r = _R[0] + (_R[1] - _R[0]) * (1 + chebyshev.chebpts1(_BETAS)) / 2
-    rows = [_of_beta(sign * x**4) / x**4 for x in r.tolist()]
-    return _fitted(np.reshape(rows, (_BETAS, -1))).reshape(_BETAS, -1, 8)
 
 
 def _top(beta: FloatArray | float) -> FloatArray:
@@ -326,7 +277,7 @@ def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
         series, solution, b = _series(top, beta, nodes, kernel)
         values, last = np.abs(series[:, :2]), np.abs(series[-5:-2, :2])
         if np.all(last.max(axis=0) < _LAST_TERMS * np.maximum(values.max(axis=0), 1.0)):
-            coefficients = _fitted(solution.coefficients * b[:, None])
+            coefficients = fitted(solution.coefficients * b[:, None])
             return Housed(top, series, coefficients)
     rule = "makes a ring so thin that the pin does not touch it along one arc"
     raise InputError("Housing", "R_o", None, rule, "give a thicker one, or the datum as a number")
@@ -359,16 +310,16 @@ def _series(
     g, start = (None, 0.0) if kernel is None else (kernel.g, kernel.h)
     solution, closed = glauert(b, beta, enough_terms(b[-1]), g), closed_forms(b**2)
     series = np.zeros((nodes + 1, 6))
-    series[:-1, :2] = _fitted(np.stack([solution.a - closed.a, solution.h - closed.h], axis=-1))
+    series[:-1, :2] = fitted(np.stack([solution.a - closed.a, solution.h - closed.h], axis=-1))
     series[:-2, 3:5] = chebyshev.chebder(series[:-1, :2]) * 2 / top
     slopes = as_floats(chebyshev.chebval(position, series[:, 3:5]))
-    series[:-1, 5] = _fitted(_approach_rate(angle, solution, closed, slopes))
+    series[:-1, 5] = fitted(_approach_rate(angle, solution, closed, slopes))
     series[:, 2] = chebyshev.chebint(series[:-1, 5], lbnd=-1) * top / 2
     series[0, 2] += start
     return series, solution, b
 
 
-def _fitted(values: FloatArray) -> FloatArray:
+def fitted(values: FloatArray) -> FloatArray:
     """Return the Chebyshev series through values at its nodes."""
     nodes = len(values)
     return as_floats(chebyshev.chebfit(chebyshev.chebpts1(nodes), values, nodes - 1))
