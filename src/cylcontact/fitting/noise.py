@@ -103,9 +103,11 @@ class NoiseModel:
         reading = law.penetration(load, pair)
         zero = np.zeros(len(data))
         load_std = np.hypot(columns.get("load_std", zero), self.load_error * load)
-        with np.errstate(divide="ignore"):
-            slope = np.where(load_std > 0, 1 / law.stiffness(reading, pair), 0.0)
-        given = columns.get("penetration_std", zero) ** 2 + (slope * load_std) ** 2
+        given = columns.get("penetration_std", zero) ** 2
+        if load_std.any():
+            with np.errstate(divide="ignore"):
+                slope = np.where(load_std > 0, 1 / law.stiffness(reading, pair), 0.0)
+            given = given + (slope * load_std) ** 2
         series = zero.astype(np.intp) if self.over is None else data.groups(self.over)[1]
         return Covariance(
             model=self,

@@ -280,8 +280,14 @@ def singular(source: str) -> InputError:
 def plain_fit(campaign: Campaign) -> Fit:
     """Return the fit of a campaign on measurements by plain least squares."""
     data = measurements_in(campaign)
-    zero, given = np.zeros(len(data)), data.columns.get("penetration_std")
-    noise = Covariance(
+    noise = independent(data, data.columns.get("penetration_std"))
+    return Fit(campaign.model, campaign.parameters, data, noise)
+
+
+def independent(data: Measurements, given: FloatArray | None = None) -> Covariance:
+    """Return the covariance of independent readings, of given deviations or of 1 mm each."""
+    zero = np.zeros(len(data))
+    return Covariance(
         model=NoiseModel(noise="constant" if given is None else None),
         load=data.load,
         given=zero if given is None else as_floats(given**2),
@@ -290,7 +296,6 @@ def plain_fit(campaign: Campaign) -> Fit:
         position=zero,
         deviations={"constant": 1.0} if given is None else {},
     )
-    return Fit(campaign.model, campaign.parameters, data, noise)
 
 
 def fit_with_noise(campaign: Campaign) -> Fit:

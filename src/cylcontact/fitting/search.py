@@ -278,18 +278,23 @@ def _least_squares(
     def slopes(t: FloatArray) -> FloatArray:
         return as_floats(space.slopes(at(t))[0][free].T * span)
 
-    solution = least_squares(
-        residuals,
-        np.clip((start[free] - low) / span, _INSIDE, 1 - _INSIDE),
-        slopes,
-        bounds=(0.0, 1.0),
-        x_scale="jac",
-        ftol=precision,
-        xtol=_LEAST_MOVE,
-        gtol=None,
-        max_nfev=_STEPS,
-    )
-    return as_floats(at(solution.x)[0])
+    first = np.clip((start[free] - low) / span, _INSIDE, 1 - _INSIDE)
+    with np.errstate(all="ignore"):  # of a parameter that has no effect
+        try:
+            found = least_squares(
+                residuals,
+                first,
+                slopes,
+                bounds=(0.0, 1.0),
+                x_scale="jac",
+                ftol=precision,
+                xtol=_LEAST_MOVE,
+                gtol=None,
+                max_nfev=_STEPS,
+            )
+        except (ValueError, np.linalg.LinAlgError):
+            return start
+    return as_floats(at(np.nan_to_num(found.x, nan=0.5))[0])
 
 
 def _normal_equations(
