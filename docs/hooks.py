@@ -33,6 +33,21 @@ picture in the current folder. [All scripts](../gallery.md)
 """
 
 
+# What a page links to in a checkout, and the page of the site that is made from it.
+LINKS = {
+    r"\]\(((?:\.\./)*)gallery/(\w+)\.py": r"](\1gallery/\2.md",
+    r"\]\(\.\./((?:\.\./)*)reports/claims\.csv": r"](\1claims.md",
+    r"\]\(\.\./((?:\.\./)*)reports/README\.md": r"](\1figures.md",
+}
+
+
+def on_page_markdown(text, **_):
+    """Link to the pages that are made from files of the checkout."""
+    for of_checkout, of_site in LINKS.items():
+        text = re.sub(of_checkout, of_site, text)
+    return text
+
+
 def on_page_content(text, **_):
     """Set the formulas and indices of a page; an empty head of a column is an empty cell."""
 

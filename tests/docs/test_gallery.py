@@ -55,7 +55,7 @@ def test_each_script_is_on_the_page_with_a_title_and_words():
     for script in SCRIPTS:
         assert script.with_suffix(".png").is_file()
         assert f"](gallery/{script.stem}.png)" in page
-        assert f"](gallery/{script.stem}.md)" in page
+        assert f"](gallery/{script.stem}.py)" in page
         assert "\n\n" in ast.get_docstring(ast.parse(script.read_text(encoding="utf-8")))
 
 

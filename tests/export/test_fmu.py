@@ -249,6 +249,49 @@ def test_a_parameter_outside_its_bounds_is_named(fmu, load):
     assert (variables["friction"].min, variables["friction"].max) == ("0.0", "2.0")
 
 
+@pytest.mark.parametrize("kind", ["ModelExchange", "CoSimulation"])
+def test_directional_derivatives_are_those_of_the_outputs(load, joint, kind):
+    """Of random motions by random directions, against differences through the FMU.
+
+    In co-simulation they are at the impact rate after the step. Where a difference repeats a step
+    in which the contact begins, the impact rate changes too: there, and only there, they differ.
+    """
+    element, rng = load(kind), np.random.default_rng(5)
+    fmu, step, h, errors, begun = element.fmu, 1e-6, 1e-9, [], []
+
+    def outputs(motion, state):
+        fmu.setFMUstate(state)
+        element.set(motion)
+        if kind == "CoSimulation":
+            fmu.doStep(0.0, step)
+        return element.wrench[:-1]
+
+    state = fmu.getFMUstate()
+    for k, motion in enumerate(motions(joint, 200, 2e-5)):
+        along = rng.normal(size=12) * np.tile([1, 1, 10, 1e3, 1e3, 1e3], 2)
+        if k % 2 and kind == "CoSimulation":
+            outputs(motion, state)  # the contact is under way
+            under_way = fmu.getFMUstate()
+        else:
+            under_way = state
+        less, more = (outputs(motion + way * h * along, under_way) for way in (-1, 1))
+        outputs(motion, under_way)
+        got = fmu.getDirectionalDerivative(element.outputs, element.inputs, list(along))
+        slope = (more - less) / (2 * h)
+        forces = [*range(6), 8, 9]
+        if not np.any(slope[forces]):  # free, or the normal force is clipped
+            assert not np.any(np.array(got)[forces])
+            continue
+        errors.append(np.abs(slope - got)[forces].max() / np.abs(slope[forces]).max())
+        begun.append(under_way is state)
+    errors, begun = np.array(errors), np.array(begun)
+    within = errors[~begun] if kind == "CoSimulation" else errors
+    assert np.median(within) < 1e-6
+    assert (within < 1e-4).mean() > 0.95  # a kink lies in the difference of the others
+    if kind == "CoSimulation":
+        assert np.median(errors[begun]) > 1e-2
+
+
 def test_misuse_is_refused(load):
     """Values that cannot be set, bytes that are no state of this FMU, and steps that go nowhere."""
     from fmpy.fmi1 import FMICallException

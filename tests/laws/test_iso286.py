@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cylcontact import CylinderPair, Material
-from cylcontact.bodies.iso286 import IsoFit
+from cylcontact import CylinderPair, InputError, Material
+from cylcontact.bodies.iso286 import IsoFit, diameters
 from cylcontact.files.spec import read_toml
 from cylcontact.joint import joint_from
 from tests.support.spec_files import DROP, changed
@@ -58,6 +58,59 @@ def test_deviations_follow_from_the_formulas_of_the_standard(size):
     (_, IT7), (_, IT6) = (IsoFit.read(f"{size[1]}H{grade}/h6").hole for grade in (7, 6))
     # m is their difference as rounded before, so 1 µm of rounding for each.
     assert upper((size[1], "m6")) == pytest.approx(1e3 * (IT7 - IT6), abs=2.01)
+
+
+# Steps of u, and of r and s above 50 mm; the formulas of p, r, s and u.
+OF_u = (18, 24, 30, *OF_c)
+
+
+@pytest.mark.parametrize(("over", "to"), [*SIZES[:3], *pairwise(OF_u)])
+def test_press_fits_follow_from_the_formulas_of_the_standard(over, to):
+    """p = IT7 + 0 to 5; s = IT8 + 1 to 4, above 50 mm IT7 + 0.4·D; r = √(p·s); u = IT7 + D.
+
+    The standard rounds r and u; below 18 mm its u is up to 7 µm above its formula.
+    """
+    D = np.sqrt(over * to)
+    wide = next(ends for ends in SIZES if to <= ends[1])  # p, and s up to 50 mm, have wide steps
+    assert D <= wide[1]
+    p, r, s, u = (1e3 * (diameters(f"{to}{letter}6")[0] - to) for letter in "prsu")
+    IT7, IT8 = (1e3 * (diameters(f"{to}H{grade}")[1] - to) for grade in (7, 8))
+    assert -0.01 <= p - IT7 <= 5.01
+    if to <= 50:
+        assert 0.99 <= s - IT8 <= 4.01
+    else:
+        assert s == pytest.approx(IT7 + 0.4 * D, abs=2.5)
+    assert r == pytest.approx(np.sqrt(p * s), abs=1.2)
+    if over >= 18:
+        assert u == pytest.approx(IT7 + D, rel=0.012, abs=1.0)
+    else:
+        assert 0 < u - IT7 - D < 7
+
+
+def test_press_fits_have_the_numbers_of_a_published_table():
+    """K. L. Narayana et al., Machine Drawing, Tables 15.2 and 15.3, columns p, r, s, u."""
+    printed = {
+        6: (12, 15, 19, 23), 10: (15, 19, 23, 28), 18: (18, 23, 28, 33), 24: (22, 28, 35, 41),
+        30: (22, 28, 35, 48), 50: (26, 34, 43, 70), 65: (32, 41, 53, 87), 120: (37, 54, 79, 144),
+        160: (43, 65, 100, 190), 200: (50, 77, 122, 236), 280: (56, 94, 158, 315),
+        400: (62, 114, 208, 435), 500: (68, 132, 252, 540),
+    }  # fmt: skip
+    for size, values in printed.items():
+        for letter, value in zip("prsu", values, strict=True):
+            low, high = diameters(f"{size}{letter}7")
+            assert 1e3 * (low - size) == pytest.approx(value)
+            assert high - low == pytest.approx(np.diff(diameters(f"{size}H7"))[0])
+    assert IsoFit.read("20H7/p6").kind == "interference"
+
+
+@pytest.mark.parametrize(
+    ("code", "rule"),
+    [("20", "no class"), ("20H7/g6", "no class"), ("2H7", "outside ISO 286"), ("26t6", "a pin t"),
+     ("20P7", "a hole P"), ("20s12", "grade 12"), ("20j8", "has a pin j8")],
+)  # fmt: skip
+def test_a_class_that_the_tables_lack_is_refused(code, rule):
+    with pytest.raises(InputError, match=rule):
+        diameters(code)
 
 
 @pytest.mark.parametrize(("over", "to"), list(pairwise(OF_c)))

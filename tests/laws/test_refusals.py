@@ -161,7 +161,7 @@ REFUSED = [
     # Fits of ISO 286.
     *((partial(IsoFit.read, code), rule) for code, rule in [
         ("20H7", "is not an ISO fit"), ("2H7/g6", "3 to 500 mm"), ("501H7/g6", "3 to 500 mm"),
-        ("20M7/h6", "a hole M"), ("20h7/g6", "a hole h"), ("20H7/p6", "a pin p"),
+        ("20M7/h6", "a hole M"), ("20h7/g6", "a hole h"), ("20H7/t6", "a pin t"),
         ("20H4/g6", "a grade 4"), ("20H12/g6", "a grade 12"),
         ("20H7/j8", "j8, and ISO 286 has j5 to j7"),
     ]),

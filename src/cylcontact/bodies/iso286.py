@@ -25,7 +25,8 @@ _SMALLEST_CLEARANCE = 1e-6  # mm
 # Places between the tightest pair and the loosest, and nodes of the integral over holes.
 _PLACES, _NODES = 1001, 48
 _HOLES = ("C", "D", "E", "F", "G", "H", "JS")
-_PINS = ("c", "d", "e", "f", "g", "h", "j", "js", "k", "m", "n")
+_PINS = ("c", "d", "e", "f", "g", "h", "j", "js", "k", "m", "n", "p", "r", "s", "u")
+_CLASS = re.compile(r"\s*[⌀øØ]?\s*(\d+(?:[.,]\d+)?)\s*([A-Za-z]+)(\d+)\s*")
 _CODE = re.compile(r"\s*[⌀øØ]?\s*(\d+(?:[.,]\d+)?)\s*([A-Za-z]+)(\d+)\s*[/ ]\s*([A-Za-z]+)(\d+)\s*")
 
 
@@ -84,7 +85,7 @@ class IsoFit:
     Notes
     -----
     The numbers are those of ISO 286-1:2010 for nominal sizes from 3 to 500 mm, holes C to H and
-    JS, pins c to n, both without cd, ef and fg, and grades from 5 to 11. JS and js are halves of
+    JS, pins c to u, without cd, ef, fg and t, and grades from 5 to 11. JS and js are halves of
     the tolerance, not rounded.
 
     Examples
@@ -126,19 +127,10 @@ class IsoFit:
             raise InputError(source, key, code, rule, remedy)
         size, hole, hole_grade, pin, pin_grade = match.groups()
         nominal = plain_number(size.replace(",", "."))
-        rule, remedy = "is outside ISO 286's range here, 3 to 500 mm", "give radii or diameters"
-        require(_SMALLEST <= nominal <= _LARGEST, source, key, code, rule, remedy)
-        for letters, known, body in ((hole, _HOLES, "hole"), (pin, _PINS, "pin")):
-            rule = f"has a {body} {letters} that is not in the table"
-            require(letters in known, source, key, code, rule, f"choose {', '.join(known)}")
-        limits = []
-        for letters, grade in ((hole, int(hole_grade)), (pin, int(pin_grade))):
-            rule, remedy = f"has a grade {grade} that is not in the table", "choose 5 to 11"
-            require(grade in _GRADES, source, key, code, rule, remedy)
-            if letters == "j":
-                rule, remedy = f"has a pin j{grade}, and ISO 286 has j5 to j7", "choose js, or j6"
-                require(grade <= 7, source, key, code, rule, remedy)
-            limits.append(_deviations(nominal, letters.lower(), letters.isupper(), grade))
+        limits = [
+            _checked(code, nominal, letters, int(grade), is_hole, source, key)
+            for letters, grade, is_hole in ((hole, hole_grade, True), (pin, pin_grade, False))
+        ]
         plain = f"{nominal:g}{hole}{hole_grade}/{pin}{pin_grade}"
         return cls(plain, nominal, limits[0], limits[1])
 
@@ -244,6 +236,52 @@ def _normal(place: FloatArray) -> FloatArray:
 def apart(R_i: FloatArray, R_j: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return radii of hole and pin with a clearance of 1 nm at least, in place of none."""
     return as_floats(R_i), as_floats(np.minimum(R_j, R_i - _SMALLEST_CLEARANCE))
+
+
+def diameters(code: str, source: str = "ISO 286", key: str = "") -> tuple[float, float]:
+    """Return the least and the largest diameter in mm of one class, 20E6 or 26s6.
+
+    Parameters
+    ----------
+    code : str
+        The nominal diameter in mm and the class, a hole's in capital letters.
+    source, key : str
+        Where the code comes from, for errors.
+
+    Raises
+    ------
+    InputError
+        If the code cannot be read, or the tables here do not have it.
+
+    Examples
+    --------
+    >>> print(*diameters("26s6"))
+    26.035 26.048
+    """
+    match = _CLASS.fullmatch(code)
+    if match is None:
+        rule, remedy = "is no class of ISO 286", "write the diameter in mm and the class: 20E6"
+        raise InputError(source, key, code, rule, remedy)
+    nominal, letters = plain_number(match[1].replace(",", ".")), match[2]
+    low, high = _checked(code, nominal, letters, int(match[3]), letters.isupper(), source, key)
+    return nominal + low, nominal + high
+
+
+def _checked(
+    code: str, nominal: float, letters: str, grade: int, is_hole: bool, source: str, key: str
+) -> tuple[float, float]:
+    """Return the deviations in mm of a class that the tables have; refuse others."""
+    rule, remedy = "is outside ISO 286's range here, 3 to 500 mm", "give radii or diameters"
+    require(_SMALLEST <= nominal <= _LARGEST, source, key, code, rule, remedy)
+    known, body = (_HOLES, "hole") if is_hole else (_PINS, "pin")
+    rule = f"has a {body} {letters} that is not in the table"
+    require(letters in known, source, key, code, rule, f"choose {', '.join(known)}")
+    rule, remedy = f"has a grade {grade} that is not in the table", "choose 5 to 11"
+    require(grade in _GRADES, source, key, code, rule, remedy)
+    if letters == "j":
+        rule, remedy = f"has a pin j{grade}, and ISO 286 has j5 to j7", "choose js, or j6"
+        require(grade <= 7, source, key, code, rule, remedy)
+    return _deviations(nominal, letters.lower(), is_hole, grade)
 
 
 def _deviations(nominal: float, letters: str, is_hole: bool, grade: int) -> tuple[float, float]:

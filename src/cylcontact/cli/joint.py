@@ -18,11 +18,14 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.pair import JOINT, named_option, own_materials
 from cylcontact.cli.terminal import say
+from cylcontact.joint.bush_words import EXAMPLE, bush_words, diameter_words
 from cylcontact.joint.words import blaming, joint_from_words, temperature_words
 from cylcontact.support.choices import listed
 from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
+    from cylcontact.joint.bush import BushCheck
+    from cylcontact.joint.check import JointCheck
     from cylcontact.joint.loaded import LoadedJoint
 
 PAGES = (".html", ".pdf", ".png")
@@ -52,6 +55,21 @@ TARGETS: Options = {
     "peak": (float | None, number("Largest pressure, MPa.", **_TO)),
     "factor": (float | None, number("First yield over the load.", **_TO)),
 }
+_BUSH = option(
+    "A pressed bush: MATERIAL, BORE before pressing, HOLE/BUSH; --hole is around it.",
+    metavar="TEXT",
+    parser=reader(bush_words, f"is no bush; {EXAMPLE}"),
+    rich_help_panel="The housing of the hole",
+)
+# With a bush the pin may have a class of ISO 286.
+_CHECKED: Options = dict(JOINT) | {
+    "pin_diameter": (
+        str | None,
+        option("Diameter of the pin; with --bush also a class, 20f7.", "--pin-diameter",
+               metavar="MM", parser=reader(diameter_words, "is no diameter; give mm, or 20f7"),
+               rich_help_panel="The pair of cylinders"),
+    ),
+}  # fmt: skip
 # What a target is called in the errors of a search.
 _TARGETS = {name: name for name in TARGETS} | {"yield_stress": "factor"}
 
@@ -64,10 +82,14 @@ def joint_of(
     return joint_from_words(pair | around, source, named_option, own, sought)
 
 
-@takes("pair", JOINT)
+@takes("pair", _CHECKED)
 @takes("around", AROUND)
 def check(
+    file: Path | None = argument(
+        "The file of a joint with a bush, datasets/bush.toml.", metavar="[FILE]", default=None
+    ),
     *,
+    bush: Any = _BUSH,
     out: Path | None = output("One page to file, .html, .pdf or .png."),
     as_json: bool = JSON,
     pair: dict[str, Any],
@@ -77,17 +99,41 @@ def check(
 
     The joint is a pin in a hole, two rollers, or a roller on a plane.
     """
-    from cylcontact.joint.check import checked
-
     require_output(out, *PAGES)
-    joint = joint_of(pair, around, "check")
-    with blaming(named_option, "check"):
-        answer = checked(joint)
+    answer = _checked(file, bush, pair, around)
     if out is not None:
         answer.save(out)
     say(answer.to_json() if as_json else str(answer))
     for warning in answer.warnings:
         say(f"warning: {warning}", err=True)
+
+
+def _checked(
+    file: Path | None, bush: Any, pair: dict[str, Any], around: dict[str, Any]
+) -> JointCheck | BushCheck:
+    """Return the answer for the joint of a file or of the options."""
+    if file is not None:
+        from cylcontact.joint.specs import check_file
+
+        materials = pair.pop("materials", None)
+        options = [*map(named_option, (*pair, *around)), *["--bush"] * (bush is not None)]
+        for name in options:
+            rule, remedy = f"is in the file already: {file}", "leave one of them out"
+            raise InputError("check", name, None, rule, remedy)
+        return check_file(file, materials)
+    if bush is not None:
+        from cylcontact.joint.bush_words import bush_from_words
+
+        given = pair | around | {"bush": bush}
+        return bush_from_words(given, "check", named_option, own_materials(pair, "check"))
+    from cylcontact.joint.check import checked
+
+    size = pair.get("pin_diameter")
+    rule, remedy = "is a class, which is for a joint with --bush", "give --iso 20H7/f7, or mm"
+    require(not isinstance(size, str), "check", "--pin-diameter", size, rule, remedy)
+    joint = joint_of(pair, around, "check")
+    with blaming(named_option, "check"):
+        return checked(joint)
 
 
 @takes("pair", JOINT)

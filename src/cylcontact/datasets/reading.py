@@ -168,7 +168,7 @@ def _values(sheet: Sheet, k: int, column: Column, decimal: str | None) -> FloatA
     clock = seconds(sheet, k) if column.quantity == "time" else None
     if clock is not None:
         return np.array(clock)
-    return np.array([value * column.factor for value in numbers(sheet, k, decimal)])
+    return column.factor * np.array(numbers(sheet, k, decimal))
 
 
 # --- rows ---------------------------------------------------------------------------------------
@@ -199,6 +199,8 @@ def _exclude(sheet: Sheet, texts: Sequence[str]) -> None:
 
 def _drop_empty(sheet: Sheet, columns: set[int]) -> None:
     """Leave out rows without a cell in what is read, as where a longer series is beside it."""
+    if not all(None in sheet.columns[k] for k in columns):
+        return
     cells = zip(*(sheet.columns[k] for k in columns), strict=True)
     keeps = [any(cell is not None for cell in row) for row in cells]
     if all(keeps) or not any(keeps):

@@ -26,7 +26,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from cylcontact.export.joint import MOTIONS, Element, with_clearance
-from cylcontact.export.languages import C
+from cylcontact.export.languages import C, filled
 from cylcontact.export.plain import Vector, fields_of
 from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.joint import ClearanceJoint, contact
@@ -130,7 +130,8 @@ class JointFmu:
     @cached_property
     def language(self) -> C:
         """The joint's functions in C."""
-        program = self.element.program("evaluate", "accept", "ahead")
+        more = ["differentiate"] if self.element.contacts == 1 else []
+        program = self.element.program("evaluate", "accept", "ahead", *more)
         program.functions["tune"] = program.read_text(self._tune(), self._names(), {"return": None})
         return self.element.language("c", program)
 
@@ -302,6 +303,10 @@ class JointFmu:
             ),
             "given": ", ".join(given),
             **c.parts(), **element.scratch(c),
+            "provides": "true" if element.contacts == 1 else "false",
+            "derivative": filled(
+                {"name": name}, "derivative.c" if element.contacts == 1 else "no_derivative.c"
+            ),
             "records": "\n\n".join(_whole_record(c, kind) for kind in c.public),
             **{
                 f"first_{of}": c.constant(f"first_{of}", record.dtype, record, about)

@@ -18,7 +18,7 @@ import numpy as np
 
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.export import conformal
-from cylcontact.export.languages import WIDTH, C, Fortran, Matlab, require_callable
+from cylcontact.export.languages import WIDTH, C, Fortran, Matlab, filled, require_callable
 from cylcontact.export.plain import Program, fields_of
 from cylcontact.impact import RATIO_BEND
 from cylcontact.joint import (
@@ -27,13 +27,14 @@ from cylcontact.joint import (
     SpatialJoint,
     SpatialState,
     contact,
+    derivatives,
     spatial_forces,
 )
 from cylcontact.joint.contact import DEEPEST_SHARE
 from cylcontact.laws import Conformal
 from cylcontact.laws.kernels import TABLE
 from cylcontact.laws.lambert import OF_NUMBERS
-from cylcontact.laws.tabulated import load_of_table
+from cylcontact.laws.tabulated import load_of_table, stiffness_of_table
 from cylcontact.support.arrays import FloatArray, require
 from cylcontact.support.plain_text import comment
 
@@ -162,14 +163,22 @@ class Element:
         program.instead.update(OF_NUMBERS)
         text = _LOAD.format(call=self.law.call)
         program.instead[contact.load_at] = program.read_text(text, self.law.names)
+        text = _PULL.format(call=self.law.call, stiffness=self.law.stiffness)
+        if self.module is contact:
+            names, kind = {**self.law.names, "Pull": derivatives.Pull}, derivatives.Pull
+            pull = program.read_text(text, names, {"return": kind})
+            program.instead[derivatives.pull_at] = pull
         for name in functions:
-            program.read(getattr(self.module, name))
+            module = derivatives if name in _OF_PLANAR else self.module
+            program.read(getattr(module, name))
         return program
 
     def language(self, target: str, program: Program) -> C:
         """Return a program in a language."""
         name, module = self.planar.identifier, self.module
         public = {module.STATE: f"{name}_state", module.WRENCH: f"{name}_wrench"}
+        if derivatives.JACOBIAN in program.types:
+            public[derivatives.JACOBIAN] = f"{name}_jacobian"
         records = {self.record.dtype: "Joint", self.law.record.dtype: "Law"}
         if module is spatial_forces:
             records[module.WORK] = "Work"
@@ -180,7 +189,8 @@ class Element:
         name = self.planar.identifier
         stem = stem or name
         require_callable(target, stem)
-        program = self.program("evaluate", "accept")
+        more = _OF_PLANAR if self.module is contact else ()
+        program = self.program("evaluate", "accept", *more)
         functions = {f.name.lower() for f in program.functions.values()} | {"start"}
         called = {"fortran": ("name", name), "matlab": ("--out", stem)}.get(target, ("", ""))
         taken = functions | ({"law", "joint"} if target == "fortran" else set())
@@ -203,15 +213,33 @@ class Element:
             wrench = [language.zeros(module.WRENCH)]
         abouts = {"joint": self.about, "law": {}}
         return {
-            **language.parts(), **self.scratch(language), "name": name, "capitals": name.upper(),
+            **language.parts(), **self.scratch(language), **self.planar_parts(language),
+            "name": name, "capitals": name.upper(),
             "contacts": str(self.contacts), "size": str(self.size), "wrench": "\n".join(wrench),
-            "state": rate + language.end, "about": f"\n{mark} ".join(wrap(_FRAMES[module], WIDTH)),
+            "state": rate + language.end,
+            "about": f"\n{mark} ".join(wrap(_FRAMES[module], WIDTH - 3)),
             "comment": "\n".join(f"{mark} {x}".rstrip() for x in self._comment()),
             **{
                 of: language.constant(f"this_{of}", record.dtype, record, abouts[of])
                 for of, record in self.records.items()
             },
         }  # fmt: skip
+
+    def planar_parts(self, language: C) -> dict[str, str]:
+        """Return the parts that a joint in the plane alone has: derivatives and energy."""
+        suffix = language.suffix
+        files = {"planar": f"planar{suffix}"}
+        files |= {
+            ".c": {"planar_heads": "planar.h"},
+            ".f90": {"planar_types": "planar_types.f90"},
+            ".m": {"planar_blocks": "planar_blocks.m"},
+        }[suffix]
+        if self.module is not contact:
+            return dict.fromkeys(files, "")
+        parts = {"name": self.planar.identifier}
+        if isinstance(language, Matlab):
+            parts["jacobian"] = language.zeros(derivatives.JACOBIAN)
+        return {key: filled(parts, file) for key, file in files.items()}
 
     def scratch(self, language: C) -> dict[str, str]:
         """Return the declaration of the work record of a joint in space, and how it is passed."""
@@ -262,7 +290,7 @@ class Element:
             *self._check(),
         ]  # fmt: skip
         return [
-            line for text in texts for line in wrap(text, WIDTH, subsequent_indent="  ") or [""]
+            line for text in texts for line in wrap(text, WIDTH - 3, subsequent_indent="  ") or [""]
         ]
 
     def _check(self) -> list[str]:
@@ -301,12 +329,13 @@ def _rows(numbers: Mapping[str, Any]) -> list[str]:
 class Law(NamedTuple):
     """A law at a pair in a file, as text of plain Python.
 
-    `call` is the load at `depth` in mm, from the numbers of the record `law`; `names` are what the
-    text calls. `tune` sets the numbers for a clearance `dR` in mm, empty if that has no formula,
-    and `end` is the largest penetration.
+    `call` is the load at `depth` in mm, from the numbers of the record `law`, and `stiffness` its
+    slope; `names` are what the text calls. `tune` sets the numbers for a clearance `dR` in mm,
+    empty if that has no formula, and `end` is the largest penetration.
     """
 
     call: str
+    stiffness: str
     names: dict[str, Any]
     record: Any
     form: str
@@ -331,6 +360,17 @@ def load_at(depth, joint, law):
 """
 
 
+_PULL = """
+def pull_at(depth, joint, law):
+    '''Return load and stiffness at a penetration in mm that is positive, NaN at NaN.'''
+    if not depth > 0.0:
+        return Pull(depth, depth)
+    return Pull({call}, {stiffness})
+"""
+# Of a joint in the plane alone.
+_OF_PLANAR = ("evaluate_jacobian", "differentiate", "elastic_energy")
+
+
 def with_clearance(joint: ClearanceJoint, dR: float | FloatArray) -> ClearanceJoint:
     """Return a joint with another clearance in mm, or several, by the pin's radius."""
     pair = joint.pair
@@ -351,9 +391,10 @@ def law_of(joint: ClearanceJoint) -> Law:
     elif joint.kernel.kind == TABLE:
         x, y, slopes = np.reshape(joint.kernel.parameters[1:], (3, -1))
         arrays = {"table_x": x, "table_y": y, "table_slopes": slopes}
-        call = f"load_of_table(depth, {', '.join(arrays)}, law.nodes)"
-        names = {**arrays, "load_of_table": load_of_table}
-        return Law(call, names, _record({"nodes": x.size}), "a table of ln f by ln d")
+        rest = f"(depth, {', '.join(arrays)}, law.nodes)"
+        names = {**arrays, "load_of_table": load_of_table, "stiffness_of_table": stiffness_of_table}
+        record, form = _record({"nodes": x.size}), "a table of ln f by ln d"
+        return Law(f"load_of_table{rest}", f"stiffness_of_table{rest}", names, record, form)
     else:
         formula, constants = law.formula_at(pair), law.constants_for("internal")
     given = {name: getattr(pair, name) for name in formula.of_pair} | {**constants}
@@ -376,6 +417,9 @@ def law_of(joint: ClearanceJoint) -> Law:
         end = f"end({', '.join(f'law.{name}' for name in formula.taken_by_end)})"
     elif math.isfinite(constants.get("largest", math.inf)):
         end = "law.largest * dR"
-    functions = {n: f for n in ("load", "numbers", "end") if (f := getattr(formula, n)) is not None}
+    asked_of = ("load", "stiffness", "numbers", "end")
+    functions = {n: f for n in asked_of if (f := getattr(formula, n)) is not None}
     names = functions | arrays | {"inf": math.inf}
-    return Law(f"load(depth, {', '.join(named)})", names, _record(numbers), form, tuple(tune), end)
+    rest = f"(depth, {', '.join(named)})"
+    texts = f"load{rest}", f"stiffness{rest}"
+    return Law(*texts, names, _record(numbers), form, tuple(tune), end)

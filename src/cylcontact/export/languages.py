@@ -45,6 +45,20 @@ def template_text(name: str) -> str:
     return (_TEMPLATES / name).read_text(encoding="ascii")
 
 
+def filled(parts: Mapping[str, str], template: str) -> str:
+    """Return a template with its placeholders replaced.
+
+    A placeholder alone on its line may stand for several lines, indented as it is, or for none.
+    """
+    lines = list[str]()
+    for line in template_text(template).splitlines():
+        if alone := re.fullmatch(r"( *)\$(\w+)", line):
+            lines += indent(parts[alone[2]], alone[1]).splitlines()
+        else:
+            lines.append(Template(line).substitute(parts))
+    return "\n".join(lines)
+
+
 class C:
     """C99; other languages override what differs."""
 
@@ -311,16 +325,8 @@ class C:
         return f"{self.text(node)} {'+' if by > 0 else '-'} {abs(by)}" if by else self.text(node)
 
     def file(self, parts: Mapping[str, str], template: str) -> str:
-        """Return a file of the folder `templates` with its placeholders replaced.
-
-        A placeholder alone on its line may stand for several lines, indented as it is, or for none.
-        """
-        lines = list[str]()
-        for line in template_text(template).splitlines():
-            if alone := re.fullmatch(r"( *)\$(\w+)", line):
-                lines += indent(parts[alone[2]], alone[1]).splitlines()
-            else:
-                lines.append(Template(line).substitute(parts))
+        """Return a template with its placeholders replaced, in lines that are not too long."""
+        lines = filled(parts, template).splitlines()
         text = "\n".join(self.wrapped(line) for line in lines) + "\n"
         return re.sub(r"\n{3,}", "\n\n", text)
 

@@ -216,14 +216,18 @@ def _lines(raw: list[str], separator: str, *, strict: bool = True) -> list[Line]
     """Return the lines that are not empty. One that begins with # is split behind it."""
     by_spaces = separator == " "
     options: Any = {"delimiter": separator, "skipinitialspace": by_spaces}
-    marked = {n: x.lstrip(" \t#") for n, x in enumerate(raw, 1) if x.lstrip(" ").startswith("#")}
+    marked = {
+        n: x.lstrip(" \t#")
+        for n, x in enumerate(raw, 1)
+        if "#" in x and x.lstrip(" ").startswith("#")
+    }
     texts = (
         "\n" if n in marked or x.startswith("sep=") else f"{x.strip() if by_spaces else x}\n"
         for n, x in enumerate(raw, 1)
     )
     reader = csv.reader(texts, strict=strict, **options)
     lines = [Line(reader.line_num, tidy(row)) for row in reader]
-    for line in lines:
+    for line in lines if any('"' in text for text in raw) else ():
         if any(cell and "\n" in cell and _holds_rows(cell, separator) for cell in line.cells):
             raise csv.Error(f"a quote is open before line {line.number}")
     for number, text in marked.items():

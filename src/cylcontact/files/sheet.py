@@ -34,7 +34,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 # All rows are held in memory and stored in the result.
-MAX_ROWS = 200_000
+MAX_ROWS = 2_000_000
+# The lines that show which cells of a row are numbers.
+_SHOWN = 20_000
 # The column of the block in a table of several blocks of rows.
 BLOCK = "block"
 
@@ -169,17 +171,20 @@ def _sheet_of_frame(source: str, frame: pd.DataFrame, sha256: str) -> Sheet:
 
 def _layout(lines: list[Line], given: set[str], header: int | None) -> _Layout:
     """Return where the names, the units and the rows are."""
-    _, pattern = files.row_pattern(lines)
+    _, pattern = files.row_pattern(lines[:_SHOWN])
     first = next((k for k, line in enumerate(lines) if _is_row(line.cells, pattern)), len(lines))
-    named = {k for k, line in enumerate(lines) if _may_be_names(line.cells, pattern)}
+
+    def is_named(k: int) -> bool:
+        return 0 <= k < len(lines) and _may_be_names(lines[k].cells, pattern)
+
     if header is None:
         # Rows between the names and the first row have an empty or a wrong cell.
-        start = last = max((k for k in named if k < first), default=-1)
-        while start - 1 in named:
+        start = last = next(filter(is_named, range(first - 1, -1, -1)), -1)
+        while is_named(start - 1):
             start -= 1
     else:
         start = last = next((k for k, line in enumerate(lines) if line.number == header), -1)
-        while start >= 0 and last + 1 in named:
+        while start >= 0 and is_named(last + 1):
             last += 1
     if start < 0:
         while first > 0 and _is_row(lines[first - 1].cells, pattern, may_lack=True):
@@ -303,9 +308,11 @@ def _take_units_of_cells(sheet: Sheet) -> None:
     taken = []
     for k, column in enumerate(sheet.columns):
         texts = [cell for cell in column if cell is not None]
+        if not (texts and isinstance(texts[0], str) and number_and_unit(texts[0])):
+            continue
         pairs = [number_and_unit(cell) if isinstance(cell, str) else None for cell in texts]
         both = [pair for pair in pairs if pair is not None]
-        if not both or len(both) != len(texts):
+        if len(both) != len(texts):
             continue
         powers = {unit: power_between(unit, both[0][1]) for _, unit in both}
         # Of 1.500 kN among 200 N it is not clear what the point marks.

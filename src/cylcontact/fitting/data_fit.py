@@ -468,7 +468,7 @@ class DataFit(FitResult):
     def drawing(self) -> Drawing:
         """Return a figure of the data with the law and its band, the residuals beneath.
 
-        Its table is that of the residuals, its headline the free coefficients.
+        Its table is that of the residuals.
         """
         from cylcontact.plots.figure import Drawing
 
@@ -478,7 +478,7 @@ class DataFit(FitResult):
             f"fitted to them ({values}), and the band of {100 * self.level:g} % of new readings; "
             "below, measured less fitted in standard deviations."
         )
-        return Drawing(self.figure(), self.residuals, self.free, caption)
+        return Drawing(self.figure(), self.residuals, caption)
 
     def figure(self) -> Figure:
         """Return the figure of `drawing` alone."""

@@ -110,7 +110,7 @@ def choice_drawing(name: str, optima: Mapping[str, Optimum], table: pd.DataFrame
         f"{brief(next(iter(optima)))}. Of laws that coincide within {100 * _APART:g} % of the "
         "range one is drawn."
     )
-    return Drawing(figure, table.reset_index(), dict(table["aicc"]), caption)
+    return Drawing(figure, table.reset_index(), caption)
 
 
 def _first_pair(optima: Mapping[str, Optimum]) -> tuple[Measurements, str, Indices]:

@@ -108,8 +108,7 @@ class Plan:
             f"{self.parameter or 'all parameters together'}, over the load, and the "
             f"{self.readings['number'].sum()} readings that together narrow it most."
         )
-        headline = {"largest gain, %": float(self.candidates["narrower_percent"].max())}
-        return Drawing(figure, self.candidates, headline, caption)
+        return Drawing(figure, self.candidates, caption)
 
 
 def plan(

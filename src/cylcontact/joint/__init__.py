@@ -4,9 +4,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cylcontact.joint.bush import Bush, BushCheck, check_bush, fitted
     from cylcontact.joint.check import JointCheck, Numbers, check_joint
     from cylcontact.joint.clearance import (
         ClearanceJoint,
+        JointJacobian,
         JointState,
         JointWrench,
         joint_from,
@@ -16,8 +18,11 @@ if TYPE_CHECKING:
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
 
 __all__ = [
+    "Bush",
+    "BushCheck",
     "ClearanceJoint",
     "JointCheck",
+    "JointJacobian",
     "JointState",
     "JointWrench",
     "LoadedJoint",
@@ -25,14 +30,20 @@ __all__ = [
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
+    "check_bush",
     "check_joint",
+    "fitted",
     "joint_from",
     "read_joint",
 ]
 # Loaded on first use: a check of a joint needs no compiler.
 _NAMES = {
+    "bush": ("Bush", "BushCheck", "check_bush", "fitted"),
     "check": ("JointCheck", "Numbers", "check_joint"),
-    "clearance": ("ClearanceJoint", "JointState", "JointWrench", "joint_from", "read_joint"),
+    "clearance": (
+        *("ClearanceJoint", "JointJacobian", "JointState", "JointWrench"),
+        *("joint_from", "read_joint"),
+    ),
     "loaded": ("LoadedJoint",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }

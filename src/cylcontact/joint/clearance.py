@@ -24,7 +24,7 @@ from cylcontact.bodies.material_spec import MaterialSpec
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
 from cylcontact.impact import FACTORS, IMPACT_RATE_FLOOR, hysteresis_factor
-from cylcontact.joint import contact
+from cylcontact.joint import contact, derivatives
 from cylcontact.laws import LAWS, ContactLaw, Housing
 from cylcontact.laws.housing_spec import HousingSpec, in_housing
 from cylcontact.laws.kernels import Kernel, kernel, kernel_load, kernel_stiffness
@@ -186,6 +186,20 @@ class JointWrench(NamedTuple):
     tangential_velocity: FloatArray
     dissipated_power: FloatArray
     flag: NDArray[np.int64]
+
+
+class JointJacobian(NamedTuple):
+    """Derivatives of force and moment of both bodies, in the joint's units.
+
+    Attributes
+    ----------
+    by_position, by_velocity : array of float, shape (..., 6, 6)
+        Rows: force x, force y and moment of the bearing, then of the pin. Columns: x, y and angle
+        of the bearing, then of the pin; or their rates.
+    """
+
+    by_position: FloatArray
+    by_velocity: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -350,13 +364,109 @@ class ClearanceJoint:
             If the state says "no contact" where the surfaces overlap, as in a trial step across the
             onset, the impact rate is the penetration rate of these very arguments.
         """
-        rates, bearings, pins, shape = rows_of(
-            as_floats(state.impact_rate)[..., None], bearing, pin, 6
+        rates, bearings, pins, shape = self._rows(state, bearing, pin)
+        wrench = np.zeros(len(rates), contact.WRENCH)
+        _evaluate(rates, bearings, pins, wrench, self.block, self.kernel.parameters)
+        return JointWrench(**parts_of(wrench, shape))
+
+    def evaluate_jacobian(
+        self, state: JointState, bearing: ArrayLike, pin: ArrayLike
+    ) -> JointJacobian:
+        """Return the derivatives of the forces and moments by the motion of both bodies.
+
+        The impact rate of the state is held. At a kink (first touch, the speeds v0 and v1, the
+        clip of the normal force at zero, the end of the law) the derivative is that of the piece
+        that `evaluate` takes there; it is zero without contact, and NaN for a motion that is not a
+        number.
+
+        Parameters
+        ----------
+        state, bearing, pin
+            As for `evaluate`.
+
+        Returns
+        -------
+        JointJacobian
+
+        Examples
+        --------
+        The stiffness of a pin that is pressed 1 µm in:
+
+        >>> joint = read_joint("datasets/joint.toml")
+        >>> bearing, pin = [0.0] * 6, [51e-6, 0.0, 0.0, 0.0, 0.0, 0.0]
+        >>> by_position, by_velocity = joint.evaluate_jacobian(JointState(0.02), bearing, pin)
+        >>> print(f"{-by_position[3, 3]:.4g} N/m")
+        4.948e+08 N/m
+        """
+        rates, bearings, pins, shape = self._rows(state, bearing, pin)
+        out = np.zeros(len(rates), derivatives.JACOBIAN)
+        _evaluate_jacobian(rates, bearings, pins, out, self.block, self.kernel.parameters)
+        return JointJacobian(*(out[name].reshape(*shape, 6, 6) for name in out.dtype.names or ()))
+
+    def differentiate(
+        self,
+        state: JointState,
+        bearing: ArrayLike,
+        pin: ArrayLike,
+        bearing_along: ArrayLike,
+        pin_along: ArrayLike,
+    ) -> JointWrench:
+        """Return the derivative of every number of the wrench along a direction of the motion.
+
+        Parameters
+        ----------
+        state, bearing, pin
+            As for `evaluate`.
+        bearing_along, pin_along : array_like, shape (6,) or (..., 6)
+            The direction: the change of x, y, angle, v_x, v_y and spin of either body.
+
+        Returns
+        -------
+        JointWrench
+            With the flag 0. Kinks and NaN are as in `evaluate_jacobian`.
+
+        Examples
+        --------
+        >>> joint = read_joint("datasets/joint.toml")
+        >>> bearing, pin = [0.0] * 6, [51e-6, 0.0, 0.0, 0.0, 0.0, 0.0]
+        >>> along = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        >>> change = joint.differentiate(JointState(0.02), bearing, pin, [0.0] * 6, along)
+        >>> print(f"{change.normal_force:.4g} N/m, {change.penetration:.1f}")
+        4.948e+08 N/m, 1.0
+        """
+        rates, bearings, pins, shape = self._rows(state, bearing, pin)
+        first, second = (
+            np.ascontiguousarray(np.broadcast_to(as_floats(along), (*shape, 6)).reshape(-1, 6))
+            for along in (bearing_along, pin_along)
         )
         wrench = np.zeros(len(rates), contact.WRENCH)
-        states = rates.view(contact.STATE)[:, 0]
-        _evaluate(states, bearings, pins, wrench, self.block, self.kernel.parameters)
+        law = self.kernel.parameters
+        _differentiate(rates, bearings, pins, first, second, wrench, self.block, law)
         return JointWrench(**parts_of(wrench, shape))
+
+    def elastic_energy(self, bearing: ArrayLike, pin: ArrayLike) -> FloatArray:
+        """Return the energy that the contact stores, in J or N mm, within 4e-8 of it.
+
+        Parameters
+        ----------
+        bearing, pin
+            As for `evaluate`.
+
+        Returns
+        -------
+        array of float, shape (...)
+            ∫ F_el dδ up to the penetration; 0 without contact.
+
+        Examples
+        --------
+        >>> joint = read_joint("datasets/joint.toml")
+        >>> print(f"{joint.elastic_energy([0.0] * 6, [51e-6, 0.0, 0.0, 0.0, 0.0, 0.0]):.4g} J")
+        0.00019 J
+        """
+        _, bearings, pins, shape = self._rows(self.start(), bearing, pin)
+        out = np.zeros(len(pins))
+        _elastic_energy(bearings, pins, out, self.block, self.kernel.parameters)
+        return out.reshape(shape)
 
     def accept(self, state: JointState, bearing: ArrayLike, pin: ArrayLike) -> JointState:
         """Return the state after an accepted step, or at the onset of a contact.
@@ -372,11 +482,18 @@ class ClearanceJoint:
             Without contact, 0. At the first touch the penetration rate, at least 1 mm/s. Unchanged
             while the contact lasts.
         """
-        rates, bearings, pins, shape = rows_of(
-            as_floats(state.impact_rate)[..., None], bearing, pin, 6
-        )
-        _accept(rates.view(contact.STATE)[:, 0], bearings, pins, self.block)
-        return JointState(rates.reshape(shape) if shape else float(rates[0, 0]))
+        rates, bearings, pins, shape = self._rows(state, bearing, pin)
+        _accept(rates, bearings, pins, self.block)
+        numbers = rates["impact_rate"]
+        return JointState(numbers.reshape(shape) if shape else float(numbers[0]))
+
+    def _rows(
+        self, state: JointState, bearing: ArrayLike, pin: ArrayLike
+    ) -> tuple[Any, FloatArray, FloatArray, tuple[int, ...]]:
+        """Return states and both bodies, one to a row, and the shape of the rows."""
+        rates = as_floats(state.impact_rate)[..., None]
+        numbers, bearings, pins, shape = rows_of(rates, bearing, pin, 6)
+        return numbers.view(contact.STATE)[:, 0], bearings, pins, shape
 
 
 # What a body is, by how many numbers.
@@ -417,6 +534,36 @@ def _evaluate(
     """Write the wrench of each row."""
     for k in range(len(states)):
         contact.evaluate(states[k], bearing[k], pin[k], wrench[k], joint, law)
+
+
+@compiled
+def _evaluate_jacobian(
+    states: Any, bearing: FloatArray, pin: FloatArray, out: Any, joint: Any, law: FloatArray
+) -> None:
+    """Write the derivatives of each row."""
+    for k in range(len(states)):
+        derivatives.evaluate_jacobian(states[k], bearing[k], pin[k], out[k], joint, law)
+
+
+@compiled
+def _differentiate(
+    states: Any, bearing: FloatArray, pin: FloatArray, first: FloatArray, second: FloatArray,
+    out: Any, joint: Any, law: FloatArray,
+) -> None:  # fmt: skip
+    """Write the derivative along the direction of each row."""
+    for k in range(len(states)):
+        derivatives.differentiate(
+            states[k], bearing[k], pin[k], first[k], second[k], out[k], joint, law
+        )
+
+
+@compiled
+def _elastic_energy(
+    bearing: FloatArray, pin: FloatArray, out: FloatArray, joint: Any, law: FloatArray
+) -> None:
+    """Write the energy of each row."""
+    for k in range(len(out)):
+        out[k] = derivatives.elastic_energy(bearing[k], pin[k], joint, law)
 
 
 @compiled

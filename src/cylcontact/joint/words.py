@@ -143,15 +143,20 @@ def joint_from_words(
     if sought == "length":
         rule, remedy = "is what is sought (size length)", "leave it out"
         require(pair.length is None, source, named("length"), pair.length, rule, remedy)
-    load = _load(given.get("load", DEFAULT_LOAD), length, source, named)
-    rim: Any = given.get("rim")
-    if rim not in (None, "free", "held"):
-        rim = _material(rim, source, named("rim"), own)
+    load = load_from_words(given.get("load", DEFAULT_LOAD), length, source, named)
+    rim = rim_from_words(given.get("rim"), source, named, own)
     with blaming(named, source, {"pin": "temperature", "hole": "temperature"}):
         return resolve(
             pair, load, housing=housing, iso=iso, depth=given.get("depth"),
             temperature=given.get("temperature"), rim=rim,
         )  # fmt: skip
+
+
+def rim_from_words(rim: str | None, source: str, named: Named, own: Path | None) -> Any:
+    """Return the state of a rim: free, held, or the material of the frame."""
+    if rim in (None, "free", "held"):
+        return rim
+    return material_from_words(rim, source, named("rim"), own)
 
 
 def _fit(code: str, source: str, named: Named) -> IsoFit:
@@ -160,7 +165,7 @@ def _fit(code: str, source: str, named: Named) -> IsoFit:
     return IsoFit.read(code, source, named("iso"))
 
 
-def _load(load: Any, length: float | None, source: str, named: Named) -> float:
+def load_from_words(load: Any, length: float | None, source: str, named: Named) -> float:
     """Return a load in N/mm from a number of N/mm, or from a text with or without a unit."""
     text = str(load).strip()
     unit = "" if text[-1:].isalpha() or "/" in text else " N/mm"
@@ -237,7 +242,7 @@ def pair_from_words(
         rule = f"has no fit ({named('iso')} {iso.code})"
         remedy = f"leave out {named('contact')}, or {named('iso')}"
         require(contact == "internal", source, named("contact"), contact, rule, remedy)
-    first, second = _bodies(given, source, named, own, contact)
+    first, second = bodies_from_words(given, source, named, own, contact)
     length = given.get("length")
     if iso is not None:
         return CylinderPair.internal(*iso.middle, first, length, second, plane=plane)
@@ -333,7 +338,7 @@ def _require_clearance(
 # --- materials ----------------------------------------------------------------------------------
 
 
-def _bodies(
+def bodies_from_words(
     given: Mapping[str, Any], source: str, named: Named, own: Path | None, contact: str
 ) -> tuple[Material, Material]:
     """Return the materials of bodies i and j: of the hole and the pin, or of the rollers."""
@@ -354,17 +359,17 @@ def _bodies(
             remedy = f"for a pin in a hole give {named('pin')} and {named('hole')}"
         most = 1 if contact == "internal" else 2
         require(len(both) <= most, source, named("material"), None, rule, remedy)
-        bodies = [_material(value, source, named("material"), own) for value in both]
+        bodies = [material_from_words(value, source, named("material"), own) for value in both]
         return bodies[0], bodies[-1]
     wanted = ("hole", "pin") if contact == "internal" else ("material", "material")
     for role in wanted:
         remedy = f"give e.g. {named('material')} 'low-carbon steel', or {named('pin')} and "
         require(role in each, source, named(role), None, "is missing", remedy + named("hole"))
-    hole, pin = (_material(each[role], source, named(role), own) for role in wanted)
+    hole, pin = (material_from_words(each[role], source, named(role), own) for role in wanted)
     return hole, pin
 
 
-def _material(value: Any, source: str, name: str, own: Path | None) -> Material:
+def material_from_words(value: Any, source: str, name: str, own: Path | None) -> Material:
     """Return a material by its name, or by its numbers."""
     from cylcontact.bodies.material import Material, find_material, known_materials
 

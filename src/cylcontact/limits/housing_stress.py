@@ -26,20 +26,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws.conformal.arcs import Bodies
 from cylcontact.laws.conformal.housings import Housing, Kernel, compliances, michell
 from cylcontact.laws.conformal.series import Housed
 from cylcontact.laws.law import require_hole
+from cylcontact.limits.rings import AtRest
 from cylcontact.limits.stress import ComplexArray, PlaneStress, Pressure, in_pin, in_plate
-from cylcontact.limits.yield_search import Criterion, FirstYield, equivalent
+from cylcontact.limits.yield_search import Criterion, FirstYield, equivalent, of_shear
 from cylcontact.support.arrays import FloatArray, as_floats, require
 
 Field = Callable[[FloatArray, FloatArray], PlaneStress]
+Equivalent = Callable[[FloatArray, FloatArray], FloatArray]
 
 # Points of the search: along half the bore and across a wall, and as many within two and three
 # half-widths of the contact; then so many times this many around the largest value.
@@ -48,6 +52,8 @@ _PASSES, _FINE = 5, 7
 _END, _CENTRE = np.pi - 1e-6, 0.02
 # The arcs of the search, 1 − e^−t times the largest, and the accuracy of t.
 _FIRST, _LAST, _EXACT = 1e-6, 23.0, 1e-6
+# With stress at rest: where the scan of the arcs begins, and their number; points along a seat.
+_SCAN_FROM, _SCANNED, _ALONG_SEAT = 0.02, 20, 361
 # Terms of the pressure are left out from where all are below this part of the largest.
 _LEAST = 1e-7
 
@@ -131,14 +137,12 @@ class HousingStress:
             total, difference = np.where(out, 0.0, total), np.where(out, 0.0, difference)
         return PlaneStress(total, difference)
 
-    def largest(
-        self, field: Field, r: FloatArray, nu: float, criterion: Criterion
-    ) -> tuple[float, float, float]:
+    def largest(self, equivalent_at: Equivalent, r: FloatArray) -> tuple[float, float, float]:
         """Return the largest equivalent stress of a body, and r and θ there."""
         near = 2 * np.arctan(self.b * np.linspace(0, 2.03, _NEAR_ALONG))  # not at its very end
         theta = np.unique(np.append(near, np.linspace(0, _END, _ALONG)))
         for _ in range(1 + _PASSES):
-            values = equivalent(field(r, theta), nu, criterion)
+            values = equivalent_at(r, theta)
             i, j = divmod(int(np.argmax(values)), theta.size)
             at = float(values[i, j]), float(r[i]), float(theta[j])
             r, theta = (
@@ -161,12 +165,67 @@ def _eta(w: ComplexArray) -> ComplexArray:
 
 
 def first_yield_in(
-    housing: Housing, pair: CylinderPair, stresses: Sequence[float], criterion: Criterion
+    housing: Housing,
+    pair: CylinderPair,
+    stresses: Sequence[ArrayLike],
+    criterion: Criterion,
+    at_rest: AtRest | None = None,
 ) -> FirstYield:
     """Return the first yield of a pin in a housing: of its rings, from within, and the pin.
 
     It is NaN where the pin leaves a thin eye within the arc before anything yields.
     """
+    return _searched(housing, pair, stresses, criterion, at_rest, lambda s, _: [s.any()])[0]
+
+
+def first_yields_in(
+    housing: Housing,
+    pair: CylinderPair,
+    stresses: Sequence[ArrayLike],
+    criterion: Criterion,
+    at_rest: AtRest | None = None,
+) -> list[FirstYield]:
+    """Return the first yield of each ring of a housing, from within, and of its pin.
+
+    A body whose yield stress is inf has NaN.
+    """
+    return _searched(housing, pair, stresses, criterion, at_rest, lambda s, _: s.each())
+
+
+def seat_opens_in(housing: Housing, pair: CylinderPair, at_rest: AtRest) -> FloatArray:
+    """Return the load in N/mm at which a seat between rings, or the rim in its frame, first opens.
+
+    It is inf where no load opens a seat, and no seat counts that is loose at rest.
+    """
+    stresses = [np.inf] * (len(at_rest.materials) + 1)
+    found = _searched(housing, pair, stresses, "von Mises", at_rest, lambda s, _: [s.opens()])[0]
+    return as_floats(np.where(np.isnan(found.load), np.inf, found.load))
+
+
+def largest_hoop_in(
+    housing: Housing, pair: CylinderPair, load: float, at_rest: AtRest | None = None
+) -> FloatArray:
+    """Return the largest σ_θθ in MPa around the hole's own ring under a load in N/mm.
+
+    It is NaN where the pin leaves the housing at a smaller load.
+    """
+    stresses = [np.inf] * (len(housing.layers) + 2)
+
+    def ask(search: _Search, unit: float) -> list[_Found]:
+        return [_Found(search.hoop(load / unit) / unit, 0, 1.0, 0.0)]
+
+    return _searched(housing, pair, stresses, "von Mises", at_rest, ask)[0].load
+
+
+def _searched(
+    housing: Housing,
+    pair: CylinderPair,
+    stresses: Sequence[ArrayLike],
+    criterion: Criterion,
+    at_rest: AtRest | None,
+    ask: Callable[[_Search, float], list[_Found]],
+) -> list[FirstYield]:
+    """Return what is asked of each element of a pair, with E*·ΔR in N/mm."""
     require_hole("the yield load in a housing", pair)
     require(
         housing.g is None, "yield limit", "housing", housing,
@@ -177,6 +236,15 @@ def first_yield_in(
     which, kernels = housing.kernels(pair)
     layers = [material for material, _ in housing.layers]
     across = 0.0 if pair.plane == "stress" else 1.0
+    rest: list[FloatArray] = []
+    if at_rest is not None:
+        rings, own = len(at_rest.materials), 1 + len(layers)
+        rule, remedy = f"has {rings} rings for {own} of the housing", "give the same rings"
+        require(rings == own, "yield limit", "at_rest", None, rule, remedy)
+        pressures = np.where(at_rest.open, 0.0, at_rest.pressures)
+        numbers = np.concatenate([at_rest.constants, pressures[..., None]], axis=-1)
+        rest = [as_floats(at_rest.radii[0])]
+        rest += [as_floats(numbers[..., k, j]) for k in range(rings) for j in range(4)]
     columns = np.broadcast_arrays(
         np.sqrt(R_i * R_j),
         pair.E_star * as_floats(pair.dR),
@@ -184,53 +252,218 @@ def first_yield_in(
         np.round(pair.beta, 15),
         which,
         *(across * as_floats(body.nu) for body in (pair.material_i, *layers, pair.material_j)),
+        *map(as_floats, stresses),
+        *rest,
     )
     each, which_row = np.unique(
         np.stack([column.ravel() for column in columns]), axis=1, return_inverse=True
     )
-    rows = []
-    for R, unit, w_i, beta, k, *nus in each.T.tolist():
+    rows, count = [], len(stresses)
+    for R, unit, w_i, beta, k, *others in each.T.tolist():
         bodies = Bodies(as_floats(w_i), beta, np.zeros(()), kernels[int(k)])
-        strengths = [stress * R / unit for stress in stresses]
-        phi, body, r, theta = _first_arc(bodies, nus, strengths, criterion)
-        rows.append((phi * unit, body, abs(r - 1) * R, np.degrees(theta)))
-    load, number, depth, angle = (
-        np.array(values)[which_row].reshape(columns[0].shape)[()]
-        for values in zip(*rows, strict=True)
-    )
+        nus, strengths = others[:count], others[count : 2 * count]
+        bore, *constants = others[2 * count :] or [0.0]
+        before = _Before(bore, as_floats(np.reshape(constants, (-1, 4)))) if rest else None
+        search = _Search(bodies, unit / R, nus, strengths, criterion, before)
+        rows.append([(f * unit, k, abs(r - 1) * R, theta) for f, k, r, theta in ask(search, unit)])
     names = np.array(["hole", *(f"layer {k + 1}" for k in range(len(layers))), "pin"])
-    return FirstYield(load, names[number], depth, criterion, angle)
+    answers = []
+    for one in zip(*rows, strict=True):
+        load, number, depth, angle = (
+            np.array(values)[which_row].reshape(columns[0].shape)[()]
+            for values in zip(*one, strict=True)
+        )
+        answers.append(FirstYield(load, names[number], depth, criterion, np.degrees(angle)))
+    return answers
 
 
-def _first_arc(
-    bodies: Bodies, nus: Sequence[float], strengths: Sequence[float], criterion: Criterion
-) -> tuple[float, int, float, float]:
-    """Return φ at which φ·m = T in one of the bodies, the number of the body, and r and θ there."""
-    from scipy.optimize import brentq  # which takes longer to import than the package
+class _Before(NamedTuple):
+    """The state at rest of the rings of one pair: the bore's radius in mm; C, D, S and pressure."""
 
-    series, kernel, last = bodies.remainder, bodies.kernel, float(bodies.last.angle)
-    assert isinstance(series, Housed)
-    assert kernel is not None
+    bore: float
+    constants: FloatArray  # shape (rings, 4), with the pressure at the outer edge
 
-    def at(t: float) -> tuple[float, float, int, float, float]:
-        """Return φ, φ·m/T, the body, r and θ on the arc of 1 − e^−t times the largest."""
-        angle = -last * np.expm1(-t)
+    def stress(self, k: int, r: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+        """Return σ_r, σ_θ and σ_z in MPa in ring k at r in units of R."""
+        C, D, S, _ = self.constants[k]
+        return C - D / (r * self.bore) ** 2, C + D / (r * self.bore) ** 2, float(S)
+
+
+class _Found(NamedTuple):
+    """φ at which something happens, the number of the body, and r and θ there."""
+
+    phi: float
+    body: int
+    r: float
+    theta: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """The search for first yield of one pair over its arcs, 1 − e^−t times the largest."""
+
+    pair: Bodies
+    unit: float  # E*·ΔR/R in MPa
+    nus: Sequence[float]
+    strengths: Sequence[float]  # in MPa
+    criterion: Criterion
+    before: _Before | None
+
+    @cached_property
+    def end(self) -> float:
+        """The last t at which the pin touches its housing along one arc."""
+        series, last = self.pair.remainder, float(self.pair.last.angle)
+        assert isinstance(series, Housed)
+        return _LAST if series.whole_to >= last else -float(np.log1p(-series.whole_to / last))
+
+    def stress_at(self, t: float) -> tuple[float, HousingStress]:
+        """Return φ, and the stresses in units of f/R."""
+        series, kernel = self.pair.remainder, self.pair.kernel
+        assert isinstance(series, Housed)
+        assert kernel is not None
+        angle = -float(self.pair.last.angle) * np.expm1(-t)
         b = float(np.tan(angle / 2))
-        arc = bodies.arc(as_floats(1 / (b**2 * (1 + b**2))))
-        phi = float(np.pi * arc.S / arc.k)
+        arc = self.pair.arc(as_floats(1 / (b**2 * (1 + b**2))))
         coefficients = chebyshev.chebval(2 * angle / series.top - 1, series.coefficients) / b
         size = np.flatnonzero(np.abs(coefficients) > _LEAST * np.abs(coefficients).max())[-1] + 1
         stress = HousingStress(kernel, b, as_floats(coefficients[:size]))
-        answers = []
-        for k, (field, radii) in enumerate(stress.bodies()):
-            m, r, theta = stress.largest(field, radii, nus[k], criterion)
-            answers.append((phi, phi * m / strengths[k], k, r, theta))
-        return max(answers, key=lambda each: each[1])
+        return float(np.pi * arc.S / arc.k), stress
 
-    end = _LAST if series.whole_to >= last else -float(np.log1p(-series.whole_to / last))
-    _, share, body, r, theta = at(end)
-    if share < 1:  # the pin leaves the eye within the arc before
-        return np.nan, body, np.nan, np.nan
-    t = brentq(lambda t: np.log(at(t)[1]), _FIRST, end, rtol=_EXACT)
-    phi, _, body, r, theta = at(t)
-    return phi, body, r, theta
+    def shares(self, t: float, only: int | None = None) -> list[tuple[float, _Found]]:
+        """Return the largest stress over strength on an arc, and where, of each body or one."""
+        phi, stress = self.stress_at(t)
+        found = []
+        for k, (field, radii) in enumerate(stress.bodies()):
+            if (only is None or k == only) and np.isfinite(self.strengths[k]):
+                m, r, theta = stress.largest(self._equivalent(k, field, phi), radii)
+                found.append((m / self.strengths[k], _Found(phi, k, r, theta)))
+        return found
+
+    def _equivalent(self, k: int, field: Field, phi: float) -> Equivalent:
+        """Return the function of the equivalent stress in MPa of body k."""
+        nu, before, per = self.nus[k], self.before, phi * self.unit
+
+        def of_load(r: FloatArray, theta: FloatArray) -> FloatArray:
+            return per * equivalent(field(r, theta), nu, self.criterion)
+
+        def of_both(r: FloatArray, theta: FloatArray) -> FloatArray:
+            assert before is not None
+            total, difference = field(r, theta)
+            radial, hoop, axial = before.stress(k, r[:, None])
+            half = np.abs(per * difference + hoop - radial) / 2
+            across = np.abs(per * (0.5 - nu) * total + (radial + hoop) / 2 - axial)
+            return of_shear(as_floats(half), as_floats(across), self.criterion)
+
+        return of_load if before is None or k == len(before.constants) else of_both
+
+    def any(self) -> _Found:
+        """Return the first yield of all bodies."""
+        if self.before is not None:
+            found = self.each()
+            return min(found, key=lambda each: np.nan_to_num(each.phi, nan=np.inf))
+
+        def largest(t: float) -> tuple[float, _Found]:
+            return max(self.shares(t), key=lambda each: each[0])
+
+        return self._bracketed(largest, _FIRST, self.end)
+
+    def each(self) -> list[_Found]:
+        """Return the first yield of each body, with φ = 0 where it yields at rest."""
+        if self.before is None:
+            return [
+                self._bracketed(partial(self._one, body), _FIRST, self.end)
+                for body in range(len(self.strengths))
+            ]
+        brackets: dict[int, tuple[float, float]] = {}
+        low, count = _FIRST, sum(map(np.isfinite, self.strengths))
+        for t in np.geomspace(_SCAN_FROM, self.end, _SCANNED).tolist():
+            for share, where in self.shares(t):
+                if share >= 1:
+                    brackets.setdefault(where.body, (low, t))
+            if len(brackets) == count:
+                break
+            low = t
+        return [
+            self._at_rest(body)
+            or self._bracketed(partial(self._one, body), *brackets.get(body, (_FIRST, self.end)))
+            for body in range(len(self.strengths))
+        ]
+
+    def _one(self, body: int, t: float) -> tuple[float, _Found]:
+        """Return the largest stress over strength of one body."""
+        return next(iter(self.shares(t, body)), (0.0, _Found(np.nan, body, np.nan, np.nan)))
+
+    def _at_rest(self, body: int) -> _Found | None:
+        """Return φ = 0 at the inner edge of a ring, where it yields first, if it yields at rest."""
+        before = self.before
+        if before is None or body == len(before.constants):
+            return None
+        kernel = self.pair.kernel
+        assert kernel is not None
+        inner = kernel.rings[body].inner
+        radial, hoop, axial = before.stress(body, as_floats(inner))
+        half, across = abs(hoop - radial) / 2, abs((radial + hoop) / 2 - axial)
+        yields = of_shear(half, across, self.criterion) >= self.strengths[body]
+        return _Found(0.0, body, inner, 0.0) if yields else None
+
+    def opens(self) -> _Found:
+        """Return the load at which an edge that is pressed together at rest first pulls."""
+        before, kernel = self.before, self.pair.kernel
+        assert before is not None
+        assert kernel is not None
+        theta = np.linspace(0, _END, _ALONG_SEAT)
+        pressed = {k: p for k, p in enumerate(before.constants[:, 3].tolist()) if p > 0}
+
+        def pull(t: float) -> tuple[float, _Found]:
+            phi, stress = self.stress_at(t)
+            found = [(0.0, _Found(np.nan, 0, np.nan, np.nan))]
+            for k, pressure in pressed.items():
+                r = kernel.rings[k].outer
+                total, difference = stress.in_ring(k, as_floats([r]), theta)
+                radial = phi * self.unit * (total - difference.real)[0] / 2
+                j = int(np.argmax(radial))
+                at = _Found(phi, k, r, float(theta[j]))
+                found.append((float(radial[j]) / pressure, at))
+            return max(found, key=lambda each: each[0])
+
+        low = _FIRST
+        for t in np.geomspace(_SCAN_FROM, self.end, _SCANNED).tolist():
+            if pull(t)[0] >= 1:
+                return self._bracketed(pull, low, t)
+            low = t
+        return _Found(np.nan, 0, np.nan, np.nan)
+
+    def hoop(self, phi: float) -> float:
+        """Return the largest σ_θθ in MPa beyond the hole's own ring under φ, with that at rest."""
+        end, _ = self.pair.end
+        if phi > end:
+            return np.nan
+        angle = float(self.pair.arc_of_load(as_floats(phi)).angle)
+        _, stress = self.stress_at(-float(np.log1p(-angle / float(self.pair.last.angle))))
+        largest = -np.inf
+        for k, (field, radii) in enumerate(stress.bodies()):
+
+            def along(
+                r: FloatArray, theta: FloatArray, k: int = k, field: Field = field
+            ) -> FloatArray:
+                total, difference = field(r, theta)
+                rest = 0.0 if self.before is None else self.before.stress(k, r[:, None])[1]
+                return as_floats(phi * self.unit * (total + difference.real) / 2 + rest)
+
+            if 0 < k < len(self.strengths) - 1:
+                largest = max(largest, stress.largest(along, radii)[0])
+        return largest
+
+    def _bracketed(
+        self, of: Callable[[float], tuple[float, _Found]], low: float, high: float
+    ) -> _Found:
+        """Return what is found where a share is 1: NaN if it is less at `high`."""
+        from scipy.optimize import brentq  # which takes longer to import than the package
+
+        share, found = of(high)
+        if share < 1:  # the pin leaves the eye within the arc before
+            return _Found(np.nan, found.body, np.nan, np.nan)
+        share, found = of(low)
+        if share >= 1:  # below the first arc the contact is Hertz's, and the stress as √φ
+            return found._replace(phi=found.phi / share**2 if self.before is None else found.phi)
+        return of(brentq(lambda t: np.log(of(t)[0]), low, high, rtol=_EXACT))[1]

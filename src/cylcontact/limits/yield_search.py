@@ -16,6 +16,7 @@ arcs where the place of first yield jumps, and 5e-6 in most.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal, NamedTuple
@@ -27,7 +28,14 @@ from cylcontact.bodies.pair import CylinderPair
 from cylcontact.laws.conformal.arcs import Bodies
 from cylcontact.laws.conformal.series import persson_peak, remainder
 from cylcontact.limits.stress import PlaneStress, Pressure, in_pin, in_plate, pressure_along
-from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.arrays import (
+    FloatArray,
+    as_floats,
+    blocks,
+    distinct_columns,
+    fewest_kinds,
+    on_all_cores,
+)
 
 Criterion = Literal["von Mises", "Tresca", "Hertz"]
 
@@ -43,8 +51,10 @@ _SMALL_BETA = 1e-4
 # and some way beyond the centre; points of the first pass, of the others, and how many of these.
 _DEPTH, _FARTHEST = 3.0, {"hole": 0.9, "pin": 3.0}
 _COARSE, _FINE, _PASSES = 40, 7, 5
-# Each step cuts the error of ln f to half or less.
-_STEPS = 40
+# Each step cuts the error of ln f to a third or less: 25 leave 3e-12.
+_STEPS = 25
+# Kinds of joints, of other β, κ or ν, from which all are searched in compiled code; at a time.
+_FEW, _ROWS = 8, 4096
 
 
 @dataclass(frozen=True)
@@ -71,7 +81,9 @@ class FirstYield:
     angle: FloatArray | float = 0.0
 
     def __str__(self) -> str:
-        """Return the load and the place of one pair in words."""
+        """Return the load and the place of one pair in words; of several their numbers."""
+        if np.ndim(self.load):
+            return repr(self)
         if np.isnan(self.load):
             return "no load at which the pin touches its housing along one arc"
         words = {"hole": "the hole", "pin": "the pin", "i": "body i", "j": "body j"}
@@ -80,6 +92,14 @@ class FirstYield:
         place = f"{self.depth:.2g} mm below {surface}" if self.depth > 0 else f"at {surface}"
         place += f", {self.angle:.0f}° from the load" if self.angle >= 0.5 else ""
         return f"{self.load:,.0f} N/mm ({self.criterion}, in {body}, {place})"
+
+    def take(self, index: int, shape: tuple[int, ...]) -> FirstYield:
+        """Return that of one element of arrays of a shape."""
+        load, body, depth, angle = (
+            np.broadcast_to(each, shape).flat[index]
+            for each in (self.load, self.body, self.depth, self.angle)
+        )
+        return FirstYield(load, body, depth, self.criterion, angle)
 
 
 class Body(NamedTuple):
@@ -99,16 +119,16 @@ class _Table(NamedTuple):
 
 
 def find_first_yield(
-    pair: CylinderPair, stresses: tuple[float, float], criterion: Criterion
+    pair: CylinderPair, stresses: tuple[FloatArray, FloatArray], criterion: Criterion
 ) -> FirstYield:
     """Return the first yield of a pair whose bodies i and j have these yield stresses in MPa."""
-    is_hole = pair.contact == "internal"
-    loads, depths = (_of_hole if is_hole else _of_rollers)(pair, stresses, criterion)
+    if pair.contact == "internal":
+        return _of_hole(pair, stresses, criterion)
+    loads, depths = _of_rollers(pair, stresses, criterion)
     second = loads[1] < loads[0]
-    first_name, second_name = ("hole", "pin") if is_hole else ("i", "j")
     return FirstYield(
         as_floats(np.where(second, loads[1], loads[0])),
-        np.where(second, second_name, first_name)[()],
+        np.where(second, "j", "i")[()],
         as_floats(np.where(second, depths[1], depths[0])),
         criterion,
     )
@@ -116,7 +136,16 @@ def find_first_yield(
 
 def equivalent(stress: PlaneStress, nu: float, criterion: Criterion) -> FloatArray:
     """Return the equivalent stress by von Mises or Tresca, with σ_zz = ν·(σ_rr + σ_θθ)."""
-    half, across = np.abs(stress.difference) / 2, np.abs(0.5 - nu) * np.abs(stress.total)
+    return of_shear(
+        np.abs(stress.difference) / 2, np.abs(0.5 - nu) * np.abs(stress.total), criterion
+    )
+
+
+def of_shear(half: FloatArray, across: FloatArray, criterion: Criterion) -> FloatArray:
+    """Return the equivalent stress from the shear in the plane and the distance of σ_zz.
+
+    These are (σ_1 − σ_2)/2 and |(σ_1 + σ_2)/2 − σ_zz|, with the principal stresses in the plane.
+    """
     if criterion == "Tresca":
         return as_floats(np.maximum(2 * half, half + across))
     return as_floats(np.sqrt(3 * half**2 + across**2))
@@ -181,25 +210,55 @@ def _rows(angle: FloatArray, body: Body, beta: float, criterion: Criterion) -> _
 
 
 def _of_hole(
-    pair: CylinderPair, stresses: tuple[float, float], criterion: Criterion
-) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Return the load of first yield in each body of a pin in a hole, and the depth there."""
+    pair: CylinderPair, stresses: tuple[FloatArray, FloatArray], criterion: Criterion
+) -> FirstYield:
+    """Return the first yield of a pin in a hole: many kinds of joints by `many_yields`."""
     R_i, R_j = pair.radii("the yield load")
     (kappa_i, kappa_j), (nu_i, nu_j) = pair.kolosov, _across(pair)
-    own = np.sqrt(R_i * R_j), pair.E_star * as_floats(pair.dR), pair.shares[0]
-    columns = np.broadcast_arrays(*own, pair.beta, kappa_i, nu_i, kappa_j, nu_j)
-    R, unit, w_i, *kinds = (column.ravel() for column in columns)
-    each, which = np.unique(np.stack(kinds), axis=1, return_inverse=True)
-    loads, depths = np.empty((2, R.size)), np.empty((2, R.size))
-    for k, (beta, *numbers) in enumerate(each.T.tolist()):
-        here = which.ravel() == k
+    R, unit = as_floats(np.sqrt(R_i * R_j)), pair.E_star * as_floats(pair.dR)
+    strengths = [as_floats(stress * R / unit) for stress in stresses]
+    joints = pair.shares[0], pair.beta, kappa_i, nu_i, kappa_j, nu_j
+    columns = np.broadcast_arrays(R, unit, *strengths, *joints)
+    shape = columns[0].shape
+    R, unit, *rows = (column.ravel() for column in columns)
+    found = np.full((3, R.size), np.nan)  # φ, whether it is in the pin, and the depth over R
+    if R.size > _FEW and fewest_kinds(rows[3:]) > _FEW:
+        from cylcontact.limits.many_yields import yields_of_many  # which imports numba
+
+        def fill(here: slice) -> None:
+            block = np.stack([row[here] for row in rows])
+            found[:, here] = yields_of_many(block[2:], block[:2], criterion == "Tresca")
+
+        on_all_cores(fill, blocks(R.size, _ROWS))
+    left = np.flatnonzero(np.isnan(found[0]))
+    if left.size:
+        found[:, left] = _searched([row[left] for row in rows], criterion)
+    phi, in_pin, depth = found
+    return FirstYield(
+        as_floats((phi * unit).reshape(shape)),
+        np.where(in_pin > 0, "pin", "hole").reshape(shape)[()],
+        as_floats((depth * R).reshape(shape)),
+        criterion,
+    )
+
+
+def _searched(rows: Sequence[FloatArray], criterion: Criterion) -> FloatArray:
+    """Return φ of first yield, whether it is in the pin, and the depth over R, by tables."""
+    found = np.empty((3, rows[0].size))
+    strengths, w_i = rows[:2], rows[2]
+    kinds, places = distinct_columns(rows[3:])
+    for (beta, *numbers), here in zip(kinds.T.tolist(), places, strict=True):
         bodies = Bodies(w_i[here], beta, np.zeros(1))
-        for n, body in enumerate((Body("hole", *numbers[:2]), Body("pin", *numbers[2:]))):
-            strength = stresses[n] * R[here] / unit[here]
-            phi, depth = _first_arc(strength, bodies, _table(body, beta, criterion))
-            loads[n, here], depths[n, here] = phi * unit[here], depth * R[here]
-    shape = (2, *columns[0].shape)
-    return list(loads.reshape(shape)), list(depths.reshape(shape))
+        both = Body("hole", *numbers[:2]), Body("pin", *numbers[2:])
+        (phi, depth), (of_pin, depth_of_pin) = (
+            _first_arc(strength[here], bodies, _table(body, beta, criterion))
+            for body, strength in zip(both, strengths, strict=True)
+        )
+        in_pin = of_pin < phi
+        found[:, here] = (
+            np.where(in_pin, of_pin, phi), in_pin, np.where(in_pin, depth_of_pin, depth)
+        )  # fmt: skip
+    return found
 
 
 def _first_arc(
@@ -231,7 +290,7 @@ def _depth(angle: FloatArray, table: _Table) -> FloatArray:
 
 
 def _of_rollers(
-    pair: CylinderPair, stresses: tuple[float, float], criterion: Criterion
+    pair: CylinderPair, stresses: tuple[FloatArray, FloatArray], criterion: Criterion
 ) -> tuple[list[FloatArray], list[FloatArray]]:
     """Return the load of first yield in each of two rollers, by Hertz's stresses on the axis."""
     loads, depths = [], []

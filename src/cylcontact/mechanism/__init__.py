@@ -2,6 +2,7 @@
 
 from cylcontact.joint import (
     ClearanceJoint,
+    JointJacobian,
     JointState,
     JointWrench,
     SpatialJoint,
@@ -21,6 +22,7 @@ __all__ = [
     "Case",
     "ClearanceJoint",
     "Interrupted",
+    "JointJacobian",
     "JointState",
     "JointWrench",
     "LawDomainError",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import chain
@@ -57,7 +57,7 @@ MOST_TICKS = 9
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure, the numbers drawn in it, the ones that sum it up, and its caption.
+    """A figure, the numbers drawn in it, and its caption.
 
     Attributes
     ----------
@@ -65,19 +65,13 @@ class Drawing:
         Made without pyplot.
     table : pandas.DataFrame
         The numbers drawn, one row each, units in the columns' names.
-    headline : mapping of str to float
-        The main results, which tests check.
     caption : str
         What the figure shows, for the line below it: 60 words at most.
-    method : str
-        How it was made: choices, assumptions, coefficients and sources, for a note beside it.
     """
 
     figure: Figure
     table: pd.DataFrame
-    headline: Mapping[str, float]
     caption: str
-    method: str = ""
 
     def _repr_html_(self) -> str:
         """Show the figure with its caption in a notebook."""
@@ -87,8 +81,7 @@ class Drawing:
         picture = base64.b64encode(stream.getvalue()).decode("ascii")
         caption = escape(self.caption)
         image = f'<img alt="{caption}" src="data:image/png;base64,{picture}">'
-        note = f"<p><small>{escape(self.method)}</small></p>" if self.method else ""
-        return f"<figure>{image}<figcaption>{caption}{note}</figcaption></figure>"
+        return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
 
 
 class StyledFigure(Figure):

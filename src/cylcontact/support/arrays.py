@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import fields
 from functools import lru_cache
@@ -22,6 +24,8 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IndexArray = NDArray[np.intp]
 require = errors.require
+# Rows that are looked at to see whether many are alike.
+_SAMPLE = 1024
 
 
 def as_floats(values: object) -> FloatArray:
@@ -141,3 +145,32 @@ def require_not_negative(value: ArrayLike, source: str, key: str, remedy: str) -
     holds = (numbers >= 0) & np.isfinite(numbers)
     require(holds, source, key, value, "must be finite and not negative", remedy)
     return numbers
+
+
+def blocks(size: int, most: int) -> Iterator[slice]:
+    """Return slices of at most so many numbers."""
+    return (slice(first, min(first + most, size)) for first in range(0, size, most))
+
+
+def on_all_cores(function: Callable[[Any], None], parts: Iterable[Any]) -> None:
+    """Call a function for all parts in threads, which is of use where most of it is compiled."""
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        list(pool.map(function, parts))
+
+
+def distinct_columns(rows: Sequence[FloatArray]) -> tuple[FloatArray, list[IndexArray]]:
+    """Return the distinct columns of rows of one length, and where each of them is."""
+    which = np.zeros(rows[0].size, dtype=np.intp)
+    for row in rows:  # sorting numbers is much faster than sorting columns
+        if row.strides != (0,):
+            values, number = np.unique(row, return_inverse=True)
+            which = np.unique(which * values.size + number, return_inverse=True)[1]
+    order = np.argsort(which, kind="stable")
+    places = np.split(order, np.flatnonzero(np.diff(which[order])) + 1)
+    return np.stack([row[[place[0] for place in places]] for row in rows]), places
+
+
+def fewest_kinds(rows: Sequence[FloatArray]) -> int:
+    """Return how many distinct columns a sample of rows has: at least so many are in all."""
+    sample = np.stack([row[:: rows[0].size // _SAMPLE + 1] for row in rows])
+    return int(np.unique(sample, axis=1).shape[1])

@@ -30,7 +30,7 @@ _OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
 
 PACKAGE = Path(__file__).parents[1]
 # The packages and modules that contain compiled functions and their constants.
-PARTS = ("impact", "laws", "joint", "mechanism", "support/numba_cache")
+PARTS = ("impact", "laws", "limits", "joint", "mechanism", "support/numba_cache")
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 

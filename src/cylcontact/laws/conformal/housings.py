@@ -16,7 +16,8 @@ where C is the part of the pin alone, because g_11 has the plate's. With P_m = �
 **A ring.** By Kolosov 2μ(u_r + i·u_θ)·e^{iθ} = κφ − z·φ̄′ − ψ̄ and σ_rr − iσ_rθ = 2Re φ′ −
 e^{2iθ}(z̄·φ″ + ψ′). For cos nθ there are four terms, φ = z^(1±n) and ψ = z^(−1±n); for n = 1 the
 second is φ = ln z with ψ = −κ·ln z, which has a resultant. Bonded rings of several materials share
-displacements and tractions at their interfaces. With a unit pressure cos nθ on the bore, U_n =
+displacements and tractions at their interfaces; rings that slide share u_r and σ_rr, and σ_rθ is
+zero on both sides. With a unit pressure cos nθ on the bore, U_n =
 2μu_r there and (κ + 1)/(8μ) = w_i/E*, g_nn is 2w_i/(κ + 1)·(U_n − that of the plate), and half of
 it for n = 0. One ring on a rigid frame has, with Q = ρ² and Z = Qⁿ, the closed form
 
@@ -72,6 +73,7 @@ class Ring(NamedTuple):
     outer: float
     kappa: float
     mu: float
+    slides: bool = False  # on the ring within, without shear between them
 
 
 @dataclass(frozen=True)
@@ -172,8 +174,11 @@ class Housing:
     clamp : "rim" or Sector
         What is clamped of the rim.
     layers : sequence of (Material, float)
-        Rings bonded around the hole's own, from within, each with its inner radius in mm: a bush
-        of the pair's material for the hole, in a lug of another.
+        Rings around the hole's own, from within, each with its inner radius in mm: a bush of the
+        pair's material for the hole, in a lug of another.
+    seat : {"bonded", "sliding"}
+        Whether rings are bonded to each other, as if they were glued or cast, or only pressed
+        together: a seat without friction has no shear, and stays closed.
 
     Raises
     ------
@@ -208,6 +213,7 @@ class Housing:
     clamp: Literal["rim"] | Sector = "rim"
     layers: Sequence[tuple[Material, float]] = ()
     g: tuple[tuple[float, ...], ...] | None = field(default=None, repr=False)
+    seat: Literal["bonded", "sliding"] = "bonded"
 
     def __post_init__(self) -> None:
         if self.g is not None:
@@ -230,12 +236,19 @@ class Housing:
         known = isinstance(self.clamp, Sector) or self.clamp == "rim"
         rule, remedy = "must be 'rim' or a Sector", 'e.g. clamp=laws.Sector(60, side="pulled")'
         require(known, "Housing", "clamp", self.clamp, rule, remedy)
+        rule, remedy = "must be 'bonded' or 'sliding'", "sliding for a bush that is pressed in"
+        require(self.seat in ("bonded", "sliding"), "Housing", "seat", self.seat, rule, remedy)
+        rule, remedy = "is for a ring around the hole's own", "give it with layers=[(lug, 12.0)]"
+        require(
+            self.seat == "bonded" or bool(self.layers), "Housing", "seat", self.seat, rule, remedy
+        )
 
     def __str__(self) -> str:
         if self.g is not None:
             return "a housing of given compliances"
+        joined = "bonded at {:g} mm to" if self.seat == "bonded" else "sliding at {:g} mm in"
         rings = "".join(
-            f", bonded at {radius:g} mm to one of E = {1e-3 * material.E:g} GPa"
+            f", {joined.format(radius)} one of E = {1e-3 * material.E:g} GPa"
             for material, radius in self.layers
         )
         where = "all round"
@@ -327,20 +340,20 @@ class Housing:
         R_i, w_i, *elastic = row
         radii = [1.0, *(radius / R_i for _, radius in self.layers), self.R_o / R_i]
         rings = tuple(
-            Ring(radii[k], radii[k + 1], elastic[2 * k], elastic[2 * k + 1] / elastic[1])
-            for k in range(len(radii) - 1)
+            Ring(radii[k], radii[k + 1], elastic[2 * k], elastic[2 * k + 1] / elastic[1], slides)
+            for k, slides in enumerate([False, *[self.seat == "sliding"] * len(self.layers)])
         )
         return _kernel_of(rings, w_i, None if self.clamp == "rim" else self.clamp)
 
 
 @lru_cache(maxsize=256)
 def _kernel_of(rings: tuple[Ring, ...], w_i: float, sector: Sector | None) -> Kernel:
-    """Return the kernel of bonded rings, clamped on the whole rim or on a sector of it."""
+    """Return the kernel of rings, clamped on the whole rim or on a sector of it."""
     return Kernel(w_i * compliances(rings, sector).g, rings, sector)
 
 
 class Compliances(NamedTuple):
-    """What bonded rings do under loads cos nθ, n from 0.
+    """What rings do under loads cos nθ, n from 0.
 
     `terms`, shape (n, rings, 4, 3), are the coefficients of `michell` in each ring under a pressure
     on the bore with the rim clamped, and under 2μu_r and 2μu_θ of the rim with the bore free.
@@ -354,7 +367,7 @@ class Compliances(NamedTuple):
 
 @lru_cache(maxsize=64)
 def compliances(rings: tuple[Ring, ...], sector: Sector | None) -> Compliances:
-    """Return what bonded rings do, clamped on the whole rim or on a sector of it."""
+    """Return what rings do, clamped on the whole rim or on a sector of it."""
     count = _harmonics(rings[0].outer) + 1
     n = np.arange(count if sector is None else max(count, _LINEAR_FROM + 1))
     kappa, last = rings[0].kappa, rings[-1]
@@ -385,9 +398,16 @@ def _responses(n: IndexArray, rings: tuple[Ring, ...]) -> FloatArray:
     """Return the coefficients of the terms of each ring, as `Compliances` has them."""
     size = 4 * len(rings)
     system, applied = np.zeros((n.size, size, size)), np.zeros((n.size, size, 3))
+    moves = n > 0  # for n = 0 a ring that slides could turn
     for k, ring in enumerate(rings):
         inner, outer = (michell(n, ring, r)[:, :4] for r in (ring.inner, ring.outer))
         own = slice(4 * k, 4 * k + 4)
+        # The rows of an interface are u_r, u_θ, σ_rr and σ_rθ, equal on both sides. Where it slides
+        # the shear of the outer ring is zero in the place of u_θ, and the inner's in that of σ_rθ.
+        if ring.slides:
+            inner[moves, 1], inner[moves, 3] = inner[moves, 3], 0.0
+        if ring is not rings[-1] and rings[k + 1].slides:
+            outer[moves, 1] = 0.0
         system[:, max(4 * k - 2, 0) : 4 * k + 2, own] = inner if k else inner[:, 2:]
         system[:, 4 * k + 2 : 4 * k + 6, own] = outer[:, :2] if ring is rings[-1] else -outer
     applied[:, 0, 0] = -1

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +20,11 @@ from cylcontact.support.arrays import (
     FloatArray,
     IndexArray,
     as_floats,
+    blocks,
+    distinct_columns,
+    fewest_kinds,
     inside_or_nan,
+    on_all_cores,
     on_one_thread,
     require,
 )
@@ -40,8 +42,6 @@ _ROUNDING = 1e-14
 _ROWS, _FEW = 16384, 200
 # Rows of one pair of materials from which a curve of their own is faster than a search for each.
 _SHARED = 40_000
-# Rows that are looked at to see whether there are few pairs of materials.
-_SAMPLE = 1024
 
 Datum = Literal["johnson"] | float | Housing
 
@@ -294,11 +294,11 @@ class Conformal:
 
         if _are_one(parts):
             curve = _curve_of(parts, kernels)
-            for here in _blocks(size, BLOCK):
+            for here in blocks(size, BLOCK):
                 fill(curve, here)
         else:
             rows = [np.broadcast_to(column, (size,)) for column in columns[2 + len(asked) :]]
-            if isinstance(self.datum, Housing) or _are_few(rows):
+            if isinstance(self.datum, Housing) or fewest_kinds(rows) * _SHARED <= size:
                 _fill_by_curves(fill, rows, kernels)
             else:
                 _fill_by_search(fill, rows[:3], increasing=isinstance(self.datum, str))
@@ -355,11 +355,6 @@ def _load_unit(pair: CylinderPair) -> FloatArray:
     return as_floats(pair.E_star * as_floats(pair.dR))
 
 
-def _blocks(size: int, most: int) -> Iterator[slice]:
-    """Return slices of at most so many numbers."""
-    return (slice(first, min(first + most, size)) for first in range(0, size, most))
-
-
 def _are_one(parts: list[FloatArray]) -> bool:
     """Return whether the rows of a pair have one curve."""
     return not any(part.ndim and np.ptp(part) > _ROUNDING for part in parts)
@@ -383,32 +378,13 @@ def _curve_of(parts: list[FloatArray], kernels: Sequence[Kernel | None]) -> Curv
     return _curve(_bodies(w_i, beta, C, kernels[0]))
 
 
-def _are_few(rows: Sequence[FloatArray]) -> bool:
-    """Return whether rows of materials are of so few pairs that a curve for each is faster."""
-    size = rows[0].size
-    sample = np.stack([row[:: size // _SAMPLE + 1] for row in rows])
-    return bool(np.unique(sample, axis=1).shape[1] * _SHARED <= size)
-
-
-def _kinds(rows: Sequence[FloatArray]) -> tuple[FloatArray, list[IndexArray]]:
-    """Return the distinct columns of rows, and where each is."""
-    which = np.zeros(rows[0].size, dtype=np.intp)
-    for row in rows:  # a sort of numbers is much faster than one of columns
-        if row.strides != (0,):
-            values, number = np.unique(row, return_inverse=True)
-            which = np.unique(which * values.size + number, return_inverse=True)[1]
-    order = np.argsort(which, kind="stable")
-    places = np.split(order, np.flatnonzero(np.diff(which[order])) + 1)
-    return np.stack([row[[place[0] for place in places]] for row in rows]), places
-
-
 def _fill_by_curves(
     fill: Callable[[_Curves, IndexArray], None],
     rows: Sequence[FloatArray],
     kernels: Sequence[Kernel | None],
 ) -> None:
     """Fill in the results of rows that have a curve each, several curves at a time."""
-    keys, places = _kinds(rows)
+    keys, places = distinct_columns(rows)
 
     def fill_one(k: int) -> None:
         *key, kernel = keys[:, k].tolist()
@@ -417,7 +393,7 @@ def _fill_by_curves(
         fill(_curve(bodies) if here.size > _FEW else bodies, here)
 
     with on_one_thread():
-        _on_all_cores(fill_one, range(len(places)))
+        on_all_cores(fill_one, range(len(places)))
 
 
 def _fill_by_search(
@@ -432,13 +408,7 @@ def _fill_by_search(
             many.require_increasing()
         fill(many, here)
 
-    _on_all_cores(fill_block, _blocks(rows[0].size, _ROWS))
-
-
-def _on_all_cores(function: Callable[[Any], None], parts: Iterable[Any]) -> None:
-    """Call a function for all parts."""
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        list(pool.map(function, parts))
+    on_all_cores(fill_block, blocks(rows[0].size, _ROWS))
 
 
 @dataclass(frozen=True)

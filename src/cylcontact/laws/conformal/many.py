@@ -16,6 +16,7 @@ This module imports numba, which is slow: import it where it is needed.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, ClassVar, NamedTuple
@@ -41,7 +42,7 @@ STEPS, SMALL_STEP = 80, 1e-5
 LEAST_Q, MOST_Q = 1e-70, 1e308
 SERIES_END = series.SERIES_END
 SERIES = tuple(series.SERIES_OF_HOOP.tolist())
-_SUMS_IN_ANY_ORDER = {"contract", "nsz", "reassoc"}
+FAST = {"contract", "nsz", "reassoc"}  # sums in any order
 
 
 class State(NamedTuple):
@@ -102,7 +103,7 @@ class Many:
         for known, known_by_load, state in self._known:
             if known is x and known_by_load == by_load:
                 return state
-        table, out = _over_beta(), np.empty((len(State._fields), x.size))
+        table, out = table_of_arcs(), np.empty((len(State._fields), x.size))
         scratch = np.empty(table.shape[1] + table.shape[2])
         _solved((self.w_i, self.beta, self.C), x, by_load, table, scratch, out)
         for k in np.flatnonzero(np.isnan(out[0])):
@@ -124,13 +125,18 @@ def _alone(w_i: float, beta: float, C: float, x: float, *, by_load: bool) -> Sta
 
 
 @cache
+def table_of_arcs() -> FloatArray:
+    """Return the series over β of what β adds to the arcs."""
+    return over_beta(lambda beta: series.of_beta(beta)[:, :COLUMNS])
+
+
 @on_one_thread()
-def _over_beta() -> FloatArray:
+def over_beta(of_beta: Callable[[float], FloatArray]) -> FloatArray:
     """Return the series in |β|^(1/4) of those in ε over |β|, shape (2, betas, nodes·columns)."""
     r = FIRST_R + (LAST_R - FIRST_R) * (1 + chebyshev.chebpts1(_BETAS)) / 2
     table = []
     for sign in (-1, 1):
-        rows = [series.of_beta(sign * x**4)[:, :COLUMNS] / x**4 for x in r.tolist()]
+        rows = [of_beta(sign * x**4) / x**4 for x in r.tolist()]
         table.append(series.fitted(np.reshape(rows, (_BETAS, -1))))
     return np.stack(table)
 
@@ -222,20 +228,31 @@ def arc_of(q: float, w: float, C: float, top: float, columns: FloatArray) -> Arc
 
 
 @inlined
-def arc_sought(
-    w: float, beta: float, C: float, each: float, by_load: bool, top: float, columns: FloatArray
-) -> tuple[Arc, float]:
-    """Return the arc where K or K/L is `each`, and the last step to it in ln b²; NaN if not found.
-
-    The start is exact for small and large loads and penetrations.
-    """
+def end_of(w: float, beta: float) -> float:
+    """Return about the q of the largest arc."""
     c = largest_c(max(w + beta, 1e-35))
-    end = c * c / (1 - c)
-    q = each + end
-    if not by_load:
-        L = arc_of(end, w, C, top, columns).L
-        of_L = math.exp(min(C + w - L, 10.0)) * each
-        q = (L + math.log1p(of_L * (L + math.log1p(2.7 * of_L)))) * each + end
+    return c * c / (1 - c)
+
+
+@inlined
+def start_at_penetration(
+    w: float, beta: float, C: float, each: float, top: float, columns: FloatArray
+) -> float:
+    """Return about the q of the arc at d = 1/`each`, exact for small and large ones."""
+    end = end_of(w, beta)
+    L = arc_of(end, w, C, top, columns).L
+    of_L = math.exp(min(C + w - L, 10.0)) * each
+    return (L + math.log1p(of_L * (L + math.log1p(2.7 * of_L)))) * each + end
+
+
+@inlined
+def arc_sought(
+    q: float, w: float, C: float, each: float, by_load: bool, top: float, columns: FloatArray
+) -> tuple[Arc, float]:
+    """Return the arc where K, or K/L, is `each`, and the last step to it in ln b², from a start q.
+
+    The step is NaN if the arc is not found.
+    """
     low, high, is_last = LEAST_Q, MOST_Q, False
     arc = arc_of(q, w, C, top, columns)
     for _ in range(STEPS):
@@ -283,7 +300,11 @@ def _solve(
         if n == 0 or beta[n] != beta[n - 1]:
             top = sum_over_beta(beta[n], table, T, columns)
         each = math.pi / x[n] if by_load else 1 / x[n]
-        arc, step = arc_sought(w, beta[n], C[n], each, by_load, top, columns)
+        if by_load:
+            q = each + end_of(w, beta[n])
+        else:
+            q = start_at_penetration(w, beta[n], C[n], each, top, columns)
+        arc, step = arc_sought(q, w, C[n], each, by_load, top, columns)
         L = arc.L + arc.L_slope * step
         S, c = arc.S * (1 + arc.c * step), arc.c * (1 - arc.S * step)
         k = S * each if by_load else S * each * L
@@ -296,4 +317,4 @@ def _solve(
         out[4, n] = highest_pressure(b, arc.y, columns)
 
 
-_solved: Any = compiled(_solve, fastmath=_SUMS_IN_ANY_ORDER)
+_solved: Any = compiled(_solve, fastmath=FAST)

@@ -43,7 +43,7 @@ from cylcontact.support.errors import InputError
 
 # Terms of the series, as many again for each 8 of b (large arcs need a small β), and nodes in ε.
 _TERMS, _B_PER_TERMS = 96, 8.0
-_NODES = 24
+NODES = 24
 # For a housing: nodes until the last terms are this small, how far beyond the largest arc the
 # series ends, arcs at most this long, and how many points the table of the largest pressure has.
 _LAST_TERMS, _MOST_NODES = 1e-10, 144
@@ -249,20 +249,20 @@ def remainder(beta: float) -> Remainder | None:
         full, factor = remainder(math.copysign(SMALL_BETA, beta)), abs(beta) / SMALL_BETA
         assert full is not None
         return Remainder(full.top, full.series * factor)
-    return Remainder(float(_top(abs(beta))), of_beta(beta))
+    return Remainder(float(largest_angle(abs(beta))), of_beta(beta))
 
 
 def of_beta(beta: float) -> FloatArray:
     """Return the series of a remainder for one β."""
-    top = float(_top(abs(beta)))
-    series, solution, b = _series(top, beta, _NODES)
-    peak = np.zeros((_NODES + 1, 2))
+    top = float(largest_angle(abs(beta)))
+    series, solution, b = _series(top, beta, NODES)
+    peak = np.zeros((NODES + 1, 2))
     peak[:-1, 0] = fitted(solution.peak / persson_peak(b) - 1)
     peak[:-2, 1] = chebyshev.chebder(peak[:-1, 0]) * 2 / top
     return np.hstack([series, peak])
 
 
-def _top(beta: FloatArray | float) -> FloatArray:
+def largest_angle(beta: FloatArray | float) -> FloatArray:
     """Return an angle beyond the largest arc of every pair with this |β|."""
     # w_i is at least 0 and at least −2β, so that w_i + β is at least |β|.
     return as_floats(2 * np.arccos(np.sqrt(0.9 * estimated_c(beta))))

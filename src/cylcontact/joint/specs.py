@@ -1,0 +1,126 @@
+"""Files of joints that need more than a line: a pin in a pressed bush."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal, cast
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from cylcontact.bodies.material import own_table
+from cylcontact.bodies.material_spec import MaterialSpec
+from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
+from cylcontact.files.units import load_in_N_per_mm
+from cylcontact.joint.bush import Bush, BushCheck, check_bush
+from cylcontact.laws.housing_spec import HousingSpec
+from cylcontact.limits.rings import Rim
+
+__all__ = ["BushJointSpec", "BushSpec", "check_file"]
+
+
+def _size(value: object) -> object:
+    """Return a number or a class as it is, and a list as a pair of limits."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+Size = Annotated[str | float | tuple[float, float], BeforeValidator(_size)]
+
+
+class BushSpec(MaterialSpec):
+    """A table [bush]: a bush before it is pressed in."""
+
+    seat: Annotated[str | tuple[Size, Size], BeforeValidator(_size)] = Field(
+        description='the fit of its seat, "26H7/s6", or the diameters [HOLE, OUTER] in mm'
+    )
+    bore: Size | None = Field(
+        None, description='the diameter of its bore before pressing: mm, [LOW, HIGH] or "20E6"'
+    )
+    wall: Size | None = Field(
+        None, description="the thickness of its wall in mm, or [LOW, HIGH], instead of the bore"
+    )
+    wrapped: bool = Field(False, description="whether it is rolled of strip, with a gap")
+
+    def bush(self, own: Path | None, source: str) -> Bush:
+        """Return the bush with its material."""
+        material = self.named("", own, source, "bush")
+        return Bush(material, self.seat, self.bore, self.wall, self.wrapped)
+
+
+class PinSpec(MaterialSpec):
+    """A table [pin]."""
+
+    diameter: Size = Field(description='its diameter: mm, [LOW, HIGH] or a class, "20f7"')
+
+
+class BushJointSpec(Spec):
+    """A file of a joint with a bush."""
+
+    load: str | float = Field(description='the load in N/mm, or "10 kN" with the length')
+    length: float | None = Field(None, gt=0, description="the axial length in mm")
+    plane: Literal["strain", "stress"] = Field(
+        "strain", description='"strain" for long parts, "stress" for thin ones'
+    )
+    temperature: float | tuple[float, float] = Field(
+        20.0, description="the temperature in °C, or [PIN, HOLE]"
+    )
+    rim: str | None = Field(None, description='"free", "held", or the material of a frame')
+    pin: PinSpec = Field(description="the pin: its material and diameter")
+    hole: MaterialSpec = Field(description="the material of the part around the bush")
+    housing: HousingSpec = Field(description="the part around the bush: R_o and clamp")
+    bush: BushSpec = Field(description="the bush: material, bore or wall, and seat")
+
+    @model_validator(mode="after")
+    def _check(self) -> BushJointSpec:
+        if self.housing.layers:
+            raise broken("housing.layers", None, "are beside a bush", "leave them out")
+        return self
+
+
+def check_file(path: Path | str, materials: str | None = None) -> BushCheck:
+    """Return the answer for the file of a joint with a bush.
+
+    Parameters
+    ----------
+    path : str or Path
+    materials : str, optional
+        A table of materials; by default datasets/materials.csv beside the file or above, if any.
+
+    Returns
+    -------
+    BushCheck
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or the joint cannot be answered.
+    """
+    source, data = str(path), read_toml(path)
+    if isinstance(data.get("temperature"), list):
+        data["temperature"] = tuple(data["temperature"])
+    spec = parse_spec(BushJointSpec, data, source)
+    own = own_table(materials, Path(path).parent, source)
+    load = spec.load
+    if isinstance(load, str):
+        load = load_in_N_per_mm(load, spec.length)
+    housing = spec.housing.built(own, source)
+    return check_bush(
+        spec.bush.bush(own, source),
+        spec.pin.named("", own, source, "pin"),
+        spec.pin.diameter,
+        spec.hole.named("", own, source, "hole"),
+        housing,
+        load,
+        length=spec.length,
+        plane=spec.plane,
+        temperature=spec.temperature,
+        rim=_rim_of(spec.rim, own, source),
+    )
+
+
+def _rim_of(name: str | None, own: Path | None, source: str) -> Rim | None:
+    """Return the state of a rim: free, held, or the material of a frame."""
+    if name is None:
+        return None
+    if name in ("free", "held"):
+        return cast(Rim, name)
+    return MaterialSpec(material=name).named("", own, source, "rim")
