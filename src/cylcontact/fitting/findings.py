@@ -24,15 +24,16 @@ from cylcontact.fitting.records import (
     SeriesEffect,
     with_verdict,
 )
-from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.support.parallel import Workers, call, collect
 
 LEVEL = 0.95
 # A test fails below this probability.
 _SURPRISING = 0.01
-# Outliers are beyond A + B/N robust standard deviations; they stay in. The largest of N Gaussian
-# residuals of a fit is in one of a hundred tables (5.4 for N = 8, 4.9 for 12, 4.4 for 30).
-_OUTLYING, _MORE_FOR_FEW = 4.0, 11.0
+# Outliers are beyond A + B/N robust standard deviations, where the largest of N Gaussian residuals
+# is in one of a hundred tables (5.4 for N = 8, 4.9 for 12, 4.4 for 30), or so far from a fit to the
+# others as one of N is in one of two hundred. They stay in.
+_OUTLYING, _MORE_FOR_FEW, _BY_CHANCE = 4.0, 11.0, 0.005
 # Below this ratio a profile found a better optimum; it is not round-off.
 _BETTER = -1e-6
 # Rows that a test needs, and rows of a series that its trend needs.
@@ -175,7 +176,7 @@ def _on_outliers(optimum: Optimum) -> str:
     values = zip(optimum.fit.names, optimum.point, strict=True)
     changes = [f"{k} {v:.4g} → {without[k]:.4g}" for k, v in values if k in without]
     return (
-        f"outliers (beyond {_threshold(optimum):.1f} robust standard deviations), included in the "
+        "outliers, far from a fit to the others (in robust standard deviations), included in the "
         f"fit: lines {_listed(lines, ', ')}{'; without them ' if changes else ''}"
         f"{', '.join(changes)} (--exclude {','.join(str(line(row)) for row in [*far][:_LISTED])})"
     )
@@ -417,12 +418,26 @@ def outliers(optimum: Optimum) -> dict[int, float]:
     spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(optimum.r)))
     if optimum.is_rounding or spread == 0:
         return {}
-    sizes = (-optimum.r / spread).tolist()
-    return {row: size for row, size in enumerate(sizes) if abs(size) > _threshold(optimum)}
+    sizes = -optimum.r / spread
+    limit = _OUTLYING + _MORE_FOR_FEW / sizes.size
+    far = np.flatnonzero((np.abs(sizes) > limit) | _stands_alone(optimum))
+    return {int(row): float(sizes[row]) for row in far}
 
 
-def _threshold(optimum: Optimum) -> float:
-    return _OUTLYING + _MORE_FOR_FEW / optimum.r.size
+def _stands_alone(optimum: Optimum) -> BoolArray:
+    """Return which readings are far from a fit to the others, by Student's t of N of them."""
+    from scipy import special
+
+    r, likelihood, degrees = optimum.r, optimum.likelihood, optimum.degrees - 1
+    if degrees < 1:
+        return np.zeros(r.size, dtype=bool)
+    white = likelihood.covariance.white(likelihood.basis[: r.size].T.copy())
+    basis = np.linalg.qr(white.T)[0]
+    free = np.maximum(1 - (basis**2).sum(axis=1), 1e-12)
+    squares = float((r**2).sum())
+    rest = np.maximum(squares - r**2 / free, 1e-12 * squares) / degrees
+    t = np.abs(r) / np.sqrt(rest * free)
+    return np.asarray(2 * special.stdtr(degrees, -t) < _BY_CHANCE / r.size)
 
 
 def _without(optimum: Optimum, far: Collection[int]) -> dict[str, float]:
