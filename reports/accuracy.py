@@ -29,9 +29,9 @@ R_I, R_J, LOAD = 10.0, 9.95, 1000.0
 RATIOS = np.geomspace(1.3, 20.0, 25)
 CLAMPS = {
     "whole rim": "rim",
-    "60° near (pushed)": Sector(60, "pushed"),
-    "wide shank, 120°": Sector(120, "pulled"),
-    "60° far (eye)": Sector(60, "pulled"),
+    "eye, 60°, pushed": Sector(60, "pushed"),
+    "wide shank, 120°, pulled": Sector(120, "pulled"),
+    "eye, 60°, pulled": Sector(60, "pulled"),
 }
 SOLVED = (1.5, 3.0, 10.0)  # R_o/R_i of the finite elements
 
@@ -98,7 +98,7 @@ def fig_housing() -> tuple[Figure, pd.DataFrame]:
         look = {"color": f"C{number}", "markersize": 9, "linestyle": "none"}
         axes.plot(SOLVED, points, "+", **look)
         sketch(parts["abcd"[number]], clamp)
-        title = name.replace(" (", "\n(").replace(", ", "\n")
+        title = name.replace("°, ", "°,\n")
         parts["abcd"[number]].set_title(title, color=f"C{number}")
     axes.axhline(table["johnson"].iloc[0], color="0.45", linestyle=":", marker="")
     axes.text(

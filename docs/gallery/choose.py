@@ -12,7 +12,7 @@ import cylcontact as cc
 
 table = Path(__file__).parents[2] / "datasets/examples/pin-in-hole.csv"
 choice = cc.choose(table, contact="internal", laws=["explicit", "johnson", "enhanced", "liu"])
-figure, axes = plt.subplots(figsize=(6.4, 4), layout="constrained")
+figure, axes = plt.subplots(figsize=(7.2, 4.05), layout="constrained")
 choice.plot(ax=axes)
-figure.savefig("choose.png", dpi=80)
+figure.savefig("choose.png", dpi=100)
 print(choice)

@@ -15,7 +15,7 @@ table = Path(__file__).parents[2] / "datasets/examples/specimens.csv"
 pair = cc.CylinderPair.internal(
     R_i=10.0, R_j=9.97, material=cc.Material.named("high-strength steel"), length=20.0
 )
-figure, panels = plt.subplots(1, 2, figsize=(9, 3.8), sharey=True, layout="constrained")
+figure, panels = plt.subplots(1, 2, figsize=(9, 5.06), sharey=True, layout="constrained")
 widths = {}
 for axes, options in zip(panels, ({}, {"group": "specimen"}), strict=True):
     result = cc.fit(table, "explicit", pair, **options)

@@ -17,13 +17,16 @@ clamps = {
     "eye, pushed": cc.laws.Sector(60, "pushed"),
     "eye, pulled": cc.laws.Sector(60, "pulled"),
 }
-figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
+figure, axes = plt.subplots(figsize=(7.2, 4.05), layout="constrained")
 for label, clamp in clamps.items():
     laws = [cc.laws.Conformal(cc.laws.Housing(R_o, clamp)) for R_o in outer]
     axes.plot(outer, [1e3 * law.penetration(1000.0, pair) for law in laws], label=label)
 johnson = 1e3 * cc.laws.Johnson().penetration(1000.0, pair)
 axes.axhline(johnson, color="black", linestyle=":", label="Johnson")
 axes.set(xscale="log", yscale="log")
+axes.set_xticks([15, 20, 30, 50, 100], ["15", "20", "30", "50", "100"])
+axes.set_yticks([10, 20, 50, 100], ["10", "20", "50", "100"])
+axes.minorticks_off()
 axes.set(xlabel="outer radius (mm)", ylabel="penetration at 1000 N/mm (µm)")
 axes.legend()
-figure.savefig("housing.png", dpi=80)
+figure.savefig("housing.png", dpi=100)

@@ -1,6 +1,7 @@
 """A law fitted to readings.
 
-Twelve readings of a rig, fitted by the explicit law. The band is where a new reading is expected.
+Twelve readings of a rig, fitted by the explicit law. The band is where a new reading is expected;
+it is narrow here, so the lower picture shows the residuals in percent.
 """
 
 import matplotlib.pyplot as plt
@@ -15,7 +16,15 @@ pair = cc.CylinderPair.internal(
 load = np.array([0.2, 0.5, 1, 2, 3, 5, 8, 12, 16, 20, 25, 30])  # kN
 read = [0.206, 0.454, 0.803, 1.398, 1.952, 2.886, 4.228, 5.886, 7.024, 8.255, 9.939, 11.324]
 result = cc.fit(pd.DataFrame({"load_kN": load, "penetration_um": read}), "explicit", pair)
-figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
-result.plot(ax=axes)
-figure.savefig("own_data.png", dpi=80)
+figure, (above, below) = plt.subplots(
+    2, 1, figsize=(7.2, 4.05), sharex=True, height_ratios=(2, 1), layout="constrained"
+)
+result.plot(ax=above)
+above.set_xlabel("")
+rows = result.residuals
+percent = 100 * rows["residual_mm"] / rows["fitted_mm"]
+below.plot(rows["load_N_per_mm"], percent, "o", color="black", markerfacecolor="white")
+below.axhline(0.0, color="0.5", linewidth=0.8)
+below.set(xlabel="load (N/mm)", ylabel="off the fit (%)")
+figure.savefig("own_data.png", dpi=100)
 print(result.predict([225.0]).round(5).to_string(index=False))

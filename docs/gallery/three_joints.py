@@ -1,6 +1,6 @@
 """A clevis, a cam roller and a polymer bush.
 
-Sketches of three joints, each above its penetration up to first yield. [The
+Sketches of three joints to one scale, each above its penetration up to first yield. [The
 page](../how-to/three-joints.md) asks the same of the command line.
 """
 
@@ -25,17 +25,18 @@ joints = {
     "cam roller": (roller, None, cc.laws.Johnson(datum=30.0), 312.5,
                    [(Rectangle((-50, -60), 100, 40), 0.85), (Circle((0, 0), 20), 0.5)]),
     "polymer bush at 80 °C": (hot, frame, cc.laws.Conformal(frame), 100.0,
-                              [(Rectangle((-20, -20), 40, 40), 0.85), (Circle((0, 0), 13), 1.0),
+                              [(Rectangle((-20, -20), 40, 40), 0.85), (Circle((0, 0), 13), 0.7),
                                (Circle((0, 0), 9.9), 0.5)]),
 }  # fmt: skip
-figure, axes = plt.subplots(2, 3, figsize=(10, 6), layout="constrained")
+figure, axes = plt.subplots(2, 3, figsize=(9, 5.06), layout="constrained")
 for (sketch, curve), name in zip(axes.T, joints, strict=True):
     pair, housing, law, work, shapes = joints[name]
     for shape, grey in shapes:
         sketch.add_patch(shape).set(facecolor=str(grey), edgecolor="black")
-    half = 26 if housing is frame else 65
-    sketch.arrow(0, 0, 0, 50 if housing is lug else -half / 4, color="red", width=half / 40)
-    sketch.set(aspect="equal", title=name, xlim=(-half, half), ylim=(-1.4 * half, half))
+    sketch.arrow(0, 0, 0, 50 if housing is lug else -12, color="red", width=1.5)
+    sketch.plot([44, 64], [-85, -85], "k|-")
+    sketch.text(54, -82, "20 mm", ha="center", va="bottom", fontsize=8)
+    sketch.set(aspect="equal", title=name, xlim=(-65, 65), ylim=(-92, 65))
     sketch.axis("off")
     load = np.linspace(0, cc.limits.first_yield(pair, housing=housing).load, 60)[1:]
     curve.plot(load, 1e3 * law.penetration(load, pair))

@@ -218,11 +218,16 @@ class TestCalculix:
     @pytest.mark.parametrize(
         ("setup", "dR", "load", "rel"),
         [
-            *((COARSE, dR, load, 0.002) for dR, load in ((0.01, 100.0), (1.0, 20.0))),
+            (COARSE, 0.01, 100.0, 0.002),
+            pytest.param(COARSE, 1.0, 20.0, 0.002, marks=pytest.mark.slow),
             (changed(COARSE, plane="stress", load_on="disc", clamp="rim"), 0.01, 40.0, 0.002),
             (joint(STEEL, ALUMINIUM, outer_ratio=10.0), DR, 1e2, 0.003),
-            (joint(RUBBER, STEEL, outer_ratio=10.0), DR, 6e-3, 0.003),
-            (joint(STEEL, RUBBER, outer_ratio=10.0), DR, 6e-3, 0.003),
+            *(
+                pytest.param(
+                    joint(*pair, outer_ratio=10.0), DR, 6e-3, 0.003, marks=pytest.mark.slow
+                )
+                for pair in ((RUBBER, STEEL), (STEEL, RUBBER))
+            ),
         ],
     )
     def test_it_gives_the_same(self, setup, dR, load, rel):

@@ -39,6 +39,8 @@ from tests.support.random_layouts import (
 )
 
 FORMS = forms()
+# With points between thousands.
+GERMAN = [f"{a:,.1f}".translate(str.maketrans(",.", ".,")) for a in LOAD]
 
 
 def read(path, **keys):
@@ -348,6 +350,17 @@ def test_several_files_that_do_not_fit_together_are_refused(three):
     assert "time" not in read(three, ignore=("load_std_N",)).columns
 
 
+def test_a_mark_of_decimals_and_a_sheet_are_for_the_files_that_need_them(three, tmp_path):
+    three[1].write_text("F [N];w [mm]\n" + rows(GERMAN[3:6], DEPTH[3:6], separator=";", mark=","))
+    with pytest.raises(InputError, match="separators of thousands"):
+        read(three)
+    assert is_truth(read(three, decimal=","))
+    cells = [["F [N]", "w [mm]"], *map(list, zip(LOAD.tolist(), DEPTH.tolist(), strict=True))]
+    book = workbook(tmp_path / "t.xlsx", one=cells[:1] + cells[1:4], two=cells[:1] + cells[4:7])
+    data = read([three[0], book, three[2]], sheet="two")
+    assert is_truth(data)
+
+
 def test_files_of_one_name_are_told_apart_by_their_paths(tmp_path):
     paths = [tmp_path / name / "t.csv" for name in "ab"]
     for path in paths:
@@ -364,7 +377,6 @@ def test_files_of_one_name_are_told_apart_by_their_paths(tmp_path):
 # A word of a shell.
 WORD = r"""(?:[^\s'";,]|'[^']*'|"[^"]*")+"""
 SEMI = {"separator": ";", "mark": ","}
-GERMAN = [f"{a:,.1f}".translate(str.maketrans(",.", ".,")) for a in LOAD]
 TWO = "Results 1\nLoad,Extension,Area\n(N),(mm),(m2)\n9,8,7\n\n"
 # A file that is refused, options given before, and in what order to paste what errors offer: `UNIT`
 # stands for the unit that the user knows.

@@ -1,4 +1,6 @@
-"""What users see is what tests/golden holds: exit codes, files, results, figures, laws.
+"""What users see is what tests/golden holds: exit codes, files, results, laws.
+
+The figures are held by tests/reports/test_figures.py, which draws them.
 
 WRITE_GOLDEN=1 in the environment writes the files anew instead; `python -m`
 `tests.support.write_golden` writes all of them. Read the difference before you commit it.
@@ -11,8 +13,6 @@ import shutil
 
 import pytest
 
-from cylcontact.plots import figure_style
-from cylcontact.reports.figures import draw, recipes
 from tests.support import frozen
 from tests.support.measured_files import USER_LAW, write_measured
 from tests.support.report_files import CLAIMS, FIGURE
@@ -31,23 +31,8 @@ GROUPS = [
 ROOT = frozen.ROOT
 
 
-def close(tolerance):
-    """Return a comparison of nested numbers and words, up to a relative difference."""
-
-    def same(was, now):
-        if isinstance(was, dict):
-            return was.keys() == now.keys() and all(same(was[key], now[key]) for key in was)
-        if isinstance(was, list | tuple) and len(was) == len(now):
-            return all(same(one, other) for one, other in zip(was, now, strict=True))
-        if str in (type(was), type(now)) or None in (was, now):
-            return was == now
-        return abs(now - was) <= tolerance * abs(was)
-
-    return same
-
-
 def test_committed_results():
-    frozen.hold("results", frozen.committed_results(), close(1e-9))
+    frozen.hold("results", frozen.committed_results(), frozen.close(1e-9))
 
 
 # --- commands -----------------------------------------------------------------------------------
@@ -98,23 +83,10 @@ def test_commands_end_with_their_codes_and_write_their_files(run, folder, group)
     assert wordy == []
 
 
-# --- figures and laws ---------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", recipes(ROOT))
-def test_numbers_behind_a_figure(name, monkeypatch):
-    """Those of runs and finite elements may differ in their last digits."""
-    monkeypatch.chdir(ROOT)
-    with figure_style():
-        _, table = draw(ROOT, name)
-    columns = frozen.summary(table)
-    if name in ("fig18", "fig19"):  # chaotic: another processor has another path
-        columns = dict.fromkeys(columns)
-    now = {f"{name} {column}": numbers for column, numbers in columns.items()}
-    frozen.hold("figures", now, close(1e-4), lambda key: key.split(" ")[0] == name)
+# --- laws -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", frozen.named_laws())
 def test_loads_of_a_law(name):
     now = frozen.law_values(name)
-    frozen.hold("laws", now, close(1e-8), lambda key: key.startswith(f"{name}, "))
+    frozen.hold("laws", now, frozen.close(1e-8), lambda key: key.startswith(f"{name}, "))

@@ -17,8 +17,9 @@ from PIL import Image
 from cylcontact import InputError
 from cylcontact.plots import figure_style
 from cylcontact.reports.figures import caption, draw, recipes, report_module, write_figures
+from tests.support import frozen
 from tests.support import paper_equations as paper
-from tests.support.report_files import FIGURE
+from tests.support.report_files import FIGURE, shipped_figure
 
 ROOT = Path(__file__).resolve().parents[2]
 ENDINGS = {".png", ".pdf", ".csv", ".txt"}
@@ -43,6 +44,20 @@ def drawn(name, monkeypatch, **arguments):
     monkeypatch.chdir(ROOT)
     with figure_style():
         return draw(ROOT, name, arguments)
+
+
+# --- golden numbers ---
+
+
+@pytest.mark.parametrize("name", recipes(ROOT))
+def test_numbers_behind_a_figure(name):
+    """Those of runs and finite elements may differ in their last digits."""
+    _, table = shipped_figure(name)
+    columns = frozen.summary(table)
+    if name in ("fig18", "fig19"):  # chaotic: another processor has another path
+        columns = dict.fromkeys(columns)
+    now = {f"{name} {column}": numbers for column, numbers in columns.items()}
+    frozen.hold("figures", now, frozen.close(1e-4), lambda key: key.split(" ")[0] == name)
 
 
 # --- the engine ---
@@ -166,8 +181,8 @@ def test_a_changed_file_is_read_anew(folder):
 # --- what the figures show, by the paper's equations ---
 
 
-def test_fig_2_prints_the_papers_constants(monkeypatch):
-    figure, table = drawn("fig02", monkeypatch)
+def test_fig_2_prints_the_papers_constants():
+    figure, table = shipped_figure("fig02")
     labels = [text for axes in figure.axes for text in axes.get_legend_handles_labels()[1]]
     assert any("K = 312148, n = 1.2370" in label for label in labels)
     rows = table[table["contact"] == "internal"]
@@ -175,8 +190,8 @@ def test_fig_2_prints_the_papers_constants(monkeypatch):
     assert rows["penetration_mm"].to_numpy() == pytest.approx(expected.to_numpy(), rel=1e-12)
 
 
-def test_fig_3_shows_the_exponent_itself(monkeypatch):
-    figure, table = drawn("fig03", monkeypatch)
+def test_fig_3_shows_the_exponent_itself():
+    figure, table = shipped_figure("fig03")
     assert figure.axes[0].get_yscale() == "linear"
     row = table[(table["contact"] == "internal") & (table["E_GPa"] == 207) & (table["nu"] == 0.3)]
     loads = np.geomspace(10, 1000, 41)
@@ -184,8 +199,8 @@ def test_fig_3_shows_the_exponent_itself(monkeypatch):
     assert row["n"].iloc[0] == pytest.approx(n, rel=1e-10)
 
 
-def test_figs_7_to_9_are_eqs_7_and_8(monkeypatch):
-    figure, table = drawn("fig07", monkeypatch)
+def test_figs_7_to_9_are_eqs_7_and_8():
+    figure, table = shipped_figure("fig07")
     steel = table[(table["material"] == "low-carbon steel") & (table["R_i_mm"] == 10)]
     R = paper.effective_radius(10.0, steel["dR_mm"])
     E_star = paper.e_star(200e3, 0.3)
@@ -197,11 +212,11 @@ def test_figs_7_to_9_are_eqs_7_and_8(monkeypatch):
             assert ((line.get_ydata() > low) & (line.get_ydata() < high)).all()
     bold = [line for line in figure.axes[1].lines if line.get_label() == "low-carbon steel"]
     assert bold[0].get_ydata() == pytest.approx(hertz.to_numpy(), rel=1e-12)
-    _, limits = drawn("fig08", monkeypatch)
+    _, limits = shipped_figure("fig08")
     steel = limits[limits["material"] == "low-carbon steel"]
     ends = paper.johnson_end(E_star, steel["dR_mm"])
     assert steel["load_N_per_mm"].to_numpy() == pytest.approx(ends.to_numpy(), rel=1e-12)
-    figure, table = drawn("fig09", monkeypatch)
+    figure, table = shipped_figure("fig09")
     steel = table[(table["material"] == "low-carbon steel") & (table["R_i_mm"] == 10)]
     peak = np.sqrt(ends.to_numpy() * E_star / (np.pi * R.to_numpy()))
     assert steel["stress_MPa"].to_numpy() == pytest.approx(peak, rel=1e-12)
@@ -209,8 +224,8 @@ def test_figs_7_to_9_are_eqs_7_and_8(monkeypatch):
 
 
 @pytest.mark.parametrize(("name", "E", "nu"), [("fig10", 600e3, 0.24), ("fig12", 200e3, 0.3)])
-def test_the_maps_are_eq_9(name, E, nu, monkeypatch):
-    figure, table = drawn(name, monkeypatch)
+def test_the_maps_are_eq_9(name, E, nu):
+    figure, table = shipped_figure(name)
     assert f"$E$ = {E / 1e3:g} GPa" in figure.axes[0].get_title(loc="left")
     table = table.dropna()
     expected = paper.difference(table["load_N_per_mm"], paper.e_star(E, nu), table["dR_mm"])
@@ -220,8 +235,8 @@ def test_the_maps_are_eq_9(name, E, nu, monkeypatch):
 
 
 @pytest.mark.parametrize("number", range(10, 15))
-def test_a_map_explains_what_it_draws_and_its_numbers_are_a_rectangle(number, monkeypatch):
-    figure, table = drawn(f"fig{number}", monkeypatch)
+def test_a_map_explains_what_it_draws_and_its_numbers_are_a_rectangle(number):
+    figure, table = shipped_figure(f"fig{number}")
     words = caption(ROOT, f"fig{number}")
     (legend,) = figure.legends
     drawn_marks = " ".join(text.get_text() for text in legend.get_texts())
@@ -245,9 +260,9 @@ def test_a_narrow_figure_keeps_its_labels_and_fits_a_page(name, monkeypatch):
     assert all(axes.get_ylabel() for axes in figure.axes)
 
 
-def test_fig_6_has_the_elements_of_the_paper_beside_ours(monkeypatch):
+def test_fig_6_has_the_elements_of_the_paper_beside_ours():
     """As the paper says: plane stress, the load on the centre nodes."""
-    _, table = drawn("fig06", monkeypatch)
+    _, table = shipped_figure("fig06")
     letter = table[table["set_up"] == "paper"]
     off = 100 * (letter["johnson_mm"] / letter["embedded_mm"] - 1)
     assert (off.min().round(1), off.max().round(1)) == (-53.1, -26.2)
@@ -268,9 +283,9 @@ def test_fig_4_states_the_size_of_its_cells(monkeypatch):
         assert at_contact.max() < high + 0.5
 
 
-def test_shares_of_time_add_up_and_settled_runs_agree(monkeypatch):
+def test_shares_of_time_add_up_and_settled_runs_agree():
     """With losses the three runs give one curve; without they differ, which the figure shows."""
-    _, table = drawn("fig19", monkeypatch)
+    _, table = shipped_figure("fig19")
     case = ["law", "restitution", "friction"]
     cells = table[table["quantity"] == "time in a cell"]
     assert set(cells["law"]) == {"lankarani-nikravesh", "johnson", "enhanced"}

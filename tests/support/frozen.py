@@ -35,6 +35,21 @@ def frozen(name):
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
 
 
+def close(tolerance):
+    """Return a comparison of nested numbers and words, up to a relative difference."""
+
+    def same(was, now):
+        if isinstance(was, dict):
+            return was.keys() == now.keys() and all(same(was[key], now[key]) for key in was)
+        if isinstance(was, list | tuple) and len(was) == len(now):
+            return all(same(one, other) for one, other in zip(was, now, strict=True))
+        if str in (type(was), type(now)) or None in (was, now):
+            return was == now
+        return abs(now - was) <= tolerance * abs(was)
+
+    return same
+
+
 def hold(name, now, same=operator.eq, part=bool):
     """Hold values against the entries of a golden file, those whose keys `part` takes.
 

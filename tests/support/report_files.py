@@ -1,4 +1,13 @@
-"""A figure and claims of one's own, as files of a folder's `reports`."""
+"""A figure and claims of one's own, as files of a folder's `reports`, and the shipped figures."""
+
+import contextlib
+import functools
+from pathlib import Path
+
+from cylcontact.plots import figure_style
+from cylcontact.reports.figures import draw
+
+ROOT = Path(__file__).parents[2]
 
 FIGURE = '''
 import pandas as pd
@@ -32,3 +41,10 @@ def wrong_sum():
     """One and one is three."""
     yield "as numbers", f"{1 + 1}", 1 + 1 == 3
 '''
+
+
+@functools.cache
+def shipped_figure(name):
+    """Return a figure of the checkout with its numbers; each is drawn once in a process."""
+    with contextlib.chdir(ROOT), figure_style():
+        return draw(ROOT, name)

@@ -11,5 +11,7 @@ import pytest
 
 if __name__ == "__main__":
     os.environ["WRITE_GOLDEN"] = "1"
-    tests = Path(__file__).parents[1] / "package/test_golden.py"
-    sys.exit(pytest.main([str(tests), "-m", "slow or not slow", "-q", *sys.argv[1:]]))
+    tests = Path(__file__).parents[1]
+    files = [str(tests / "package/test_golden.py")]
+    files.append(f"{tests / 'reports/test_figures.py'}::test_numbers_behind_a_figure")
+    sys.exit(pytest.main([*files, "-m", "slow or not slow", "-q", *sys.argv[1:]]))

@@ -26,6 +26,7 @@ from cylcontact.support.errors import InputError, require
 if TYPE_CHECKING:
     from cylcontact.joint.bush import BushCheck
     from cylcontact.joint.check import JointCheck
+    from cylcontact.joint.clevis import ClevisCheck
     from cylcontact.joint.loaded import LoadedJoint
 
 PAGES = (".html", ".pdf", ".png")
@@ -86,7 +87,7 @@ def joint_of(
 @takes("around", AROUND)
 def check(
     file: Path | None = argument(
-        "The file of a joint with a bush, datasets/bush.toml.", metavar="[FILE]", default=None
+        "A joint with a bush, or a clevis: datasets/clevis.toml.", metavar="[FILE]", default=None
     ),
     *,
     bush: Any = _BUSH,
@@ -110,7 +111,7 @@ def check(
 
 def _checked(
     file: Path | None, bush: Any, pair: dict[str, Any], around: dict[str, Any]
-) -> JointCheck | BushCheck:
+) -> JointCheck | BushCheck | ClevisCheck:
     """Return the answer for the joint of a file or of the options."""
     if file is not None:
         from cylcontact.joint.specs import check_file

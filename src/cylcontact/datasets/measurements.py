@@ -8,6 +8,7 @@ divides total forces by the axial length. A result stores the columns that come 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
@@ -232,7 +233,7 @@ def read_measured(
         return _measured_of(read_readings(tables[0], spec), contact, constants, materials, spec)
     names = file_names(tables)
     specs = _specs(spec, names)
-    every = [read_readings(*each, may_lack=True) for each in zip(tables, specs, strict=True)]
+    every = [_one_of_several(*each) for each in zip(tables, specs, strict=True)]
     for name in set[str].intersection(*(readings.absent for readings in every)):
         rule, remedy = "is a column of none of the tables", "check its name"
         raise InputError(", ".join(names), "columns", name, rule, remedy)
@@ -248,6 +249,24 @@ def read_measured(
         for readings, each in zip(every, specs, strict=True)
     ]
     return _joined(dict(zip(names, parts, strict=True)), spec)
+
+
+def _one_of_several(table: Source, spec: TableSpec) -> Readings:
+    """Return the readings of one of several tables.
+
+    A sheet is that of workbooks. A mark of decimals is that of tables which need it: one whose
+    numbers show another mark by themselves has that.
+    """
+    if isinstance(table, str | Path) and not str(table).lower().endswith((".xlsx", ".xlsm")):
+        spec = spec.model_copy(update={"sheet": None})
+    try:
+        return read_readings(table, spec, may_lack=True)
+    except InputError:
+        if spec.decimal is not None:
+            with suppress(InputError):
+                by_itself = spec.model_copy(update={"decimal": None})
+                return read_readings(table, by_itself, may_lack=True)
+        raise
 
 
 def file_names(tables: Sequence[Source]) -> list[str]:

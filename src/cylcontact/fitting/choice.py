@@ -434,7 +434,7 @@ def _of_series(rest: Optimum, noise: Covariance) -> FloatArray:
 
 
 def choose(
-    data: pd.DataFrame | Path | str,
+    data: pd.DataFrame | Path | str | Sequence[pd.DataFrame | Path | str],
     pair: CylinderPair | None = None,
     *,
     contact: Contact | None = None,

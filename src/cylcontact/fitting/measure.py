@@ -170,7 +170,7 @@ def _largest_percent(data: Measurements, law: ContactLaw) -> float | None:
 
 
 def fit(
-    data: pd.DataFrame | Path | str,
+    data: pd.DataFrame | Path | str | Sequence[pd.DataFrame | Path | str],
     law: str,
     pair: CylinderPair | None = None,
     *,
@@ -188,9 +188,10 @@ def fit(
 
     Parameters
     ----------
-    data : DataFrame or path
+    data : DataFrame or path, or a list of them
         Columns of loads and penetrations with their units, such as load_N and penetration_um, and
-        of whatever differs from row to row: dR_um, E_GPa, material, ….
+        of whatever differs from row to row: dR_um, E_GPa, material, …. Several tables are fitted
+        together, each in its own units; group="file" takes each as a series.
     law : str
         Its name, or module:function for one of your own.
     pair : CylinderPair, optional

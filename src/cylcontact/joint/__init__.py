@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         joint_from,
         read_joint,
     )
+    from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
     from cylcontact.joint.loaded import LoadedJoint
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
 
@@ -21,16 +22,20 @@ __all__ = [
     "Bush",
     "BushCheck",
     "ClearanceJoint",
+    "Clevis",
+    "ClevisCheck",
     "JointCheck",
     "JointJacobian",
     "JointState",
     "JointWrench",
     "LoadedJoint",
     "Numbers",
+    "Plate",
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
     "check_bush",
+    "check_clevis",
     "check_joint",
     "fitted",
     "joint_from",
@@ -44,6 +49,7 @@ _NAMES = {
         *("ClearanceJoint", "JointJacobian", "JointState", "JointWrench"),
         *("joint_from", "read_joint"),
     ),
+    "clevis": ("Clevis", "ClevisCheck", "Plate", "check_clevis"),
     "loaded": ("LoadedJoint",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }

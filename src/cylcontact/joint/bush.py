@@ -212,7 +212,7 @@ def fitted(
     >>> bush = Bush(bronze, seat="26H7/s6", bore="20E6")
     >>> close_in, band = fitted(bush, "20f7", steel, Housing(26.0), "free")
     >>> print(f"{close_in:.3f}: {2e3 * band['middle'].clearance:.0f} µm on the diameter")
-    0.812: 52 µm on the diameter
+    0.813: 52 µm on the diameter
     """
     rule, remedy = "has layers, and the bush is one", "give the part around the bush alone"
     alone = not housing.layers and housing.g is None
@@ -472,11 +472,11 @@ def check_bush(
     >>> bronze, steel, hard = map(
     ...     Material.named, ("bronze", "low-carbon steel", "high-strength steel")
     ... )
-    >>> bush = Bush(bronze, seat="26H7/s6", bore="20E6")
-    >>> lug = Housing(26.0, Sector.lug())
-    >>> check = check_bush(bush, hard, "20f7", steel, lug, 500.0, plane="stress")
-    >>> print(f"{check.close_in:.3f}, {check.band['middle'].bore_mm:.3f} mm")
-    0.812, 20.021 mm
+    >>> bush, lug = Bush(bronze, seat=(26.0, 26.03), bore=20.04), Housing(26.0, Sector.lug())
+    >>> check = check_bush(bush, hard, 19.97, steel, lug, 500.0, plane="stress")
+    >>> clearance = check.band["joint"].clearance_um
+    >>> print(f"{clearance:.1f} µm, factor {check.factor('housing'):.2f} of the lug")
+    22.8 µm, factor 3.01 of the lug
     """
     require_positive(load, _SOURCE, "load", "give it in N/mm")
     close_in, columns = fitted(bush, pin_diameter, hole, housing, rim)

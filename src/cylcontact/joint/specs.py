@@ -1,9 +1,9 @@
-"""Files of joints that need more than a line: a pin in a pressed bush."""
+"""Files of joints that need more than a line: a pin in a pressed bush, and a clevis."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal, cast
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -12,10 +12,12 @@ from cylcontact.bodies.material_spec import MaterialSpec
 from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
 from cylcontact.files.units import load_in_N_per_mm
 from cylcontact.joint.bush import Bush, BushCheck, check_bush
+from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
 from cylcontact.laws.housing_spec import HousingSpec
 from cylcontact.limits.rings import Rim
+from cylcontact.support.errors import require
 
-__all__ = ["BushJointSpec", "BushSpec", "check_file"]
+__all__ = ["BushJointSpec", "BushSpec", "ClevisSpec", "PlateSpec", "check_file"]
 
 
 def _size(value: object) -> object:
@@ -76,8 +78,48 @@ class BushJointSpec(Spec):
         return self
 
 
-def check_file(path: Path | str, materials: str | None = None) -> BushCheck:
-    """Return the answer for the file of a joint with a bush.
+class PlateSpec(MaterialSpec):
+    """A table [eye] or [cheek] of a clevis."""
+
+    thickness: float = Field(gt=0, description="in mm: of the eye, or of one cheek")
+    hole: Size = Field(description='the diameter of its hole: mm, [LOW, HIGH] or "20H8"')
+    housing: HousingSpec | None = Field(
+        None, description="its shape: R_o, clamp, layers; by default clamped at four radii"
+    )
+
+
+class ClevisSpec(Spec):
+    """A file of a clevis."""
+
+    load: str | float = Field(description='the force on the eye in N, or "10 kN"')
+    gap: float = Field(gt=0, description="the gap between eye and cheek in mm")
+    beyond: float = Field(0.0, ge=0, description="how far the pin goes beyond a cheek in mm")
+    pin: PinSpec = Field(description="the pin: its material and diameter")
+    eye: PlateSpec = Field(description="the eye: material, thickness, hole, housing")
+    cheek: PlateSpec = Field(description="one of two cheeks: material, thickness, hole, housing")
+
+
+def _check_clevis(data: dict[str, Any], source: str, own: Path | None) -> ClevisCheck:
+    """Return the answer for the file of a clevis."""
+    spec = parse_spec(ClevisSpec, data, source)
+    plates = {
+        name: Plate(
+            plate.thickness,
+            plate.named("", own, source, name),
+            plate.hole,
+            None if plate.housing is None else plate.housing.built(own, source, f"{name}.housing"),
+        )
+        for name, plate in (("eye", spec.eye), ("cheek", spec.cheek))
+    }
+    # The force as on a length of 1 mm.
+    load = load_in_N_per_mm(spec.load, 1.0) if isinstance(spec.load, str) else spec.load
+    pin = spec.pin.named("", own, source, "pin")
+    clevis = Clevis(pin, spec.pin.diameter, **plates, gap=spec.gap, beyond=spec.beyond)
+    return check_clevis(clevis, load)
+
+
+def check_file(path: Path | str, materials: str | None = None) -> BushCheck | ClevisCheck:
+    """Return the answer for the file of a joint with a bush, or of a clevis.
 
     Parameters
     ----------
@@ -87,7 +129,7 @@ def check_file(path: Path | str, materials: str | None = None) -> BushCheck:
 
     Returns
     -------
-    BushCheck
+    BushCheck or ClevisCheck
 
     Raises
     ------
@@ -95,10 +137,14 @@ def check_file(path: Path | str, materials: str | None = None) -> BushCheck:
         If the file cannot be read, or the joint cannot be answered.
     """
     source, data = str(path), read_toml(path)
+    own = own_table(materials, Path(path).parent, source)
+    if "eye" in data or "cheek" in data:
+        return _check_clevis(data, source, own)
+    rule = "is neither a joint with a bush, which has a table [bush], nor a clevis, with [eye]"
+    require("bush" in data, source, "", None, rule, "copy datasets/bush.toml or clevis.toml")
     if isinstance(data.get("temperature"), list):
         data["temperature"] = tuple(data["temperature"])
     spec = parse_spec(BushJointSpec, data, source)
-    own = own_table(materials, Path(path).parent, source)
     load = spec.load
     if isinstance(load, str):
         load = load_in_N_per_mm(load, spec.length)

@@ -110,7 +110,7 @@ class Explicit(Law):
     -----
     Against Persson's load for internal contact the error is below 0.12 % for
     1e-6 ≤ φ ≤ 60, and against Johnson's for external contact below 0.07 % for
-    1e-9 ≤ φ ≤ 0.02; `cylcontact figure fig_explicit` prints both. For different materials the
+    1e-9 ≤ φ ≤ 0.02; `cylcontact figure fig_accuracy` shows the former. For different materials the
     law uses the E* of the pair.
 
     Examples
