@@ -30,7 +30,7 @@ def test_what_is_known_widens_the_stiffness_as_by_hand(fits):
     """By the general least squares of readings and statements, linearised with scipy's slopes."""
     _, known = fits
     optimum, names = known.optimum, known.optimum.fit.names
-    assert names == ("stiffness_factor", "offset", "dR", "E_factor")
+    assert [*names] == ["stiffness_factor", "offset", "dR", "E_factor"]
 
     def reading(values):
         S, offset, dR, E = values
