@@ -119,7 +119,7 @@ def test_a_wrong_clearance_is_inside_its_interval(seed):
     [
         ({"dr": 0.002}, "uncertain.dr: is not an input or a parameter of this fit; choose dR"),
         ({"dR": "2 kg"}, 'must be a positive standard uncertainty; give e.g. "2 um"'),
-        ({"E": "-5%"}, "that of a tolerance ±t is t/√3, of a certificate's U is U/2"),
+        ({"E": "-5%"}, "of a tolerance ±t it is t/√3, of a certificate's U it is U/2"),
         ({"dR": 0.001, "R_i": 0.001}, "uncertain.R_i: is uncertain as well as dR; keep one"),
         ({"load": 5.0}, 'must be a share of the load; give e.g. "1%"'),
     ],
