@@ -156,7 +156,7 @@ def test_conformal_contact_is_fitted_to_rows_of_several_moduli_and_clearances():
 JOHNSON = ("--law", "johnson", "--contact", "internal")
 
 
-@pytest.mark.parametrize("given", [(), ("-o", "elsewhere/fit")])
+@pytest.mark.parametrize("given", [(), ("-o", "elsewhere/fit"), ("--pdf",)])
 def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, given):
     monkeypatch.chdir(tmp_path)
     table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
@@ -164,11 +164,13 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     command = ("fit", table, *JOHNSON, *options, "--runs", 2, "--seed", 3, "-j", 1)
     code, said, errors = run(*command, *given)
     assert (code, errors) == (0, "")
-    folder = tmp_path / (given[1] if given else "results/mine")
-    assert "result.json, residuals.csv, fit.png, fit.pdf" in said
-    assert {path.name for path in folder.iterdir()} == {
-        *("result.json", "residuals.csv", "fit.png", "fit.pdf")
-    }
+    folder = tmp_path / (given[1] if len(given) == 2 else "results/mine")
+    files = ["result.json", "residuals.csv", "fit.png", *["fit.pdf"] * ("--pdf" in given)]
+    assert said.rstrip().endswith(f": {', '.join(files)}")
+    assert {path.name for path in folder.iterdir()} == {*files}
+    code, _, errors = run(*command, "--pdf", "-o", "alone.json")
+    assert code == 2
+    assert "--pdf: is for a fit to tables that has a folder; leave it out" in errors
     result = read_result(folder / "result.json")
     assert result.free.keys() == {"stiffness_factor", "c"}
     settings = result.settings["campaign"]

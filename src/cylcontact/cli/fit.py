@@ -48,6 +48,7 @@ from cylcontact.support.choices import (
     BRANCHES,
     CHOICE_FILES,
     FIT_FILES,
+    FIT_PDF,
     PLAN_FILES,
     is_table,
     listed,
@@ -155,6 +156,7 @@ def fit(
     resume: bool = RESUME,
     force: bool = FORCE,
     as_json: bool = JSON,
+    pdf: bool = option("Write the picture as a PDF too.", "--pdf", default=False, **_PANEL),
     law: str | None = option("Law; module:function of your own.", metavar="NAME", **_PANEL),
     settings: dict[str, Any],
     parameters: dict[str, Any],
@@ -188,7 +190,11 @@ def fit(
             raise InputError(str(source), option_of(name), None, rule, remedy)
         planned = Campaign.read(source, runs=runs, seed=seed, **_tables(str(source), parameters))
         folder, target = None, out or source.parent / "results" / f"{source.stem}.json"
-    require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
+    if pdf and folder is None:
+        rule, remedy = "is for a fit to tables that has a folder", "leave it out"
+        raise InputError("fit", "--pdf", None, rule, remedy)
+    files = (*FIT_FILES, FIT_PDF) if pdf else FIT_FILES
+    require_writable(target, *(target.with_name(name) for name in files if folder))
     require_suffix(target, ".json")
     if out is None and not force:
         require_same_inputs(target, planned)
@@ -201,13 +207,13 @@ def fit(
         if folder is not None and isinstance(result, DataFit):
             from cylcontact.fitting.folder import write_fit
 
-            write_fit(result, folder)
+            write_fit(result, folder, pdf=pdf)
         else:
             result.save(target)
     if as_json:
         say(result.to_json())
         return
-    names = f": {', '.join(FIT_FILES)}" if folder else ""
+    names = f": {', '.join(files)}" if folder else ""
     say(f"{result}\n\nwritten to {folder or target}{names}")
 
 
