@@ -16,12 +16,15 @@ if TYPE_CHECKING:
     )
     from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
     from cylcontact.joint.loaded import LoadedJoint
+    from cylcontact.joint.many import ClearanceJoints
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
+    from cylcontact.joint.tables import TableCheck, check_table
 
 __all__ = [
     "Bush",
     "BushCheck",
     "ClearanceJoint",
+    "ClearanceJoints",
     "Clevis",
     "ClevisCheck",
     "JointCheck",
@@ -34,9 +37,11 @@ __all__ = [
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
+    "TableCheck",
     "check_bush",
     "check_clevis",
     "check_joint",
+    "check_table",
     "fitted",
     "joint_from",
     "read_joint",
@@ -51,6 +56,8 @@ _NAMES = {
     ),
     "clevis": ("Clevis", "ClevisCheck", "Plate", "check_clevis"),
     "loaded": ("LoadedJoint",),
+    "tables": ("TableCheck", "check_table"),
+    "many": ("ClearanceJoints",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}

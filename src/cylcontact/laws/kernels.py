@@ -37,7 +37,7 @@ from cylcontact.support.numba_cache import called, compiled, inlined, merged
 
 POWER, LOGARITHMIC, EXPLICIT, LIU, CURVE, TABLE = range(6)
 # The functions that are compiled as they stand.
-_KINDS = {power.load: POWER, logarithmic.load: LOGARITHMIC, explicit.load: EXPLICIT, liu.load: LIU}
+KINDS = {power.load: POWER, logarithmic.load: LOGARITHMIC, explicit.load: EXPLICIT, liu.load: LIU}
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     require(limit > 0, "kernel", "pair.dR", pair.dR, rule, remedy)
     if isinstance(law, Conformal):
         return Kernel(CURVE, _numbers_of(law, pair), float(limit))
-    if has_formula(law) and (kind := _KINDS.get(law.formula_for(pair.contact).load)) is not None:
+    if has_formula(law) and (kind := KINDS.get(law.formula_for(pair.contact).load)) is not None:
         numbers = np.array([float(number) for number in law.numbers_at(pair)])
         return Kernel(kind, numbers, float(limit))
     table = tabulate(law, pair)

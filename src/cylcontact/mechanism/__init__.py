@@ -2,6 +2,7 @@
 
 from cylcontact.joint import (
     ClearanceJoint,
+    ClearanceJoints,
     JointJacobian,
     JointState,
     JointWrench,
@@ -21,6 +22,7 @@ from cylcontact.mechanism.trajectory import Trajectory, simulate
 __all__ = [
     "Case",
     "ClearanceJoint",
+    "ClearanceJoints",
     "Interrupted",
     "JointJacobian",
     "JointState",
