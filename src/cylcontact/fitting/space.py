@@ -128,6 +128,11 @@ class Space:
         """Whether many points descend faster at once than one by one."""
         return False
 
+    @property
+    def is_ill_conditioned(self) -> bool:
+        """Whether parameters may trade off so much that each descent is one of SciPy's."""
+        return False
+
     def linearised(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the residuals and their derivatives, shapes (P, q) and (P, k, q)."""
         return self.finite_residuals(points), self.slopes(points)
