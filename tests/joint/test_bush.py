@@ -214,6 +214,17 @@ def test_a_load_that_opens_the_seat_is_warned_of():
     assert any("from which the loosest seat opens" in w for w in answer.warnings)
 
 
+def test_a_transition_seat_may_be_loose():
+    """From 7.5 µm of interference to a gap of 3 µm."""
+    answer = check(Bush(BRONZE, seat=((26.0, 26.021), 26.015), bore=20.04), 19.97)
+    assert answer.bush.interference == pytest.approx((-0.003, 0.0075))
+    assert answer.loose_at == np.inf
+    assert any("some bushes have no interference (-3 µm" in w for w in answer.warnings)
+    assert any("the bush is loose at 20 °C (95 %, most)" in w for w in answer.warnings)
+    assert np.isnan(answer.band["most"].housing_yield_N_per_mm)
+    assert answer.band["most"].bore_mm == pytest.approx(20.04)  # a gap does not close the bore in
+
+
 REFUSED = [
     (lambda: Bush(BRONZE, seat="26H7/s6"), "bore: is missing"),
     (lambda: Bush(BRONZE, seat="26H7/s6", bore=20.0, wall=3.0), "is given, and the wall too"),
