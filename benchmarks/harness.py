@@ -13,6 +13,10 @@ import numpy as np
 # A shorter call is repeated within a round until the round lasts as long.
 LEAST_SECONDS = 0.02
 
+# At the end of a case that was measured while other programs kept the processors busy: its ratios
+# count, and its times do not.
+BUSY = ", ratios alone: the machine was busy"
+
 Sides = Mapping[str, Callable[[], Any]]
 
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from benchmarks import references
-from benchmarks.harness import Row
+from benchmarks.harness import BUSY, Row
 from cylcontact.files.reading import marked, unmarked
 from cylcontact.files.writing import replacing
 
@@ -94,7 +94,9 @@ class Aim(NamedTuple):
 
     def measured(self, rows: list[Row]) -> float:
         """Return the number of the slowest case, NaN if something was not measured."""
-        of_case = [row for row in rows if self.case in row.case]
+        of_case = [
+            row for row in rows if self.case in row.case and (self.other or BUSY not in row.case)
+        ]
         value = {row.case: row.value for row in of_case if row.side == self.side}
         other = {row.case: row.value for row in of_case if row.side == self.other}
         return max(
@@ -105,7 +107,9 @@ class Aim(NamedTuple):
         """Return what was measured and whether that meets the aim, as a row of a table."""
         value = self.measured(rows)
         verdict = f"{_short(value)} | {'reached' if value <= self.limit else '**missed**'}"
-        verdict = "not measured |" if isnan(value) else verdict
+        if isnan(value):
+            busy = any(BUSY in row.case for row in rows if self.case in row.case)
+            verdict = "a busy machine |" if busy else "not measured |"
         return f"| {self.text} | {self.limit:g} | {verdict} |"
 
 
@@ -120,12 +124,14 @@ the same, times scipy's least squares; 0.02; on 1,001,925; cylcontact; scipy lea
 calibration on 4,575 samples, times scipy's; 2; on 4,575; cylcontact; scipy least_squares
 sampling on all cores, times numpy.log on one; 4; a sample of; reduce_grid, all cores; numpy.log
 genetic search, times its objective; 2; a generation; genetic search; its objective
-Johnson's load in arrays, times numpy.power; 3; array; Johnson().load; numpy.power
+Johnson's load in arrays, times numpy.power; 2; array; Johnson().load; numpy.power
 explicit law's load in arrays, times numpy.power; 8; array; Explicit().load; numpy.power
 conformal load in arrays, times numpy.power; 6; array; Conformal().load; numpy.power
 conformal penetration in arrays, times numpy.power; 15; array; Conformal().penetration; numpy.power
-Johnson's load, compiled, times the enhanced law's; 2; compiled; Johnson; enhanced
+Johnson's load, compiled, times the enhanced law's; 1.4; compiled; Johnson; enhanced
 conformal load, compiled, times a power; 2; compiled; conformal; a power
+1e6 joints of other materials, ns each; 1000; contact, 1,000,000 joints; the state of the contact
+first yield of 1e6 joints, ns each; 3000; yield, 1,000,000 joints; first yield
 conformal curve of one material, ms; 5; curve; one material
 conformal curve of a thin eye, ms; 150; curve; a thin eye
 slider-crank, slowest of 24 cases, times real time; 1; restitution; cylcontact, 1e-08; real time
@@ -197,9 +203,11 @@ def _ratios(rows: list[Row]) -> Iterator[str]:
             continue
         if row.case != case:
             case = row.case
-            yield f"| **{case}**, {row.unit} | | |"
+            unit = "" if BUSY in case else f", {row.unit}"
+            yield f"| **{case}**{unit} | | |"
         note = f" ({row.note})" if row.note else ""
-        yield f"| {row.side}{note} | {_short(row.value)} | {_short(row.ratio)} |"
+        time = "" if BUSY in case else _short(row.value)
+        yield f"| {row.side}{note} | {time} | {_short(row.ratio)} |"
 
 
 def _short(number: float) -> str:

@@ -168,7 +168,7 @@ def fig_elements() -> tuple[Figure, pd.DataFrame]:
     chosen so that Johnson's law, and with it these two, agree at small loads.
     """
     recommended = {"recommended": STUDIES["recommended"]}
-    return against_elements(BEYOND_FIG_6, recommended, (-15, 15))
+    return against_elements(BEYOND_FIG_6, recommended, (-4, 4))
 
 
 def against_elements(

@@ -33,8 +33,6 @@ def test_the_line_the_file_and_python_have_one_answer(run, answer):
         assert code == 0
         assert out == f"{answer}\n"
         assert err == "".join(f"warning: {each}\n" for each in answer.warnings)
-    code, out, _ = run(*shlex.split(f"{FULL} --json"))
-    assert json.loads(out) == answer.to_dict()
 
 
 def test_numbers_in_the_place_of_names_and_classes(run):
@@ -44,9 +42,15 @@ def test_numbers_in_the_place_of_names_and_classes(run):
     assert code == 0
     assert data["numbers"]["joint"]["bore_mm"] == pytest.approx(20.0)
     assert data["numbers"]["joint"]["clearance_um"] == pytest.approx(30.0)
+    assert data["not_included"].startswith("wear")
     assert "a wrapped bush yields" in err
+
+
+@pytest.mark.slow
+def test_limits_in_the_place_of_classes(run):
     limits = "wall 2.98:3.01, 26:26.021/26.035:26.048"
     code, out, _ = run(*shlex.split(f'{AROUND} --bush "bronze, {limits}" --Rj 9.97 --json'))
+    assert code == 0
     assert list(json.loads(out)["numbers"])[-2:] == ["tightest seat", "loosest seat"]
 
 

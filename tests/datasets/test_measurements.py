@@ -7,16 +7,14 @@ from cylcontact import InputError
 from cylcontact.bodies.material import COLUMNS
 from cylcontact.datasets.measurements import measurements_of, read_measured
 from cylcontact.datasets.reading import TableSpec
+from cylcontact.fitting import fit_table
 from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.noise import STANDARDISED
 from tests.support.measured_files import (
     CONSTANTS,
-    USER_LAW,
     campaign_of_table,
     write_measured,
     write_table,
 )
-from tests.support.spec_files import assert_told
 
 GOOD = {
     "load_N_per_mm": [10.0, 20.0, 40.0],
@@ -195,38 +193,30 @@ def campaign_on(tmp_path, columns, law="power", **settings):
     return campaign_of_table(table, law, "internal", {}, **settings)
 
 
-def test_the_objective_follows_the_standard_deviations(tmp_path):
-    (tmp_path / "mine.py").write_text(USER_LAW)
-    bounds = {"K_star": [1.0, 2.0], "n": [1.0, 2.0]}
-    own = {"law": "mine:load", "bounds": bounds}
+def test_the_noise_follows_the_standard_deviations(tmp_path):
     of_load, of_depth = {"load_std_N_per_mm": [1] * 3}, {"penetration_std_um": [1] * 3}
-    for added, settings, objective in (
-        ({}, {}, "rms-log-penetration"),
-        ({}, own, "rms-log-penetration"),
-        (of_load, {}, STANDARDISED),
-        (of_depth, own, "rms-penetration"),
-        ({}, {"noise": "constant"}, "rms-penetration"),
-        ({}, {"noise": "proportional"}, "rms-log-penetration"),
-        (of_load | of_depth, {}, STANDARDISED),
+    for added, settings, noise in (
+        ({}, {}, "both"),
+        (of_load, {}, None),
+        (of_depth, {}, None),
+        ({}, {"noise": "constant"}, "constant"),
+        ({}, {"noise": "proportional"}, "proportional"),
+        (of_load | of_depth, {}, None),
     ):
-        assert campaign_on(tmp_path, {**GOOD, **added}, **settings).objective == objective
+        assert campaign_on(tmp_path, {**GOOD, **added}, **settings).noise.noise == noise
 
 
-def test_readings_below_zero_need_a_free_offset_and_constant_noise(tmp_path):
-    table = write_measured(tmp_path / "t.csv", "johnson", "internal")
+def test_a_nanometre_about_zero_does_not_change_the_noise(tmp_path):
+    """A reading that passes zero by 0.5 nm once changed the noise model, and the stiffness."""
+    table = write_measured(tmp_path / "t.csv", "explicit", "internal", noise=0.01)
     rows = [line.split(",") for line in table.read_text().splitlines()]
-    rows[3][2] = "-0.5"
-    table.write_text("\n".join(map(",".join, rows)) + "\n")
-    free = {"bounds": {"offset": [-0.01, 0.01]}}
-    fixed = {"fixed": {"offset": -0.001}}
-    with pytest.raises(InputError) as caught:
-        campaign_of_table(table, "johnson", "internal", CONSTANTS, noise="constant", **fixed)
-    told = "penetration", -0.0005, "must be positive and finite", "--free offset"
-    assert_told(caught, f"{table}, line 4", *told)
-    assert "--noise constant" in caught.value.remedy
-    settings = {"noise": "constant", **free}
-    plan = campaign_of_table(table, "johnson", "internal", CONSTANTS, **settings)
-    assert plan.data.penetration[2] == -0.0005
+    fits = []
+    for first in ("0.0005", "-0.0005"):
+        rows[1][2] = first
+        table.write_text("\n".join(map(",".join, rows)) + "\n")
+        fits.append(fit_table(campaign_of_table(table, "explicit", "internal", CONSTANTS)))
+    ends = [(e.low, e.value, e.high) for e in (fit.estimates["stiffness_factor"] for fit in fits)]
+    assert ends[0] == pytest.approx(ends[1], rel=2e-3)
 
 
 def test_keys_of_a_campaign_and_options_say_the_same(tmp_path):

@@ -152,7 +152,7 @@ def test_a_prediction_is_the_law_with_the_textbook_bands(plain):
     assert table["penetration_mm"].to_numpy() == pytest.approx(fitted_reading(result, at))
     X, new = np.column_stack([np.ones(load.size), load]), np.column_stack([np.ones(3), at])
     variance = ((new @ np.linalg.inv(X.T @ X)) * new).sum(axis=1)
-    sigma, reach = result.sigma, stats.t.ppf(0.95, 23)
+    sigma, reach = result.noise.deviations["constant"], stats.t.ppf(0.95, 23)
     for columns, expected in (
         (("curve_low_mm", "curve_high_mm"), reach * sigma * np.sqrt(variance)),
         (("low_mm", "high_mm"), reach * sigma * np.sqrt(1 + variance)),
@@ -168,7 +168,7 @@ def test_a_new_reading_is_one_of_a_new_series(series):
     half = (table[["high_mm", "curve_high_mm"]].to_numpy() - table[["penetration_mm"]].to_numpy()).T
     load = table["load_N_per_mm"].to_numpy()
     _, slopes = result.optimum.slopes_of(lambda law: law.penetration(load, PAIR))
-    reach = stats.t.ppf(0.975, result.optimum.degrees_of(slopes))
+    reach = stats.t.ppf(0.975, result.optimum.satterthwaite(slopes))
     added = (half[0] ** 2 - half[1] ** 2) / reach**2
     depth = table["penetration_mm"] - result.coefficients["offset"]
     share = noise["proportional"] ** 2 + noise["gain"] ** 2
@@ -290,11 +290,11 @@ ROLLERS = CylinderPair.external(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
         (lambda fit: fit.predict(100.0, pair=ROLLERS), "'external': is not internal, as the fit"),
         (lambda fit: fit.predict(1.0, level=1.0), "level = 1.0: must lie between 0 and 1; 0.95"),
         (lambda fit: fit.predict(1.0, level=np.nan), "level = nan: must lie between 0 and 1"),
-        (lambda fit: fit.predict([10.0, -1.0]), "load in N/mm = -1.0: leaves the domain"),
+        (lambda fit: fit.predict([10.0, -1.0]), "load in N/mm = -1.0: must be above zero"),
         (lambda fit: fit.predict("4 tf"), "is not a load with its unit"),
         (lambda fit: fit.plot_profile("speed"), "has no profile: it was not searched"),
         (lambda fit: fit.plan([20.0], parameter="kappa"), "is not free; choose offset, comp"),
-        (lambda fit: fit.plan([20.0], add=0), "add = 0: must be from 1"),
+        (lambda fit: fit.plan([20.0], add=0), "add = 0: must be a whole number from 1"),
     ],
 )
 def test_what_cannot_be_answered_is_refused(plain, ask, words):
@@ -357,7 +357,7 @@ def test_the_level_of_a_fit_is_that_of_all_its_intervals(plain, tmp_path):
         assert at_99.standard_error == pytest.approx(at_95.standard_error, rel=1e-6)
         # A profile is nearly that of a linear law.
         assert at_99.high - at_99.low == pytest.approx(ratio * (at_95.high - at_95.low), rel=2e-3)
-    assert "99 % interval" in str(wide)
+    assert "99 % profile interval" in str(wide)
     stiffness = [fit.interval(lambda law: law.stiffness(1e-3, PAIR)) for fit in (wide, usual)]
     width = [float((one["high"] - one["low"]).iloc[0]) for one in stiffness]
     assert width[0] / width[1] == pytest.approx(ratio, rel=1e-4)

@@ -34,7 +34,7 @@ def widened(result, loads):
         load=np.concatenate([data.load, loads]),
         penetration=np.concatenate([data.penetration, depth]),
     )
-    return Optimum(replace(fit, data=more), result.optimum.point)
+    return Optimum(replace(fit, data=more, noise=fit.noise.take(rows)), result.optimum.point)
 
 
 @pytest.mark.parametrize("parameter", [None, "stiffness_factor", "offset"])
@@ -70,7 +70,7 @@ def test_expected_widths_are_those_of_repeated_experiments(series, settings):
     chosen = first.plan(np.geomspace(10.0, 1500.0, 15), add=6)
     loads = np.repeat(chosen.readings["load_N_per_mm"], chosen.readings["number"]).to_numpy()
     noise = first.noise
-    deviations = noise.deviations if noise else {"constant": first.optimum.sigma}
+    deviations = noise.deviations
     group = np.concatenate([np.repeat(np.arange(series), 12), np.full(6, series)])
     load = np.concatenate([np.tile(np.geomspace(10.0, 1500.0, 12), series), loads])
     depth = LAW.penetration(load, PAIR)

@@ -128,7 +128,7 @@ def test_a_law_with_a_singular_information_matrix_is_skipped(monkeypatch):
 def test_singular_likelihoods_are_one_sentence(monkeypatch):
     monkeypatch.setattr("cylcontact.fitting.noise.Likelihood._terms", singular)
     with pytest.raises(cc.InputError, match="the information matrix is singular"):
-        cc.fit(frame(), "johnson", PAIRS["internal"], noise="both", starts=1)
+        cc.fit(frame(0.01), "johnson", PAIRS["internal"], noise="both", starts=1)
 
 
 def test_choices_do_not_depend_on_workers():

@@ -232,7 +232,7 @@ def test_an_interval_of_a_sum_of_squares_is_the_one_by_hand():
     values = [np.linspace(p.low, p.high, 8) for p in parameters]
     values = [np.union1d(each, [0.0]) for each in values]
     profiles = Profiles(space, np.zeros(2), values)
-    ends = profiles.ends(lambda objective: np.sqrt(np.maximum(objective**2 - 1, 0.0)))
+    ends = profiles.ends(lambda objective, _: np.sqrt(np.maximum(objective**2 - 1, 0.0)))
     # The sum rises by 1 at a distance of the root of the diagonal of the inverse.
     reach = np.sqrt(np.diag(np.linalg.inv(space.A)))
     assert ends[0] == pytest.approx([-reach[0], reach[0]], rel=1e-3)

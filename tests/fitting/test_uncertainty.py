@@ -6,12 +6,19 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from cylcontact import CylinderPair, InputError
+from cylcontact import CylinderPair
 from cylcontact.fitting import findings, fit_table
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.noise import Plain
+from cylcontact.fitting.noise import NoiseModel
 from cylcontact.fitting.parameters import LawModel, Parameter
-from cylcontact.fitting.readings import Fit, Optimum, half_width, plain_fit
+from cylcontact.fitting.readings import (
+    Fit,
+    Optimum,
+    fit_with_noise,
+    half_width,
+    independent,
+    plain_fit,
+)
 from tests.support.measured_files import (
     STEEL,
     TRUTHS,
@@ -29,8 +36,11 @@ REPLICATES = 200
 
 
 def descended(problem, start):
-    """The optimum next to a start, and the noise there."""
+    """The optimum next to a start, and the noise there; without given deviations it is constant."""
     point, _ = problem.minimise(np.array(start, dtype=float))
+    if not problem.noise.is_given:
+        problem = problem.estimating(NoiseModel(noise="constant"), point)
+        point, _ = problem.minimise(point)
     return point, Optimum(problem, point)
 
 
@@ -68,7 +78,8 @@ def curve_problem(campaign, model, x, y, low, high):
     law = LawModel("curve", "internal", parameters, lambda actual: Curve(model, dict(actual)))
     x, y = np.array(x, dtype=float), np.array(y, dtype=float)
     data = campaign.data.take(np.zeros(x.size, dtype=int))
-    return Fit(law, parameters, with_columns(data, load=x, penetration=y), Plain(is_log=False))
+    data = with_columns(data, load=x, penetration=y)
+    return Fit(law, parameters, data, independent(data))
 
 
 @pytest.mark.parametrize("name", NIST_MODELS)
@@ -82,9 +93,10 @@ def test_nist_certified_values_and_standard_deviations(tmp_path, name):
     point, noise = descended(problem, dataset["start"])
     assert point == pytest.approx(certified, rel=1e-7)
     assert np.sqrt(np.diag(noise.covariance)) == pytest.approx(dataset["errors"], rel=1e-5)
-    assert noise.sum_of_squares == pytest.approx(dataset["squares"], rel=1e-9)
-    degrees = len(dataset["x"]) - certified.size
-    assert noise.sigma == pytest.approx(np.sqrt(dataset["squares"] / degrees), rel=1e-9)
+    assert (noise.differences**2).sum() == pytest.approx(dataset["squares"], rel=1e-9)
+    assert noise.degrees == len(dataset["x"]) - certified.size
+    sigma = np.sqrt(dataset["squares"] / noise.degrees)
+    assert noise.fit.noise.deviations["constant"] == pytest.approx(sigma, rel=1e-6)
 
 
 # --- peers ------------------------------------------------------------------------------------
@@ -92,8 +104,10 @@ def test_nist_certified_values_and_standard_deviations(tmp_path, name):
 
 def best_of(campaign):
     """The optimum of a campaign."""
-    truth = plain_fit(campaign).point(TRUTHS[campaign.model.law, campaign.model.contact])
-    return descended(plain_fit(campaign), truth)[1]
+    fit = fit_with_noise(campaign)
+    truth = fit.point(TRUTHS[campaign.model.law, campaign.model.contact])
+    point, _ = fit.minimise(truth)
+    return Optimum(fit.at_best(point), point)
 
 
 def johnson_of(coefficients):
@@ -104,7 +118,7 @@ def johnson_of(coefficients):
 
 def in_mm(campaign):
     """The same campaign with constant noise."""
-    return replace(campaign, noise=Plain(is_log=False))
+    return replace(campaign, noise=NoiseModel(noise="constant"))
 
 
 @pytest.fixture
@@ -117,7 +131,7 @@ def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
 
     problem, best = noisy.fit, noisy.best
     data = problem.data
-    known = replace(problem, noise=Plain(False, NOISE * data.penetration))
+    known = replace(problem, noise=independent(data, NOISE * data.penetration))
     names = [p.name for p in known.free]
 
     def chi_square(values):
@@ -141,9 +155,10 @@ def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
         assert actual.high == pytest.approx(minuit.values[name] + merror.upper, rel=1e-3)
 
 
-def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
+def test_lmfit_agrees_on_errors_correlation_and_profiles(tmp_path):
     import lmfit
 
+    noisy = best_of(in_mm(measured_campaign(tmp_path, noise=NOISE)))
     problem, best = noisy.fit, noisy.best
     names = [p.name for p in problem.free]
 
@@ -159,6 +174,8 @@ def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
     ends = lmfit.conf_interval(fitter, actual, sigmas=[LEVEL])
     mine = Optimum(problem, problem.point(best))
     estimates, _ = findings.estimates_of(mine, LEVEL)
+    # With one kind of scatter the degrees of freedom are N − k.
+    assert mine.degrees_of_each() == pytest.approx(actual.nfree, rel=1e-3)
     for name in names:
         estimate = estimates[name]
         assert estimate.value == pytest.approx(actual.params[name].value, rel=1e-6)
@@ -169,7 +186,7 @@ def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
     assert findings.correlation_of(mine)[0, 1] == pytest.approx(
         actual.params[names[0]].correl[names[1]], abs=1e-4
     )
-    assert mine.sigma == pytest.approx(np.sqrt(actual.redchi))
+    assert np.sqrt(actual.redchi) == pytest.approx(1.0, rel=1e-3)  # in standard deviations
 
 
 # --- coverage ---------------------------------------------------------------------------------
@@ -206,8 +223,10 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
         errors = half_width(LEVEL, noise.degrees_of_each()) * np.sqrt(np.diag(noise.covariance))
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
         for name in names:
-            ratio, _ = noise.ratio({name: truth[name]}, best)
-            hits["profile"].append(ratio <= noise.threshold(LEVEL, name))
+            held = noise.fit.fixing(**{name: truth[name]})
+            rise = noise.rise(np.array([held.minimise(held.point(best))[1]]))[0]
+            side = int(truth[name] > best[name])
+            hits["profile"].append(rise <= noise.limits(LEVEL, name)[side])
         band = noise.band(ahead, LEVEL, load=[20.0])
         depth = float(law.penetration(20.0, ahead)[0])
         hits["curve"].append(band.low[0] <= depth <= band.high[0])
@@ -252,8 +271,11 @@ def test_an_interval_ends_where_the_law_is_undefined_with_the_refit_before(tmp_p
     result = fit_table(campaign_of_table(table, "johnson", "internal", peek, starts=1))
     ends = result.estimates["stiffness_factor"]
     assert (ends.high, ends.high_is_bound, ends.low_is_bound) == (20.0, True, False)
-    ratio, _ = result.optimum.ratio({"stiffness_factor": ends.low}, result.optimum.best)
-    assert ratio == pytest.approx(stats.f.ppf(LEVEL, 1, 34), rel=1e-3)
+    optimum = result.optimum
+    held = optimum.fit.fixing(stiffness_factor=ends.low)
+    _, lowest = held.minimise(held.point(optimum.best))
+    limit = optimum.limits(LEVEL, "stiffness_factor")[0]
+    assert optimum.rise(np.array([lowest]))[0] == pytest.approx(limit, rel=1e-3)
 
 
 def test_parameters_that_act_only_together_are_named(tmp_path):
@@ -261,14 +283,19 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
     campaign = measured_campaign(tmp_path, noise=NOISE, bounds=bounds, starts=2)
     result = fit_table(campaign)
     assert set(result.optimum.unidentifiable) == {"c", "Lambda_factor"}
-    assert {result.estimates[name].verdict for name in result.free} == {"not"}
-    assert result.correlation == []
+    verdicts = {name: result.estimates[name].verdict for name in result.free}
+    assert (verdicts["c"], verdicts["Lambda_factor"]) == ("not", "not")
     assert "c and Lambda_factor are not identifiable" in result.warnings[0]
+    # The stiffness keeps its interval, which is that of a fit with one of the two fixed.
+    fixed = fit_table(measured_campaign(tmp_path, noise=NOISE, starts=2))
+    for end in ("low", "high"):
+        actual, expected = (getattr(r.estimates["stiffness_factor"], end) for r in (result, fixed))
+        assert actual == pytest.approx(expected, rel=1e-3)
     assert "not identifiable" in str(result)
-    noise = result.optimum
+    # So does what follows from both together.
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
-    with pytest.raises(InputError, match="are not identifiable one by one"):
-        noise.band(pair, LEVEL, load=[1.0])
+    bands = [r.optimum.band(pair, LEVEL, load=[1.0]) for r in (result, fixed)]
+    assert np.ravel(bands[0]) == pytest.approx(np.ravel(bands[1]), rel=1e-3)
 
 
 # --- bands ------------------------------------------------------------------------------------
@@ -277,13 +304,13 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
 def test_a_band_of_a_new_reading_is_that_of_students_t(noisy):
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
     band = noisy.band(pair, LEVEL, load=[50.0])
-    reach = stats.t.ppf(0.975, noisy.degrees)
+    _, slopes = noisy.slopes_of(lambda law: law.penetration(np.array([50.0]), pair))
+    reach = stats.t.ppf(0.975, noisy.satterthwaite(slopes))
     value = johnson_of(noisy.best).penetration(50.0, pair)
     assert band.value == pytest.approx(value, rel=1e-12)
-    curve = np.log(band.high / band.low) / (2 * reach)
-    assert np.log(band.new_high / band.value) == pytest.approx(
-        reach * np.hypot(curve, noisy.sigma), rel=1e-9
-    )
+    curve, noise = (band.high - band.low) / (2 * reach), noisy.fit.noise.deviations
+    scatter = np.hypot(noise["constant"], noise["proportional"] * value)
+    assert band.new_high - band.value == pytest.approx(reach * np.hypot(curve, scatter), rel=1e-9)
 
 
 # --- what the noise says ----------------------------------------------------------------------
@@ -299,13 +326,13 @@ def test_a_band_of_a_new_reading_is_that_of_students_t(noisy):
 )
 def test_given_deviations_are_held_against_the_residuals(noisy, size, words):
     data = noisy.fit.data
-    known = replace(noisy.fit, noise=Plain(False, size * NOISE * data.penetration))
+    known = replace(noisy.fit, noise=independent(data, size * NOISE * data.penetration))
     actual = descended(known, known.point(noisy.best))[1]
     estimates, _ = findings.estimates_of(actual, LEVEL)
     sentences = [*findings.warnings_of(actual, estimates), *findings.notes_of(actual, LEVEL, [])]
     assert words in sentences[0]
     degrees = actual.degrees
-    expected = stats.chi2.sf(actual.sigma**2 * degrees, degrees)
+    expected = stats.chi2.sf(actual.sum_of_squares, degrees)
     assert actual.chi_square_p == pytest.approx(expected, rel=1e-6)
 
 

@@ -146,13 +146,11 @@ def test_each_yield_is_the_lower_of_a_seat_that_slides_and_one_that_sticks(warm)
 
 
 def test_the_hoop_stress_of_a_small_load_is_that_at_rest(warm):
-    answer = check(load=1e-3)
-    bore = answer.band["middle"].bore_mm / 2
-    state = limits.at_rest([BRONZE, STEEL], [bore, 13.00525, 26.0], 0.0155)
-    assert answer.band["middle"].hoop_MPa == pytest.approx(
-        float(state.stress(1, 13.00525)[1]), rel=1e-4
-    )
-    assert warm.band["middle"].hoop_MPa > answer.band["middle"].hoop_MPa
+    answer = check(Bush(BRONZE, seat=(26.0, 26.031), bore=20.04), 19.97, load=1e-3)
+    numbers = answer.band["joint"]
+    state = limits.at_rest([BRONZE, STEEL], [numbers.bore_mm / 2, 13.0, 26.0], 0.0155)
+    assert numbers.hoop_MPa == pytest.approx(float(state.stress(1, 13.0)[1]), rel=1e-4)
+    assert warm.band["middle"].hoop_MPa > numbers.hoop_MPa
 
 
 def test_the_press_fit_alone_may_make_the_bush_yield(warm):
@@ -214,6 +212,17 @@ def test_a_load_that_opens_the_seat_is_warned_of():
     opens = answer.band["joint"].seat_opens_N_per_mm
     assert opens < 1500
     assert any("from which the loosest seat opens" in w for w in answer.warnings)
+
+
+def test_a_transition_seat_may_be_loose():
+    """From 7.5 µm of interference to a gap of 3 µm."""
+    answer = check(Bush(BRONZE, seat=((26.0, 26.021), 26.015), bore=20.04), 19.97)
+    assert answer.bush.interference == pytest.approx((-0.003, 0.0075))
+    assert answer.loose_at == np.inf
+    assert any("some bushes have no interference (-3 µm" in w for w in answer.warnings)
+    assert any("the bush is loose at 20 °C (95 %, most)" in w for w in answer.warnings)
+    assert np.isnan(answer.band["most"].housing_yield_N_per_mm)
+    assert answer.band["most"].bore_mm == pytest.approx(20.04)  # a gap does not close the bore in
 
 
 REFUSED = [

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, limits
+from cylcontact.files.spec import parse_spec
 from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.laws.conformal import series as glauert
+from cylcontact.laws.housing_spec import HousingSpec
 from tests.support.ring_elements import SlidingRings
 
 PIN = Material("pin", 207e3, 0.3, 9000.0, 12e-6)
@@ -218,3 +220,26 @@ def test_a_weak_body_in_a_housing_yields_as_a_contact_of_hertz():
 def test_what_a_seat_and_a_state_at_rest_refuse(ask, rule):
     with pytest.raises(InputError, match=rule):
         ask()
+
+
+def test_a_file_of_a_joint_has_the_seat_of_its_layers():
+    layer = {"R_i": 12.0, "E": 200.0, "nu": 0.3}
+    for seat in (None, "bonded", "sliding"):
+        data = {"R_o": 20.0, "layers": [layer]} | ({} if seat is None else {"seat": seat})
+        assert parse_spec(HousingSpec, data, "file").housing.seat == (seat or "bonded")
+    with pytest.raises(InputError, match=r"seat = 'sliding': is for layers"):
+        parse_spec(HousingSpec, {"R_o": 20.0, "seat": "sliding"}, "file")
+
+
+def test_an_array_of_pairs_and_a_curve_have_the_sliding_seat():
+    pair = CylinderPair.from_dR("internal", [0.02, 0.03], BRONZE, R_i=10.0, material_j=PIN)
+    law = Conformal(eye("sliding"))
+    both = law.penetration(500.0, pair)
+    for k, dR in enumerate((0.02, 0.03)):
+        alone = CylinderPair.from_dR("internal", dR, BRONZE, R_i=10.0, material_j=PIN)
+        depth = float(law.penetration(500.0, alone))
+        assert both[k] == pytest.approx(depth, rel=1e-12)
+        curve = law.curve(alone)
+        unit = float(alone.E_star) * dR
+        assert dR * curve.bodies.penetration(500.0 / unit) == pytest.approx(depth, rel=1e-9)
+        assert depth > 1.05 * float(Conformal(eye("bonded")).penetration(500.0, alone))

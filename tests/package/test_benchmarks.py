@@ -101,8 +101,9 @@ def bench(tmp_path, monkeypatch):
     stub = Stub()
     monkeypatch.setattr(program, "import_module", lambda _: stub)
 
-    def run(*arguments, fails="", programs=True):
+    def run(*arguments, fails="", programs=True, load=0.0):
         stub.fails = fails
+        monkeypatch.setattr(program.os, "getloadavg", lambda: (load, load, load))
         monkeypatch.setattr(sys, "argv", ["benchmarks", *arguments])
         monkeypatch.setattr(shutil, "which", lambda _: programs or None)
         program.main()
@@ -122,6 +123,17 @@ def test_a_benchmark_replaces_its_earlier_rows_and_keeps_those_of_others(bench):
     before = page.RESULTS.read_bytes()
     bench("mechanism", "--short")
     assert page.RESULTS.read_bytes() == before
+
+
+def test_of_a_busy_machine_the_page_shows_ratios_alone(bench):
+    results = bench("law", load=99.0)
+    assert [row.case for row in results["rows"]["law"]] == ["new" + harness.BUSY]
+    shown = page.page(results)
+    assert f"| **new{harness.BUSY}** | | |\n| a |  | 1 |" in shown
+    by_time, ratio = page.Aim("fast", 2.0, "new", "a"), page.Aim("faster", 2.0, "new", "a", "a")
+    rows_of_law = results["rows"]["law"]
+    assert by_time.line(rows_of_law) == "| fast | 2 | a busy machine | |"
+    assert ratio.line(rows_of_law) == "| faster | 2 | 1 | reached |"
 
 
 def test_a_benchmark_without_its_program_is_skipped_and_the_page_says_so(bench):

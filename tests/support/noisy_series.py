@@ -56,7 +56,7 @@ def refitted(campaign, frame):
         load=frame["load_N_per_mm"].to_numpy(),
         penetration=1e-3 * frame["penetration_um"].to_numpy(),
     )
-    fit = replace(plain_fit(campaign), data=data)
+    fit = plain_fit(replace(campaign, data=data))
     point, _ = fit.minimise(np.array([1.0, OFFSET]))
     if isinstance(campaign.noise, NoiseModel):
         fit = fit.estimating(campaign.noise, point)

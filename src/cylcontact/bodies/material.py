@@ -178,7 +178,7 @@ def material_in_MPa(
     return material
 
 
-def changed(material: Material, **numbers: Number | None) -> Material:
+def changed(material: Material, **numbers: Number | str | None) -> Material:
     """Return a material with other numbers; a modulus is in MPa, however small."""
     copy = object.__new__(Material)
     copy.__dict__.update(material.__dict__ | numbers)

@@ -24,7 +24,6 @@ from cylcontact.cli.options import (
     Read,
     argument,
     count,
-    interval,
     number,
     option,
     output,
@@ -43,11 +42,13 @@ from cylcontact.cli.pair import (
 )
 from cylcontact.cli.terminal import progress_bars, resumable, say
 from cylcontact.files.reading import plain_number, require_file
+from cylcontact.files.units import load_in_N_per_mm
 from cylcontact.files.writing import require_suffix, require_writable
 from cylcontact.support.choices import (
     BRANCHES,
     CHOICE_FILES,
     FIT_FILES,
+    FIT_PDF,
     PLAN_FILES,
     is_table,
     listed,
@@ -97,6 +98,20 @@ def _bound(text: str) -> list[float]:
     return [low, high]
 
 
+def _range(text: str) -> tuple[str, str]:
+    """Return two loads with their units, by default in N/mm; a unit behind the second is both's."""
+    low, high = (part.strip() for part in text.split(":"))
+    unit = high.lstrip("+-.,0123456789eE").strip() or "N/mm"
+    with suppress(ValueError):
+        high = f"{plain_number(high):g} N/mm"
+    with suppress(ValueError):
+        low = f"{plain_number(low):g} {unit}"
+    return low, high
+
+
+_RANGE = reader(_range, "must be two loads, the lower first, e.g. 5:400")
+
+
 def _share(text: str) -> float:
     number = plain_number(text.strip().removesuffix("%"))
     return number / 100 if text.strip().endswith("%") else number
@@ -125,6 +140,11 @@ SETTINGS: Options = {
     "drift": (bool | None, option("Allow for a drift of each series.", "--drift", **_PANEL)),
     "load_error": _text("Standard deviation of loads, as 1%.", "SHARE",
                         reader(_share, "is not a share; write 1% or 0.01")),
+    "uncertain": (list[str] | None,
+                  option("Standard uncertainty of an input (dR, R_i, R_j, E, E_i, E_j, length, "
+                         "load) or parameter; that of a tolerance ±t is t/√3, of a certificate's "
+                         "U it is U/2. May be repeated.",
+                         metavar="NAME=SIZE", parser=_named(str, "dR=2 um"), **_PANEL)),
     "level": (float | None, LEVEL),
     "free": _texts("Fit what is fixed by default.", "NAME"),
 }  # fmt: skip
@@ -155,6 +175,7 @@ def fit(
     resume: bool = RESUME,
     force: bool = FORCE,
     as_json: bool = JSON,
+    pdf: bool = option("Write the picture as a PDF too.", "--pdf", default=False, **_PANEL),
     law: str | None = option("Law; module:function of your own.", metavar="NAME", **_PANEL),
     settings: dict[str, Any],
     parameters: dict[str, Any],
@@ -188,7 +209,11 @@ def fit(
             raise InputError(str(source), option_of(name), None, rule, remedy)
         planned = Campaign.read(source, runs=runs, seed=seed, **_tables(str(source), parameters))
         folder, target = None, out or source.parent / "results" / f"{source.stem}.json"
-    require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
+    if pdf and folder is None:
+        rule, remedy = "is for a fit to tables that has a folder", "leave it out"
+        raise InputError("fit", "--pdf", None, rule, remedy)
+    files = (*FIT_FILES, FIT_PDF) if pdf else FIT_FILES
+    require_writable(target, *(target.with_name(name) for name in files if folder))
     require_suffix(target, ".json")
     if out is None and not force:
         require_same_inputs(target, planned)
@@ -201,13 +226,13 @@ def fit(
         if folder is not None and isinstance(result, DataFit):
             from cylcontact.fitting.folder import write_fit
 
-            write_fit(result, folder)
+            write_fit(result, folder, pdf=pdf)
         else:
             result.save(target)
     if as_json:
         say(result.to_json())
         return
-    names = f": {', '.join(FIT_FILES)}" if folder else ""
+    names = f": {', '.join(files)}" if folder else ""
     say(f"{result}\n\nwritten to {folder or target}{names}")
 
 
@@ -275,7 +300,11 @@ def plan(
     data: list[Path] = DATA,
     *,
     law: str | None = option("The law, e.g. johnson.", metavar="NAME"),
-    candidates: Any = interval("Loads to choose from, in N/mm."),
+    candidates: Any = option(
+        'Loads to choose from, in N/mm or with their unit, e.g. 5:400 or "100 N:5 kN".',
+        metavar="LOW:HIGH",
+        parser=_RANGE,
+    ),
     add: int = count(1, "Readings to add.", default=5),
     parameter: str | None = option("The parameter to narrow; all by default.", metavar="NAME"),
     clearances: list[float] | None = several(
@@ -300,7 +329,12 @@ def plan(
     law = given["law"]
     with progress_bars() as progress:
         fitted = fit_table(measured.campaign(law), 1, progress)
-    taken = np.geomspace(candidates[0], candidates[1], _PLAN_LOADS)
+    length = fitted.data.columns.get("length")
+    of_pair = None if length is None or np.ptp(length) else float(length[0])
+    low, high = (load_in_N_per_mm(load, of_pair) for load in candidates)
+    rule, remedy = "must be above zero, the lower first", "give e.g. 5:400"
+    require(0 < low < high, str(data[0]), "--candidates", ":".join(candidates), rule, remedy)
+    taken = np.geomspace(low, high, _PLAN_LOADS)
     chosen = fitted.plan(taken, add, dR=clearances or None, parameter=parameter)
     say(chosen)
     if out is not None:
@@ -433,6 +467,7 @@ def _measured(
     settings = {name: value for name, value in given.items() if name not in others}
     settings |= _tables(source, given) | {
         "columns": _each_once(source, "--columns", settings.get("columns", [])),
+        "uncertain": _each_once(source, "--uncertain", settings.get("uncertain", [])),
         "housing": None if housing is None else housing.model_dump(exclude_none=True),
         "seed": seed,
         "starts": runs,

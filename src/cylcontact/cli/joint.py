@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,10 +18,10 @@ from cylcontact.cli.options import (
     takes,
 )
 from cylcontact.cli.pair import JOINT, named_option, own_materials
-from cylcontact.cli.terminal import say
+from cylcontact.cli.terminal import progress_bars, say
 from cylcontact.joint.bush_words import EXAMPLE, bush_words, diameter_words
 from cylcontact.joint.words import blaming, joint_from_words, temperature_words
-from cylcontact.support.choices import listed
+from cylcontact.support.choices import is_table, listed
 from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
@@ -87,11 +88,13 @@ def joint_of(
 @takes("around", AROUND)
 def check(
     file: Path | None = argument(
-        "A joint with a bush, or a clevis: datasets/clevis.toml.", metavar="[FILE]", default=None
+        "A table of joints, the file of a joint, of one with a bush, or of a clevis.",
+        metavar="[FILE]",
+        default=None,
     ),
     *,
     bush: Any = _BUSH,
-    out: Path | None = output("One page to file, .html, .pdf or .png."),
+    out: Path | None = output("One page to file, .html, .pdf or .png; of a table the answers."),
     as_json: bool = JSON,
     pair: dict[str, Any],
     around: dict[str, Any],
@@ -100,6 +103,9 @@ def check(
 
     The joint is a pin in a hole, two rollers, or a roller on a plane.
     """
+    if file is not None and is_table(file):
+        _check_table(file, bush, out, as_json, pair | around)
+        return
     require_output(out, *PAGES)
     answer = _checked(file, bush, pair, around)
     if out is not None:
@@ -109,13 +115,67 @@ def check(
         say(f"warning: {warning}", err=True)
 
 
+def _check_table(
+    path: Path, bush: Any, out: Path | None, as_json: bool, given: dict[str, Any]
+) -> None:
+    """Check the joints of a table, and write their answers."""
+    from cylcontact.joint.tables import SUFFIXES, check_table
+
+    require_output(out, *SUFFIXES)
+    rule, remedy = f"is for one joint, and {path} is a table", "leave it out"
+    require(bush is None, "check", "--bush", None, rule, remedy)
+    require(out is not None or as_json, "check", "--out", None, "is missing for a table",
+            "name the answers, e.g. -o answers.csv")  # fmt: skip
+    own = own_materials(given, "check")
+    given.pop("materials", None)
+    with progress_bars() as progress:
+        checked = check_table(path, materials=own, same=given, progress=progress)
+    if as_json:
+        say(checked.table.to_json(orient="records", force_ascii=False, indent=1))
+    if out is not None:
+        checked.save(out)
+        if not as_json:
+            say(f"{out}: {checked}")
+
+
+def _check_joint_file(
+    path: Path, bush: Any, pair: dict[str, Any], around: dict[str, Any]
+) -> JointCheck:
+    """Check the joint of a file under the load of the options."""
+    from cylcontact.bodies.material import changed
+    from cylcontact.joint import read_joint
+    from cylcontact.joint.check import checked
+    from cylcontact.joint.loaded import resolve
+    from cylcontact.joint.words import load_from_words, rim_from_words
+
+    materials, own = pair.pop("materials", None), own_materials(pair, "check")
+    names = [*pair, *(["bush"] if bush is not None else []), *({"iso", "depth"} & {*around})]
+    for name in names:
+        rule, remedy = f"is in the file already: {path}", "leave one of them out"
+        raise InputError("check", named_option(name), None, rule, remedy)
+    joint = read_joint(path, materials)
+    rule, remedy = f"is missing for {path}", "give the load on the joint, e.g. --load 5kN"
+    require("load" in around, "check", "--load", None, rule, remedy)
+    load = load_from_words(around["load"], joint.pair.length, "check", named_option)
+    rim = rim_from_words(around.get("rim"), "check", named_option, own)
+    bodies = (joint.pair.material_i, joint.pair.material_j)
+    # A material that the file gives by its numbers is called like its body there.
+    hole, pin = (changed(x, name="") if x.name in ("bearing", "pin") else x for x in bodies)
+    cylinders = replace(joint.pair, material_i=hole, material_j=pin)
+    warm = around.get("temperature")
+    with blaming(named_option, "check"):
+        return checked(resolve(cylinders, load, housing=joint.housing, temperature=warm, rim=rim))
+
+
 def _checked(
     file: Path | None, bush: Any, pair: dict[str, Any], around: dict[str, Any]
 ) -> JointCheck | BushCheck | ClevisCheck:
     """Return the answer for the joint of a file or of the options."""
     if file is not None:
-        from cylcontact.joint.specs import check_file
+        from cylcontact.joint.specs import check_file, is_plain_joint
 
+        if is_plain_joint(file):
+            return _check_joint_file(file, bush, pair, around)
         materials = pair.pop("materials", None)
         options = [*map(named_option, (*pair, *around)), *["--bush"] * (bush is not None)]
         for name in options:

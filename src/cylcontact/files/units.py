@@ -474,6 +474,9 @@ def load_in_N_per_mm(text: str, length: float | None) -> float:
     """Return a load with a unit, such as 4500 N or 225 N/mm, per unit of length in N/mm."""
     number, written = _number_and_unit(text)
     unit = unit_of(written)
+    whole, comma, decimals = number.partition(",")
+    if comma and len(decimals) != 3 and "." not in number:  # 4,5 is 4.5; 4,500 may be 4500
+        number = f"{whole}.{decimals}"
     try:
         value = plain_number(number) * QUANTITIES["load"][unit]
     except (KeyError, ValueError):

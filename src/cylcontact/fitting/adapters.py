@@ -1,8 +1,8 @@
-"""Laws built on another law: the datum, rig and offset of a reading, and scaled axes."""
+"""Laws built on another law: the datum, rig and offset of a reading, scaled axes, true inputs."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,8 @@ _STEPS = 100
 # Halvings of the logarithm of a penetration between these shares of ΔR.
 _HALVINGS, _SHALLOW, _DEEP = 60, 1e-12, 1e6
 _ROUNDING = 4e-15
+# Clearances that differ relatively by less are one.
+_SAME_CLEARANCE = 1e-9
 # The stiffness may be infinite where a law ends; the search stays below the end by this fraction.
 _SHORT_OF_THE_END = 1e-13
 
@@ -171,3 +173,68 @@ class ScaledLaw:
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest penetration in mm."""
         return as_floats(self.penetration_factor * self.base.max_penetration(pair))
+
+
+def without_rig(law: ContactLaw) -> ContactLaw:
+    """Return the law of the contact, without the offset and compliance of a rig."""
+    if isinstance(law, CorrectedInputs):
+        return replace(law, base=without_rig(law.base))
+    return law.base if isinstance(law, RigCompliance) else law
+
+
+@dataclass(frozen=True)
+class CorrectedInputs:
+    """A law for pairs whose clearance or moduli differ from what was stated of them.
+
+    `dR` holds, for each stated clearance, the true one in mm; `E` the factors of the moduli of
+    bodies i and j; `load` the factor of the true load over the stated one. A pair of another
+    clearance keeps its own.
+    """
+
+    base: ContactLaw
+    dR: tuple[tuple[float, float], ...] = ()
+    E: tuple[float, float] = (1.0, 1.0)
+    load_factor: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """The name of the law."""
+        return self.base.name
+
+    def true_pair(self, pair: CylinderPair) -> CylinderPair:
+        """Return the pair as it is, from the pair as stated."""
+        dR = as_floats(pair.dR)
+        for stated, true in self.dR:
+            dR = np.where(np.isclose(pair.dR, stated, rtol=_SAME_CLEARANCE, atol=0.0), true, dR)
+        sign = 1.0 if pair.contact == "internal" else -1.0
+        # The pin, or the second roller, takes up the difference: its radius hardly changes.
+        R_j = None if pair.R_i is None or pair.R_j is None else sign * (pair.R_i - dR)
+        i, j = pair.material_i, pair.material_j
+        return replace(
+            pair,
+            dR=as_floats(dR),
+            R_j=R_j,
+            material_i=replace(i, E=i.E * self.E[0]),
+            material_j=replace(j, E=j.E * self.E[1]),
+        )
+
+    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the penetration in mm under a stated `load` in N/mm."""
+        true = as_floats(load) * self.load_factor
+        return self.base.penetration(true, self.true_pair(pair))
+
+    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the load in N/mm, as it would be stated, at a penetration in mm."""
+        return as_floats(self.base.load(penetration, self.true_pair(pair)) / self.load_factor)
+
+    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return d(load)/d(penetration) in N/mm²."""
+        return as_floats(self.base.stiffness(penetration, self.true_pair(pair)) / self.load_factor)
+
+    def max_load(self, pair: CylinderPair) -> FloatArray:
+        """Return the largest load in N/mm."""
+        return as_floats(self.base.max_load(self.true_pair(pair)) / self.load_factor)
+
+    def max_penetration(self, pair: CylinderPair) -> FloatArray:
+        """Return the largest penetration in mm."""
+        return self.base.max_penetration(self.true_pair(pair))

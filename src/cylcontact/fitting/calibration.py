@@ -216,7 +216,7 @@ def _profiles(
     return curves
 
 
-def _distance(optimum: float, objective: FloatArray) -> FloatArray:
+def _distance(optimum: float, objective: FloatArray, _: int) -> FloatArray:
     """Return the root of the rise of the objective over that at the ends of an interval."""
     rise = np.maximum(objective - optimum, 0.0) / (TOLERANCE * optimum)
     return np.minimum(np.sqrt(rise), _FAR)

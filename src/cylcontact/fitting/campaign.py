@@ -25,11 +25,11 @@ from cylcontact.datasets.measurements import (
     measurements_of,
     pair_notes,
     read_measured,
-    require_positive_penetration,
 )
 from cylcontact.files.provenance import made_with, spec_hash
 from cylcontact.files.reading import beside_or_above
 from cylcontact.files.spec import parse_spec, read_toml
+from cylcontact.fitting.inputs import with_inputs
 from cylcontact.fitting.law_models import (
     RIG_NAMES,
     for_measurements,
@@ -41,7 +41,7 @@ from cylcontact.fitting.law_models import (
     user_model,
     with_rig,
 )
-from cylcontact.fitting.noise import NoiseModel, Plain
+from cylcontact.fitting.noise import OBJECTIVE, NoiseModel
 from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.specs import (
     CampaignSpec,
@@ -56,10 +56,6 @@ from cylcontact.support.errors import InputError
 from cylcontact.support.html_repr import table_html
 
 _LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
-_ZERO_REMEDY = (
-    "correct the row, or remove it; readings that are not zeroed need a free offset "
-    "(--free offset, or offset in [bounds]) and --noise constant"
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +77,7 @@ class Campaign:
         What the law is fitted to.
     data_settings : dict
         The grid's file, or the whole table, as plain data.
-    noise : Plain or NoiseModel, optional
+    noise : NoiseModel, optional
         What a fit to measurements assumes of their scatter.
     """
 
@@ -92,7 +88,7 @@ class Campaign:
     source: str
     data: Grid | Measurements
     data_settings: dict[str, Any]
-    noise: Plain | NoiseModel | None = None
+    noise: NoiseModel | None = None
 
     def __repr__(self) -> str:
         free = sum(p.is_free for p in self.parameters)
@@ -122,10 +118,7 @@ class Campaign:
     @property
     def objective(self) -> str:
         """The name of what is minimised."""
-        if isinstance(self.spec, CampaignSpec):
-            return self.spec.objective
-        assert self.noise is not None, "measurements have noise"
-        return self.noise.objective
+        return self.spec.objective if isinstance(self.spec, CampaignSpec) else OBJECTIVE
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -414,7 +407,7 @@ def _freed(model: LawModel, spec: MeasuredSpec, table: MeasuredTable) -> LawMode
             rule, remedy = "is bounded, fixed or tied as well", "keep one of them"
             raise InputError(table.source, "free", name, rule, remedy)
     if is_user_law(spec.law):
-        model = with_rig(model, {*free, *spec.named})
+        model = with_rig(_with_free_constants(model, free, table.source), {*free, *spec.named})
     else:
         model = for_measurements(model, free, spec.named)
     # Bounds of the offset are ± twice the largest reading, of the compliance the same over the
@@ -430,53 +423,50 @@ def _freed(model: LawModel, spec: MeasuredSpec, table: MeasuredTable) -> LawMode
     return replace(model, parameters=tuple(parameters))
 
 
+def _with_free_constants(model: LawModel, free: Sequence[str], source: str) -> LawModel:
+    """Return a model of a user's function with constants free that have bounds of its own."""
+    for p in model.parameters:
+        if p.name in free and not math.isfinite(p.high - p.low):
+            rule = f"{p.name} is a constant of a law of your own, which has no bounds for it"
+            remedy = (
+                f"give them: --bound {p.name}=LOW:HIGH in place of --free, or write "
+                f"{p.name}: (LOW, HIGH) in the function"
+            )
+            raise InputError(source, "free", p.name, rule, remedy)
+    freed = (replace(p, value=None) if p.name in free else p for p in model.parameters)
+    return replace(model, parameters=tuple(freed))
+
+
 def _on_measurements(
     name: str, spec: MeasuredSpec, measured: Measurements, model: LawModel, source: str
 ) -> Campaign:
-    model = with_rig(model, spec.named)
+    of_rig = [name for name in spec.uncertain if name in RIG_NAMES]
+    model = with_rig(model, {*spec.named, *of_rig})
     parameters = parameters_of(model, spec, source, f"; the rig's: {', '.join(RIG_NAMES)}")
-    free = [p.name for p in parameters if p.is_free]
+    if spec.uncertain:
+        known = replace(model, parameters=parameters)
+        model = with_inputs(known, spec.uncertain, measured.columns, source)
+        parameters = model.parameters
+    free = [p.name for p in parameters if p.is_free and p.known is None]
     if len(measured) <= len(free):
         rule = f"are not more than the {len(free)} free parameters"
         remedy = "measure more points, or fix parameters: [fixed] in a file, --fix NAME=VALUE"
         raise InputError(source, "data", f"{len(measured)} rows", rule, remedy)
     noise = _noise_of(spec, measured, "offset" in free, source)
-    if (isinstance(noise, Plain) and noise.is_log) or "offset" not in free:
-        named = all(name in source for name in measured.data.source.split(", "))
-        where = source if named else f"{source}, {measured.data.source}"
-        require_positive_penetration(measured, where, _ZERO_REMEDY)
     settings = {"measurements": measured.data.model_dump(mode="json")}
     spec = completed(spec, parameters)
     return Campaign(name, spec, model, parameters, source, measured, settings, noise)
 
 
-def _noise_of(
-    spec: MeasuredSpec, data: Measurements, has_offset: bool, source: str
-) -> Plain | NoiseModel:
-    """Return the noise that a campaign states, or the usual one for its data."""
+def _noise_of(spec: MeasuredSpec, data: Measurements, has_offset: bool, source: str) -> NoiseModel:
+    """Return the noise that a campaign states, or the usual one: both kinds of scatter."""
     sigma = data.columns.get("penetration_std")
     if spec.noise is not None and sigma is not None:
         rule = "conflicts with the column penetration_std, which gives the noise"
         raise InputError(source, "noise", spec.noise, rule, "keep one of them")
-    is_modelled = (
-        spec.group is not None
-        or bool(spec.drift)
-        or spec.load_error is not None
-        or "load_std" in data.columns
-        # Scatter in proportion to the penetration is not in proportion to a reading with an offset.
-        or spec.noise == "both"
-        or (spec.noise == "proportional" and has_offset)
-    )
-    if not is_modelled:
-        is_log = spec.noise == "proportional"
-        if spec.noise is None and sigma is None:
-            is_log = bool((data.penetration > 0).all())
-        return Plain(is_log, sigma)
-    # With given deviations of the loads alone, single readings have no scatter but that.
-    is_given = sigma is not None or (
-        "load_std" in data.columns and spec.group is None
-        and not spec.drift and spec.load_error is None
-    )  # fmt: skip
+    others = spec.group is not None or bool(spec.drift) or spec.load_error is not None
+    # With deviations of the loads alone, single readings have no other scatter.
+    is_given = sigma is not None or ("load_std" in data.columns and not others)
     return NoiseModel(
         noise=spec.noise or (None if is_given else "both"),
         over="group" if spec.group is not None else None,

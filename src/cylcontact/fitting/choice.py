@@ -7,10 +7,9 @@ the reference point of its penetration, not by its shape. If the housing is know
 take it have no compliance; the others are fitted without the housing. Two criteria rank the laws:
 
 - AICc, Akaike's information criterion with the correction for few readings (Hurvich and Tsai 1989);
-- the cross-validated error: each part of the data is predicted by a fit to the rest. Parts are the
-  series, if there are three or more, since the errors of one series are alike. They are ten parts
-  of the rows at random if there are no series, or if a noise model predicts what a series adds from
-  its other readings.
+- the cross-validated error: each part of the data is predicted by a fit to the rest. With
+  three or more series, one series is left out at a time, since its errors are alike. Otherwise, and
+  where the noise has series (--group), a tenth of the rows is, drawn at random.
 
 A law is told apart from the best only where both do so: its AICc is larger by more than 7 (Burnham
 and Anderson 2002), and its cross-validated error by more than one standard error of the difference
@@ -86,7 +85,7 @@ class RankedLaw:
 
     @property
     def cv_error(self) -> tuple[float, float]:
-        """The cross-validated error in the unit of the residuals, and its standard error."""
+        """The cross-validated error in standard deviations, and its standard error."""
         mean, error = _mean(self.errors, self.sizes)
         return float(np.sqrt(mean)), float(error / (2 * np.sqrt(mean)))
 
@@ -137,7 +136,7 @@ class Choice:
 
     @property
     def undecided(self) -> list[str]:
-        """The laws that the data cannot tell from the best, that among them.
+        """The best law and those that the data cannot distinguish from it.
 
         There are none if no law describes the data.
         """
@@ -153,7 +152,7 @@ class Choice:
         """The laws with their criteria, best first.
 
         Columns parameters (free ones and deviations), aicc, aicc_behind, weight (Akaike's),
-        cv_error with cv_standard_error (in the unit of the residuals), cv_behind (in standard
+        cv_error with cv_standard_error (in standard deviations), cv_behind (in standard
         errors of the difference), compliance with compliance_error (in mm/(N/mm)), and verdict:
         best, undecided or worse, or misses if no law describes the data. None is best where
         several are undecided.
@@ -201,14 +200,6 @@ class Choice:
         return pictures.choice_drawing(self.data.name, self._optima, self.table)
 
     @property
-    def _unit(self) -> str:
-        """The unit of the cross-validated error."""
-        fit = self.best.optimum.fit
-        if fit.noise.is_log:
-            return "%"
-        return "mm" if fit.noise.unit == "mm" else "std. dev."
-
-    @property
     def _optima(self) -> dict[str, Optimum]:
         return {law.law: law.optimum for law in self.laws}
 
@@ -217,15 +208,13 @@ class Choice:
         return str(self)
 
     def __str__(self) -> str:
-        unit = self._unit
         head = ("", "free", "AICc behind", "CV error", "compliance", "verdict")
-        factor = 100 if unit == "%" else 1
         rows = [
             (
                 str(name),
                 str(row["parameters"]),
                 f"{row['aicc_behind']:.1f}",
-                _with_error(factor, row["cv_error"], row["cv_standard_error"]),
+                _with_error(1.0, row["cv_error"], row["cv_standard_error"]),
                 _with_error(1e6, row["compliance"], row["compliance_error"]),
                 str(row["verdict"]),
             )
@@ -233,7 +222,10 @@ class Choice:
         ]
         notes = [f"{'-' if self.describes else '!'} {self._conclusion()}"]
         notes += [f"! {self.best.law}: {warning}" for warning in self.warnings]
-        notes += [f"- the CV error is in {unit}, the compliance in 1e-6 mm/(N/mm)"]
+        notes += [
+            "- the CV error is in standard deviations of the readings by the best law, the "
+            "compliance in 1e-6 mm/(N/mm)"
+        ]
         notes += [f"- {note}" for note in self._on_datum()]
         notes += [f"- {law}: {why}" for law, why in self.left_out.items()]
         items = (item(note, "", _WIDTH) for note in notes)
@@ -329,9 +321,8 @@ def choose_law(
     # Laws of one shape differ by round-off, and keep their order.
     order = sorted(fitted, key=lambda name: round(aicc[name], 6))
     best = fitted[order[0]]
-    # Deviations are those of the best law's noise model, so that the errors of laws compare.
-    noise = best.covariance_of_readings
-    scale = 1.0 if noise is None else noise.scale
+    # Deviations are those of the best law, so that the errors of laws compare.
+    scale = best.fit.noise.scale
     sizes = np.array([float(part.size) for part in parts])
     ranked = []
     for name in order:
@@ -395,7 +386,7 @@ def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Camp
 def _parts(optimum: Optimum, seed: int) -> tuple[list[Indices], str]:
     """Return the parts of the data that are left out in turn, and what they are."""
     data = optimum.fit.data
-    if "group" in data.data.labels and optimum.covariance_of_readings is None:
+    if "group" in data.data.labels and not optimum.fit.noise.model.over:
         names, index = data.groups("group")
         if len(names) >= _FEWEST_SERIES:
             return [np.flatnonzero(index == k) for k in range(len(names))], f"{len(names)} series"
@@ -421,24 +412,21 @@ def _aicc(optimum: Optimum, source: str) -> float:
 
 
 def _missed(optimum: Optimum, parts: Sequence[Indices]) -> FloatArray:
-    """Return the misses of a fit without each reading's part, in mm with a noise model."""
+    """Return the misses in mm of fits without each reading's part."""
     fit, missed = optimum.fit, np.empty(len(optimum.fit.data))
     with on_one_thread():
         for part in parts:
             rest = fit.take(np.setdiff1d(np.arange(missed.size), part))
             point, _ = polish(rest, optimum.point)  # one descent from a bound may stay near it
-            if isinstance(fit.noise, Covariance):
-                added = _of_series(Optimum(rest, point), fit.noise)
-                missed[part] = (fit.differences(point[None])[0] + added)[part]
-            else:
-                missed[part] = fit.raw(point[None])[0][part]
+            added = _of_series(Optimum(rest, point), fit.noise)
+            missed[part] = (fit.differences(point[None])[0] + added)[part]
     return missed
 
 
 def _of_series(rest: Optimum, noise: Covariance) -> FloatArray:
     """Return what the series add to all readings in mm, estimated from a part of them."""
-    estimated, of_rest = rest.series, rest.covariance_of_readings
-    if estimated is None or of_rest is None:
+    estimated, of_rest = rest.series, rest.fit.noise
+    if estimated is None:
         return np.zeros(noise.load.size)
     effects = np.zeros((int(noise.series.max()) + 1, len(noise.model.effects)))
     effects[np.unique(of_rest.series)] = estimated

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -15,16 +15,15 @@ from numpy.typing import ArrayLike
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.measurements import MeasuredData, Measurements, measurements_of
 from cylcontact.files.spec import parse_spec
-from cylcontact.files.units import column_named, load_in_N_per_mm
-from cylcontact.fitting.adapters import RigCompliance
+from cylcontact.files.units import column_named, load_in_N_per_mm, symbol
+from cylcontact.fitting.adapters import without_rig
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.law_models import user_model, with_rig
-from cylcontact.fitting.noise import NoiseModel
 from cylcontact.fitting.readings import Optimum, plain_fit
-from cylcontact.fitting.records import FittedDeviations, RunRecord
+from cylcontact.fitting.records import Estimate, FittedDeviations, RunRecord
 from cylcontact.fitting.results import FitResult, basins
 from cylcontact.laws.law import ContactLaw
-from cylcontact.support.arrays import as_floats
+from cylcontact.support.arrays import FloatArray, as_floats
 from cylcontact.support.errors import InputError
 from cylcontact.support.plain_text import brief
 from cylcontact.support.text_tables import TextTable
@@ -52,16 +51,17 @@ class DataFit(FitResult):
     kind: Literal["readings"] = "readings"
     runs: list[RunRecord]
     level: float
-    # Standard deviation of the residuals, in the unit of the objective; its degrees of freedom.
-    sigma: float
+    # Readings less parameters and fixed effects.
     degrees_of_freedom: int
+    # Whether the data follow the law to round-off.
+    is_rounding: bool
     # The probability of residuals this large where their size is known.
     chi_square_p: float | None
     # Of the searched coefficients; empty if they have no covariance.
     correlation: list[list[float]]
     # The lines of outliers.
     outliers: list[int | str]
-    noise: FittedDeviations | None
+    noise: FittedDeviations
     log_likelihood: float | None
     # The number of free parameters, deviations of the noise and fixed effects.
     estimated: int
@@ -116,10 +116,12 @@ class DataFit(FitResult):
         if law is not None:
             model = user_model(law, self.contact, source, Path.cwd())
             campaign = replace(campaign, model=with_rig(model, campaign.spec.named))
-        fit, noise = plain_fit(campaign), self.noise
+        fit = plain_fit(campaign)
         point = fit.point(self.coefficients)
-        if isinstance(campaign.noise, NoiseModel) and noise and fit.law(point) is not None:
-            fit = fit.with_noise(campaign.noise, point, noise.deviations)
+        if self.is_rounding:
+            fit = replace(fit, noise=fit.noise.at(self.noise.deviations))
+        elif campaign.noise is not None and fit.law(point) is not None:
+            fit = fit.with_noise(campaign.noise, point, self.noise.deviations)
         if not np.isfinite(fit.value_of(self.coefficients)):
             rule = "leave the law undefined for some of the data"
             raise InputError(source, "coefficients", self.coefficients, rule, "redo the fit")
@@ -165,6 +167,48 @@ class DataFit(FitResult):
             raise InputError(source, "log_likelihood", None, rule, "fit data with noise")
         return self.log_likelihood
 
+    def log_posterior(self, values: Mapping[str, float]) -> float:
+        """Return ln L of the readings plus what is known of the parameters, for a sampler.
+
+        The noise has the deviations that the fit found. Bounds are flat priors.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            The searched coefficients by name; those not given have their fitted values.
+
+        Returns
+        -------
+        float
+            -inf outside the bounds or the law's domain.
+
+        Examples
+        --------
+        It is largest at the fit, but for coefficients at a bound:
+
+        >>> import pandas as pd
+        >>> import cylcontact as cc
+        >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+        >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+        >>> load, noise = np.geomspace(10.0, 1000.0, 12), 1 + 0.01 * np.cos(np.arange(12))
+        >>> depth = cc.laws.Explicit().penetration(load, pair) * noise
+        >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
+        >>> result = cc.fit(data, "explicit", pair)
+        >>> result.log_posterior({}) > result.log_posterior({"stiffness_factor": 1.02})
+        True
+        """
+        fit = self.optimum.fit
+        unknown = [name for name in values if name not in fit.names]
+        if unknown:
+            rule, remedy = "was not searched", f"give {', '.join(fit.names)}"
+            raise InputError(f"fit result {self.name!r}", "values", unknown[0], rule, remedy)
+        point = np.array([float(values.get(name, self.optimum.best[name])) for name in fit.names])
+        if (point < fit.low).any() or (point > fit.high).any():
+            return -np.inf
+        squares = len(fit.data) * fit.value(point) ** 2
+        size = len(fit.data) * np.log(2 * np.pi) + fit.noise.log_det
+        return float(-0.5 * (squares + size)) if np.isfinite(squares) else -np.inf
+
     # --- tables -------------------------------------------------------------------------------
 
     @property
@@ -183,8 +227,6 @@ class DataFit(FitResult):
         """Return the columns of `residuals`, for a command that starts without pandas."""
         optimum = self.optimum
         fit, data = optimum.fit, optimum.fit.data
-        is_standard = fit.noise.is_given or optimum.covariance_of_readings is not None
-        size = 1.0 if is_standard else optimum.sigma
         labels = {
             name: [words[int(row) % len(words)] for row in data.rows]
             for name, words in data.data.labels.items()
@@ -197,7 +239,7 @@ class DataFit(FitResult):
             "penetration_mm": data.penetration,
             "fitted_mm": fit.observed + optimum.differences,
             "residual_mm": -optimum.differences,
-            "standardised": -optimum.r / size if size > 0 else np.zeros(len(data)),
+            "standardised": -optimum.r,
             **({} if series is None else {"series_mm": series}),
         }
 
@@ -258,11 +300,10 @@ class DataFit(FitResult):
         return {**columns, "pair": np.repeat(names, len(columns["beyond"]) // len(names)).tolist()}
 
     def _predicted(self, load: Any, level: float, pair: CylinderPair) -> Columns:
-        texts = [load] if isinstance(load, str) else load
-        if isinstance(texts, Sequence) and all(isinstance(text, str) for text in texts):
-            length = None if pair.length is None else float(np.ravel(pair.length)[0])
-            texts = [load_in_N_per_mm(str(text), length) for text in texts]
-        loads, data = np.atleast_1d(as_floats(texts)), self.optimum.fit.data
+        loads, data = self._loads(load, pair.length, "load"), self.optimum.fit.data
+        if not (loads > 0).all():
+            rule, remedy = "must be above zero", "give a load at which the surfaces touch"
+            raise InputError("prediction", "load in N/mm", float(loads.min()), rule, remedy)
         ends = self.optimum.band(pair, level, load=loads)
         columns: Columns = {
             "load_N_per_mm": loads,
@@ -283,6 +324,21 @@ class DataFit(FitResult):
             for name in ("penetration", "low", "high"):
                 columns[f"{name}_{depth.unit}"] = columns[f"{name}_mm"] / depth.factor
         return columns
+
+    @staticmethod
+    def _loads(loads: Any, length: Any, key: str) -> FloatArray:
+        """Return loads in N/mm from numbers, or from texts with a unit."""
+        given = [loads] if isinstance(loads, str) else loads
+        if isinstance(given, Sequence) and any(isinstance(each, str) for each in given):
+            of_pair = None if length is None else float(np.ravel(length)[0])
+            given = [
+                load_in_N_per_mm(each, of_pair) if isinstance(each, str) else each for each in given
+            ]
+        try:
+            return np.atleast_1d(as_floats(given))
+        except (TypeError, ValueError, InputError) as error:
+            rule, remedy = "must be loads", 'give numbers in N/mm, or texts such as "4500 N"'
+            raise InputError("fit result", key, loads, rule, remedy) from error
 
     def interval(
         self, function: Callable[[ContactLaw], ArrayLike], level: float | None = None
@@ -324,12 +380,11 @@ class DataFit(FitResult):
         import pandas as pd
 
         def of_contact(law: ContactLaw) -> ArrayLike:
-            return function(law.base if isinstance(law, RigCompliance) else law)
+            return _numbers_of(function(without_rig(law)))
 
         value, variance, reach = self.optimum.propagated(of_contact, self._level(level))
-        error = np.sqrt(variance)
-        ends = {"low": value - reach * error, "high": value + reach * error}
-        return pd.DataFrame({"value": value, "standard_error": error, **ends})
+        ends = {"low": value - reach[:, 0], "high": value + reach[:, 1]}
+        return pd.DataFrame({"value": value, "standard_error": np.sqrt(variance), **ends})
 
     def plan(
         self,
@@ -344,8 +399,8 @@ class DataFit(FitResult):
 
         Parameters
         ----------
-        candidates : array_like
-            Loads in N/mm at which readings can be taken.
+        candidates : array_like, str or sequence of str
+            Loads at which readings can be taken, in N/mm, or with their unit, such as "4500 N".
         add : int
             How many readings are to be added, as one new series.
         dR : array_like, optional
@@ -378,7 +433,7 @@ class DataFit(FitResult):
         """
         from cylcontact.fitting.plan import plan
 
-        loads = np.atleast_1d(as_floats(candidates))
+        loads = self._loads(candidates, self.optimum.fit.data.pair.length, "candidates")
         clearances = None if dR is None else np.atleast_1d(as_floats(dR))
         return plan(self.optimum, loads, clearances, add, parameter, self._level(level))
 
@@ -444,7 +499,18 @@ class DataFit(FitResult):
 
     @property
     def _interval_heading(self) -> str:  # type: ignore[override]
-        return f"{100 * self.level:g} % interval"
+        return f"{100 * self.level:g} % profile interval"
+
+    def _in_its_unit(self, estimate: Estimate) -> Estimate:
+        """Return a coefficient; one in mm is stated in the unit of the readings."""
+        unit = self.data.data.units.get("penetration", "mm")
+        column = column_named(f"penetration_{unit}")
+        if estimate.unit != "mm" or column is None:
+            return estimate
+        numbers = ("value", "low", "high", "standard_error")
+        scaled = {key: getattr(estimate, key) for key in numbers}
+        scaled = {k: None if v is None else v / column.factor for k, v in scaled.items()}
+        return estimate.model_copy(update={**scaled, "unit": symbol(column.unit)})
 
     @property
     def read_lines(self) -> list[str]:
@@ -456,7 +522,7 @@ class DataFit(FitResult):
         """In a line whether the fit can be taken as it is."""
         verdicts = Counter(estimate.verdict for estimate in self.estimates.values())
         parts = [
-            f"{basins(self.runs, self.round_off)[0][1]} of {len(self.runs)} runs agree",
+            f"{basins(self.runs, self.round_off)[0][1]} of {len(self.runs)} starts agree",
             f"{verdicts['at a bound'] or 'none'} at a bound",
             f"{verdicts['poorly'] + verdicts['not'] or 'none'} ill determined",
         ]
@@ -466,7 +532,7 @@ class DataFit(FitResult):
         return " · ".join(parts)
 
     def __str__(self) -> str:
-        series = self.noise.series if self.noise else []
+        series = self.noise.series
         if len(series) < 2:
             return super().__str__()
         names = list(series[0].effects)
@@ -476,6 +542,22 @@ class DataFit(FitResult):
             rows.append((each.name, str(each.rows), *effects))
         table = TextTable(("series", "readings", *(_EFFECTS[name][0] for name in names)), rows)
         return f"{super().__str__()}\n\n{table}"
+
+
+def _numbers_of(answer: object) -> FloatArray:
+    """Return what a user's function gives, a number or m of them."""
+    try:
+        numbers = np.atleast_1d(np.asarray(answer, dtype=np.float64))
+    except (TypeError, ValueError):
+        numbers = np.empty((0, 0))
+    if numbers.ndim != 1 or not numbers.size:
+        kind = f"an array of shape {np.shape(answer)}" if isinstance(answer, np.ndarray) else answer
+        rule, remedy = (
+            "is not a number or a row of numbers",
+            "return one number, or several in a row",
+        )
+        raise InputError("interval", "function", kind, rule, remedy)
+    return numbers
 
 
 def _pair_of(data: Measurements) -> CylinderPair:

@@ -18,8 +18,8 @@ from cylcontact.support.plain_text import as_label
 
 __all__ = ["Curve", "draw_curves", "draw_readings", "draw_residuals"]
 
-# More series than this are drawn alike.
-_MOST_SERIES = len(COLOURS)
+# More series than this are drawn alike, and no more pairs have curves of their own.
+MOST_SERIES = 2 * len(COLOURS)
 _MICROMETRES = 1e3
 # Axes are logarithmic if loads span more than this ratio and all readings are positive.
 _WIDE = 30.0
@@ -51,10 +51,14 @@ def draw_readings(
     axes.set(xlabel="load (N/mm)", ylabel="penetration (µm)")
 
 
-def draw_curves(axes: Axes, curves: Sequence[Curve], level: float = 0.95) -> None:
-    """Draw the curves of laws with their bands."""
+def draw_curves(
+    axes: Axes, curves: Sequence[Curve], level: float = 0.95, of_pairs: bool = False
+) -> None:
+    """Draw the curves of laws with their bands, or of the pairs of a table."""
     for number, curve in enumerate(curves):
-        colour = COLOURS[2] if len(curves) == 1 else COLOURS[(number + 1) % len(COLOURS)]
+        # The readings of a pair have the colour of its curve, and its name in the legend.
+        first = 0 if of_pairs else 1
+        colour = COLOURS[2] if len(curves) == 1 else COLOURS[(number + first) % len(COLOURS)]
         if curve.low is not None and curve.high is not None:
             axes.fill_between(
                 curve.load,
@@ -68,10 +72,10 @@ def draw_curves(axes: Axes, curves: Sequence[Curve], level: float = 0.95) -> Non
         axes.plot(
             curve.load,
             _MICROMETRES * curve.reading,
-            linestyle="-" if len(curves) == 1 else None,
+            linestyle="-" if len(curves) == 1 or of_pairs else None,
             marker="",
             color=colour,
-            label=as_label(curve.label),
+            label=None if of_pairs else as_label(curve.label),
         )
 
 
@@ -112,15 +116,16 @@ def _styles(
     """Return the name, the rows and the markers of each series."""
     hollow: dict[str, Any] = {"markerfacecolor": "white"}
     names = list(dict.fromkeys(series or ()))
-    if series is None or not 1 < len(names) <= _MOST_SERIES:
+    if series is None or not 1 < len(names) <= MOST_SERIES:
         count = f"{label} ({len(names)} series)" if len(names) > 1 else label
         return [(count, slice(size), {"marker": "o", "color": COLOURS[0], **hollow})]
-    member = np.asarray(series)
+    member, number = np.asarray(series), len(COLOURS)
     return [
         (
             as_label(name),
             np.flatnonzero(member == name),
-            {"marker": marker, "color": colour, **hollow},
+            # From the sixth on the colours begin anew, with other markers.
+            {"color": COLOURS[k % number], "marker": MARKERS[(k + k // number) % number], **hollow},
         )
-        for name, marker, colour in zip(names, MARKERS, COLOURS, strict=False)
+        for k, name in enumerate(names)
     ]

@@ -1,9 +1,8 @@
 """What readings show against a fit: coefficients with verdicts, tests of the noise, sentences.
 
-The noise is taken to be independent, steady, and of one size. Each test of that which fails gives a
-sentence: what the residuals show, how unlikely that is, and the option that allows for it. All use
-the residuals in the units in which they should be alike, whitened by the noise model if there is
-one.
+The noise is taken to be independent and steady. Each test of that which fails gives a sentence:
+what the residuals show, how unlikely that is, and the option that allows for it. All use the
+residuals in standard deviations, in which they should be alike.
 """
 
 from __future__ import annotations
@@ -13,7 +12,8 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from cylcontact.datasets.measurements import Indices
-from cylcontact.fitting.noise import Covariance, positions
+from cylcontact.fitting.adapters import CorrectedInputs
+from cylcontact.fitting.noise import positions
 from cylcontact.fitting.readings import MEDIAN_TO_SIGMA, Interval, Optimum, half_width
 from cylcontact.fitting.records import (
     FAIRLY,
@@ -24,18 +24,22 @@ from cylcontact.fitting.records import (
     SeriesEffect,
     with_verdict,
 )
-from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.support.parallel import Workers, call, collect
 
 LEVEL = 0.95
 # A test fails below this probability.
 _SURPRISING = 0.01
-# Residuals this many robust standard deviations away are reported as outliers, which stay in.
-_OUTLYING = 3.5
+# Outliers are beyond A + B/N robust standard deviations, where the largest of N Gaussian residuals
+# is in one of a hundred tables (5.4 for N = 8, 4.9 for 12, 4.4 for 30), or so far from a fit to the
+# others as one of N is in one of two hundred. They stay in.
+_OUTLYING, _MORE_FOR_FEW, _BY_CHANCE = 4.0, 11.0, 0.005
 # Below this ratio a profile found a better optimum; it is not round-off.
 _BETTER = -1e-6
 # Rows that a test needs, and rows of a series that its trend needs.
 _FEWEST, _FEWEST_IN_SERIES = 12, 4
+# A standard error above this share of what was known before is as given.
+_AS_GIVEN = 0.9
 # Readings that differ relatively by less are equal.
 _ROUNDING = 1e-12
 # Load and penetration of a lower correlation of ranks have opposite signs.
@@ -49,6 +53,8 @@ _DESCRIBED = 0.8
 _MISSED, _TIMES_SCATTER = 0.05, 3.0
 # A stiffness that is certainly outside these, over that of the pair as given, is not the pair's.
 _USUAL_STIFFNESS = (0.8, 1.25)
+# Errors of inputs that a sentence names: ΔR in mm, and a share of E.
+_MICROMETRE, _PERCENT = 1e-3, 0.01
 # At most so many rows of the data are listed.
 _LISTED = 8
 
@@ -70,10 +76,8 @@ _DETERMINED = {
     "the value (for a shift: of the prediction), reaches both bounds of the search, or is missing",
     "at a bound": "at a bound of the search: widen it",
 }
-# Deviations in words, with their factor from mm or a share.
+# Deviations of series in words, with their factor from mm or a share.
 _AMOUNTS = {
-    "constant": ("{} µm", 1e3),
-    "proportional": ("{} % of the penetration", 100.0),
     "offset": ("{} µm of offset", 1e3),
     "gain": ("{} % of gain", 100.0),
     "drift": ("{} µm of drift", 1e3),
@@ -102,6 +106,7 @@ def notes_of(optimum: Optimum, level: float, determined: Sequence[str]) -> list[
     )
     return [
         _on_noise(optimum, level),
+        *_on_inputs(optimum),
         *([] if determined else [all_determined]),
         *(text for name, text in _MEANINGS.items() if name in optimum.fit.names),
         *_on_correlations(optimum),
@@ -171,9 +176,9 @@ def _on_outliers(optimum: Optimum) -> str:
     values = zip(optimum.fit.names, optimum.point, strict=True)
     changes = [f"{k} {v:.4g} → {without[k]:.4g}" for k, v in values if k in without]
     return (
-        f"outliers (beyond {_OUTLYING:g} robust standard deviations), included in the fit: lines "
-        f"{_listed(lines, ', ')}{'; without them ' if changes else ''}{', '.join(changes)} "
-        f"(--exclude {','.join(str(line(row)) for row in [*far][:_LISTED])})"
+        "outliers, far from a fit to the others (in robust standard deviations), included in the "
+        f"fit: lines {_listed(lines, ', ')}{'; without them ' if changes else ''}"
+        f"{', '.join(changes)} (--exclude {','.join(str(line(row)) for row in [*far][:_LISTED])})"
     )
 
 
@@ -182,26 +187,59 @@ def _listed(texts: Sequence[str], mark: str) -> str:
 
 
 def _on_noise(optimum: Optimum, level: float) -> str:
-    noise, sigma = optimum.fit.noise, optimum.sigma
     if optimum.is_rounding:
         return (
             "the data follow the law to round-off: there is no noise to estimate, and no interval"
         )
-    if isinstance(noise, Covariance):
-        return _on_deviations(deviations_of(optimum, noise), level)
-    if not noise.is_given:
-        size = f"{100 * sigma:.3g} % of the penetration" if noise.is_log else f"{sigma:.3g} mm"
-        return (
-            f"measured data: the residuals scatter by {size} (standard deviation, estimated from "
-            f"them with {optimum.degrees} degrees of freedom); intervals are at {100 * level:g} % "
-            "and hold if the law is right and the noise independent"
+    noise, stated = optimum.fit.noise, optimum.fit.noise.model.scatter
+    parts = [_on_scatter(optimum)] if stated else [_on_given(optimum)]
+    parts += _on_series(deviations_of(optimum))
+    if not noise.model.effects:
+        parts.append(f"intervals are at {100 * level:g} % and hold if the law is right")
+    else:
+        parts.append(f"intervals are at {100 * level:g} %")
+    return "; ".join(parts)
+
+
+def _on_scatter(optimum: Optimum) -> str:
+    """Return the scatter of single readings that was found."""
+    deviations = optimum.fit.noise.deviations
+    constant, share = (deviations.get(name, 0.0) for name in ("constant", "proportional"))
+    found = "standard deviation, found from the residuals"
+    texts = {
+        "constant": f"±{1e3 * constant:.3g} µm at any load",
+        "proportional": f"±{100 * share:.3g} % of the penetration",
+    }
+    names = optimum.fit.noise.model.scatter
+    if len(names) == 1:
+        return f"noise: {texts[names[0]]} ({found}; --noise {names[0]})"
+    if constant > 0 and share > 0:
+        words = f"noise: {texts['constant']} and {texts['proportional']} ({found})"
+        words += f", equal at {1e3 * constant / share:.3g} µm"
+    else:
+        kind, none = ("constant", "in proportion to the penetration")
+        kind, none = (kind, none) if share == 0 else ("proportional", "at any load")
+        words = f"noise: {texts[kind]} ({found}); none {none} was found"
+    if optimum.mixture is not None:
+        words += (
+            f"; {optimum.r.size} readings hardly tell the two kinds apart, and the intervals allow "
+            "for that"
         )
-    p = optimum.chi_square_p or 0.0
-    verdict = "as large as the given standard deviations allow"
+    return words
+
+
+def _on_given(optimum: Optimum) -> str:
+    """Return what the residuals are beside given standard deviations."""
+    p = optimum.chi_square_p
+    if p is None:
+        return "single readings have the standard deviations given"
     if p > 1 - _SURPRISING:
-        verdict = "smaller than the given standard deviations: those look too large"
+        return (
+            "the residuals are smaller than the given standard deviations: those look too large "
+            f"(p = {p:.3g})"
+        )
     return _on_chi_square(optimum) or (
-        f"measured data with given standard deviations: residuals are {verdict} (p = {p:.3g})"
+        f"the residuals are as large as the given standard deviations allow (p = {p:.3g})"
     )
 
 
@@ -215,33 +253,73 @@ def _on_chi_square(optimum: Optimum) -> str:
     )
 
 
-def _on_deviations(noise: FittedDeviations, level: float) -> str:
-    def amounts(*names: str) -> list[str]:
-        sizes = (
-            (*_AMOUNTS[name], size) for name, size in noise.deviations.items() if name in names
-        )
-        return [text.format(f"{factor * size:.3g}") for text, factor, size in sizes]
+def _on_inputs(optimum: Optimum) -> list[str]:
+    """Return what errors of the inputs would change, or what the readings say of them."""
+    fit, known = optimum.fit, [p for p in optimum.fit.free if p.known is not None]
+    if known:
+        learned = [
+            f"{p.name} (±{100 * error / p.known[1]:.0f} % of the uncertainty given)"
+            for p, error in zip(fit.free, optimum.errors.tolist(), strict=True)
+            if p.known is not None and error <= _AS_GIVEN * p.known[1]
+        ]
+        told = f"the readings narrow {', '.join(learned)}" if learned else "none is narrowed"
+        return [
+            f"known from elsewhere, and fitted as further readings: "
+            f"{', '.join(p.name for p in known)}; {told}"
+        ]
+    stiffness = next((k for k, p in enumerate(fit.free) if p.stiffness), None)
+    if optimum.is_rounding or stiffness is None or optimum.unidentifiable:
+        return []
+    name, value = fit.names[stiffness], optimum.point[stiffness]
+    changes = []
+    for words, corrected in (
+        ("1 µm more of ΔR", {"dR": _MICROMETRE}),
+        ("1 % more of E", {"E": _PERCENT}),
+    ):
+        moved = _moved(optimum, **corrected)[stiffness]
+        changes.append(f"{words} would change {name} by {100 * moved / value:+.2g} %")
+    if not np.isfinite(moved):
+        return []
+    return [
+        f"radii and moduli are taken as exact: {', '.join(changes)} (--uncertain, if you know them "
+        "only so well)"
+    ]
 
-    single, shared = amounts("constant", "proportional"), amounts("offset", "gain", "drift")
-    parts, number = [], len(noise.series)
-    if single:
-        parts.append(f"single readings scatter by {' and '.join(single)} (standard deviation)")
-    if shared:
-        parts.append(f"the {number} series differ by {', '.join(shared)} (standard deviations)")
-    elif number == 1:
-        effects = noise.series[0].effects
-        if "drift" in effects:
-            drift = f"{1e3 * effects['drift']:.3g} µm"
-            parts.append(f"the readings drift by {drift} from the first to the last")
-        if "offset" in effects:
-            parts.append("there is one series, and the intervals hold for it alone")
-    elif number:
-        parts.append(
-            f"the {number} series have fixed effects, so the intervals hold for these series, "
-            "not for others"
+
+def _moved(optimum: Optimum, dR: float = 0.0, E: float = 0.0) -> FloatArray:
+    """Return how the free parameters move with an error of an input, to first order, (k,)."""
+    data = optimum.fit.data
+    stated = tuple((float(at), float(at) + dR) for at in np.unique(data.columns["dR"]))
+    law = CorrectedInputs(optimum.law, stated if dR else (), (1 + E, 1 + E))
+    with np.errstate(invalid="ignore"):
+        change = law.penetration(data.load, data.pair) - optimum.law.penetration(
+            data.load, data.pair
         )
-    sizes = "; ".join(parts) or "the standard deviations are those given"
-    return f"measured data: {sizes}; intervals are at {100 * level:g} %"
+    J, V = optimum.likelihood.slopes, optimum.fit.noise
+    return as_floats(-optimum.covariance @ V.white(J.T) @ V.white(change))
+
+
+def _on_series(noise: FittedDeviations) -> list[str]:
+    """Return how much series differ, or that their effects are fixed."""
+    shared = {name: size for name, size in noise.deviations.items() if name in _AMOUNTS}
+    words = [
+        _AMOUNTS[name][0].format(f"{_AMOUNTS[name][1] * size:.3g}") for name, size in shared.items()
+    ]
+    number = len(noise.series)
+    if words:
+        return [f"the {number} series differ by {', '.join(words)} (standard deviations)"]
+    if number > 1:
+        return [
+            f"the {number} series have fixed effects, so the intervals hold for these series, not "
+            "for others"
+        ]
+    parts = []
+    if number and "drift" in noise.series[0].effects:
+        drift = f"{1e3 * noise.series[0].effects['drift']:.3g} µm"
+        parts.append(f"the readings drift by {drift} from the first to the last")
+    if number and "offset" in noise.series[0].effects:
+        parts.append("there is one series, and the intervals hold for it alone")
+    return parts
 
 
 def on_lack_of_determination(optimum: Optimum, estimates: Mapping[str, Estimate]) -> list[str]:
@@ -279,12 +357,13 @@ def estimates_of(
 ) -> tuple[dict[str, Estimate], list[str]]:
     """Return the free parameters with intervals, and which profiles found a better fit."""
     names, intervals = optimum.fit.names, {}
-    if optimum.covariance is not None and not optimum.is_rounding:
-        calls = [call(optimum.interval, name, level) for name in names]
-        intervals = dict(zip(names, collect(calls, jobs), strict=True))
+    if not optimum.is_rounding:
+        known = [name for name in names if name not in optimum.unidentifiable]
+        calls = [call(optimum.interval, name, level) for name in known]
+        intervals = dict(zip(known, collect(calls, jobs), strict=True))
     estimates = {name: _estimate(optimum, name, level, intervals.get(name)) for name in names}
     better = [
-        f"the profile of {name} found a better fit, (S − S_best)/τ = {interval.lowest:.3g}: the "
+        f"the profile of {name} found a better fit, S − S_best = {interval.lowest:.3g}: the "
         "intervals are not those of the best fit; fit again with more starts"
         for name, interval in intervals.items()
         if interval.lowest < _BETTER
@@ -295,7 +374,7 @@ def estimates_of(
 def _estimate(optimum: Optimum, name: str, level: float, interval: Interval | None) -> Estimate:
     k = optimum.fit.names.index(name)
     value, unit = float(optimum.point[k]), optimum.fit.free[k].unit
-    if optimum.covariance is None:
+    if name in optimum.unidentifiable:
         return Estimate(value=value, unit=unit, verdict="not")
     error = float(optimum.errors[k])
     if interval is None:  # of readings that follow the law to round-off
@@ -303,19 +382,23 @@ def _estimate(optimum: Optimum, name: str, level: float, interval: Interval | No
         interval = Interval(value - reach, value + reach, False, False, 0.0)
     ends = {key: x for key, x in interval._asdict().items() if key != "lowest"}
     estimate = Estimate(value=value, unit=unit, standard_error=error, **ends)
+    known = optimum.fit.free[k].known
+    if known is not None:
+        verdict = "as given" if error > _AS_GIVEN * known[1] else "learned"
+        return estimate.model_copy(update={"verdict": verdict})
     return with_verdict(estimate, float(optimum.per_unit[k]))
 
 
 def correlation_of(optimum: Optimum) -> FloatArray:
-    """Return the correlations of the free parameters, shape (k, k), or (0, 0) if unknown."""
-    if optimum.covariance is None:
-        return np.empty((0, 0))
-    scale = np.outer(optimum.errors, optimum.errors)
+    """Return the correlations of the free parameters, shape (k, k), 0 with unidentifiable ones."""
+    errors = np.nan_to_num(optimum.errors)
+    scale = np.outer(errors, errors)
     return np.divide(optimum.covariance, scale, out=np.eye(len(scale)), where=scale > 0)
 
 
-def deviations_of(optimum: Optimum, noise: Covariance) -> FittedDeviations:
-    """Return the deviations of a noise model and the effects of the series."""
+def deviations_of(optimum: Optimum) -> FittedDeviations:
+    """Return the deviations of the noise and the effects of the series."""
+    noise = optimum.fit.noise
     series, effects, over = [], optimum.series, noise.model.over
     if effects is not None:
         labels = optimum.fit.data.groups(over)[0] if over else ["all rows"]
@@ -335,8 +418,26 @@ def outliers(optimum: Optimum) -> dict[int, float]:
     spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(optimum.r)))
     if optimum.is_rounding or spread == 0:
         return {}
-    sizes = (-optimum.r / spread).tolist()
-    return {row: size for row, size in enumerate(sizes) if abs(size) > _OUTLYING}
+    sizes = -optimum.r / spread
+    limit = _OUTLYING + _MORE_FOR_FEW / sizes.size
+    far = np.flatnonzero((np.abs(sizes) > limit) | _stands_alone(optimum))
+    return {int(row): float(sizes[row]) for row in far}
+
+
+def _stands_alone(optimum: Optimum) -> BoolArray:
+    """Return which readings are far from a fit to the others, by Student's t of N of them."""
+    from scipy import special
+
+    r, likelihood, degrees = optimum.r, optimum.likelihood, optimum.degrees - 1
+    if degrees < 1:
+        return np.zeros(r.size, dtype=bool)
+    white = likelihood.covariance.white(likelihood.basis[: r.size].T.copy())
+    basis = np.linalg.qr(white.T)[0]
+    free = np.maximum(1 - (basis**2).sum(axis=1), 1e-12)
+    squares = float((r**2).sum())
+    rest = np.maximum(squares - r**2 / free, 1e-12 * squares) / degrees
+    t = np.abs(r) / np.sqrt(rest * free)
+    return np.asarray(2 * special.stdtr(degrees, -t) < _BY_CHANCE / r.size)
 
 
 def _without(optimum: Optimum, far: Collection[int]) -> dict[str, float]:
@@ -350,9 +451,9 @@ def _without(optimum: Optimum, far: Collection[int]) -> dict[str, float]:
 
 def r_squared(optimum: Optimum) -> float | None:
     """Return the share of the variance within series that the law describes; None without any."""
-    noise, added = optimum.covariance_of_readings, optimum.series_in_mm
+    noise, added = optimum.fit.noise, optimum.series_in_mm
     seen = optimum.fit.observed - (0.0 if added is None else added)
-    series = np.zeros(seen.size, dtype=np.intp) if noise is None else noise.series
+    series = noise.series
     mean = np.bincount(series, seen) / np.bincount(series)
     total = float(((seen - mean[series]) ** 2).sum())
     if total <= _ROUNDING**2 * float((seen**2).sum()):
@@ -380,16 +481,16 @@ def _missed(optimum: Optimum) -> tuple[float, float | None]:
     The scatter is that of the second differences along the load, by their median, which a kink or
     an outlier does not move. None for fewer than `_FEWEST_NEIGHBOURS` readings.
     """
-    fit, r, size = optimum.fit, optimum.r, 1.0
-    if not fit.noise.is_log:
-        r, size = _less_series(optimum), float(np.sqrt((fit.observed**2).mean()))
-    rms = float(np.sqrt((r**2).mean()))
-    if r.size < _FEWEST_NEIGHBOURS or size == 0:
-        return rms / size if size > 0 else 0.0, None
+    fit, missed = optimum.fit, _less_series(optimum)
+    size, rms = (float(np.sqrt((x**2).mean())) for x in (fit.observed, missed))
+    share = rms / size if size > 0 else 0.0
+    if missed.size < _FEWEST_NEIGHBOURS:
+        return share, None
     over = "group" if "group" in fit.data.data.labels else "pair"
+    r = missed / fit.noise.scale  # alike at all loads
     bends = np.diff(r[np.lexsort((fit.data.load, fit.data.groups(over)[1]))], 2)
     scatter = MEDIAN_TO_SIGMA * float(np.median(np.abs(bends))) / np.sqrt(6)
-    return rms / size, rms / scatter if scatter > 0 else None
+    return share, float(np.sqrt((r**2).mean())) / scatter if scatter > 0 else None
 
 
 # --- tests of the noise -------------------------------------------------------------------------
@@ -399,8 +500,7 @@ def tests_of_noise(optimum: Optimum) -> list[str]:
     """Return a sentence for each test of the noise that fails."""
     if optimum.r.size < _FEWEST + optimum.point.size:
         return []
-    noise = optimum.covariance_of_readings
-    allowed = () if noise is None else noise.model.effects
+    allowed = optimum.fit.noise.model.effects
     with np.errstate(divide="ignore", invalid="ignore"):  # of readings or loads that are all equal
         of_series = "" if "offset" in allowed else _series(optimum)
         of_drift = "" if "drift" in allowed else _drift(optimum)
@@ -493,19 +593,17 @@ def _spread(optimum: Optimum) -> str:
     """Test whether the size of the residuals depends on that of the readings."""
     from scipy import special
 
-    fit, noise = optimum.fit, optimum.covariance_of_readings
-    if fit.noise.is_given:
+    fit, noise = optimum.fit, optimum.fit.noise
+    if noise.is_given:
         return ""
     correlation = float(np.corrcoef(_ranks(np.abs(optimum.r)), _ranks(fit.observed))[0, 1])
     degrees = optimum.r.size - 2
     t = correlation * np.sqrt(degrees / max(1 - correlation**2, 1e-12))
-    assumed = ", relative to the reading," if fit.noise.is_log else ""
-    remedy = "allow for both kinds of scatter with --noise both"
-    if noise is not None:
-        assumed = ", relative to the noise assumed,"
-        if len(noise.model.scatter) == 2:
-            remedy = "look for another cause of scatter"
-    says = f"the scatter{assumed} {'grows' if correlation > 0 else 'falls'} with the reading"
+    remedy = "look for another cause of scatter"
+    if len(noise.model.scatter) == 1:
+        remedy = "allow for both kinds of scatter: leave --noise out"
+    grows = "grows" if correlation > 0 else "falls"
+    says = f"the scatter, relative to the noise assumed, {grows} with the reading"
     return _failed(2 * float(special.stdtr(degrees, -abs(t))), says, remedy)
 
 
@@ -517,7 +615,7 @@ def _f_test(optimum: Optimum, columns: FloatArray) -> float:
     design = np.column_stack([np.ones(r.size), columns])
     left, singular, _ = np.linalg.svd(design, full_matrices=False)
     basis = left[:, singular > 1e-10 * singular[0]]
-    rank, rest = basis.shape[1] - 1, r.size - optimum.point.size - basis.shape[1]
+    rank, rest = basis.shape[1] - 1, optimum.degrees - basis.shape[1]
     if rank < 1 or rest < _FEWEST_IN_SERIES:
         return np.nan
     along = float(((basis.T @ r) ** 2).sum())

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from cylcontact.files.writing import replacing_all
 from cylcontact.plots.figure import NUMBERS, save
 from cylcontact.plots.style import figure_style
-from cylcontact.support.choices import CHOICE_FILES, FIT_FILES, PLAN_FILES
+from cylcontact.support.choices import CHOICE_FILES, FIT_FILES, FIT_PDF, PLAN_FILES
 
 if TYPE_CHECKING:
     from cylcontact.fitting.choice import Choice
@@ -35,13 +35,17 @@ def write_plan(plan: Plan, folder: Path) -> None:
     _write(drawing.figure, drawing.table.to_csv(**NUMBERS), folder, PLAN_FILES)
 
 
-def write_fit(result: DataFit, folder: Path) -> None:
-    """Write a fit to measurements into a folder; on an error, write none of its files."""
+def write_fit(result: DataFit, folder: Path, *, pdf: bool = False) -> None:
+    """Write a fit to measurements into a folder, its picture also as a PDF if so asked.
+
+    On an error, write none of its files.
+    """
     with figure_style():
         figure = result.figure()
     read = "".join(f"# {line}\n" for line in result.data.read)
     table = read + _as_csv(result.residual_columns())
-    _write(figure, table, folder, FIT_FILES, lambda paths: result.write(paths[".json"]))
+    names = (*FIT_FILES, FIT_PDF) if pdf else FIT_FILES
+    _write(figure, table, folder, names, lambda paths: result.write(paths[".json"]))
 
 
 def _as_csv(columns: Mapping[str, Iterable[Any]]) -> str:
@@ -65,9 +69,10 @@ def _write(
     with replacing_all(folder / name for name in names) as files:
         paths = {file.suffix: file for file in files}
         with figure_style():
-            figure.draw_without_rendering()  # arranged once for both formats
+            figure.draw_without_rendering()  # arranged once for all formats
             figure.set_layout_engine("none")
-            save(figure, paths[".png"], "png")
-            save(figure, paths[".pdf"], "pdf")
+            for kind in ("png", "pdf"):
+                if path := paths.get(f".{kind}"):
+                    save(figure, path, kind)
         paths[".csv"].write_text(table, encoding="utf-8", newline="")
         rest(paths)

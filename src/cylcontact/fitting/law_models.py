@@ -11,6 +11,7 @@ a law its shape stay fixed. A power law, which has no constants of its own, sear
 
 from __future__ import annotations
 
+import ast
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import replace
@@ -18,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.bodies.pair import Contact
-from cylcontact.fitting.adapters import RigCompliance, ScaledLaw
+from cylcontact.fitting.adapters import CorrectedInputs, RigCompliance, ScaledLaw
 from cylcontact.fitting.parameters import STIFFNESS_FACTOR, LawModel, Parameter, package_models
 from cylcontact.laws import LAWS, ContactLaw, contacts_of
 from cylcontact.laws.conformal.housings import Housing
@@ -139,10 +140,27 @@ def user_model(law: str, contact: Contact, source: str, *folders: Path) -> LawMo
     except InputError as error:
         raise InputError(source, "law", law, error.rule, error.remedy) from error
     parameters = tuple(
-        Parameter(name, -math.inf, math.inf, nominal, value=nominal)
+        Parameter(name, *_bounds_of(user, name, source), nominal, value=nominal)
         for name, nominal in constants.items()
     )
     return named_user_model(user, parameters, contact)
+
+
+def _bounds_of(user: UserFunction, name: str, source: str) -> tuple[float, float]:
+    """Return the bounds that a function states for a constant, as in K: (1e4, 1e5)."""
+    stated = getattr(user.function, "__annotations__", {}).get(name)
+    if isinstance(stated, str):  # of a module with postponed annotations
+        try:
+            stated = ast.literal_eval(stated)
+        except (ValueError, SyntaxError):
+            stated = None
+    if not isinstance(stated, tuple | list):
+        return -math.inf, math.inf
+    is_pair = len(stated) == 2 and all(isinstance(end, int | float) for end in stated)
+    if not is_pair or not stated[0] < stated[1]:
+        rule, remedy = "must be two numbers, the lower first", f"write {name}: (1.0, 2.0)"
+        raise InputError(source, f"{user.spec}, bounds of {name}", stated, rule, remedy)
+    return float(stated[0]), float(stated[1])
 
 
 def named_user_model(
@@ -178,7 +196,7 @@ def fitted_law(
     housing: Mapping[str, Any] | None,
     source: str,
 ) -> ContactLaw:
-    """Return the fitted law of the contact, without the rig's offset and compliance."""
+    """Return the fitted law of the contact for any pair, without the rig of the readings."""
     if is_user_law(law):
         rule = "is a Python function of your own, and this needs a law of the package"
         remedy = "fit a law of the package, e.g. explicit"
@@ -187,6 +205,11 @@ def fitted_law(
         model = model_of(law, contact, source)
     else:
         model = housed_model(law, contact, HousingSpec(**housing).housing, source)
-    rig = {"offset", "compliance"} - {*model.names}
-    of_contact = {name: value for name, value in coefficients.items() if name not in rig}
-    return with_rig(model, of_contact).build(of_contact)
+    names = {*model.names, "stiffness_factor"}
+    of_contact = {name: value for name, value in coefficients.items() if name in names}
+    if "E_factor" in coefficients:  # of the modulus of both bodies, and so of the load
+        stiffness = of_contact.get("stiffness_factor", 1.0)
+        of_contact["stiffness_factor"] = stiffness * coefficients["E_factor"]
+    built = with_rig(model, of_contact).build(of_contact)
+    E = coefficients.get("E_i_factor", 1.0), coefficients.get("E_j_factor", 1.0)
+    return built if E == (1.0, 1.0) else CorrectedInputs(built, E=E)

@@ -22,9 +22,9 @@ from cylcontact.files.journal import Journal
 from cylcontact.fitting import findings
 from cylcontact.fitting.campaign import Campaign, read_table
 from cylcontact.fitting.data_fit import DataFit
-from cylcontact.fitting.noise import ABSOLUTE, STANDARDISED
 from cylcontact.fitting.readings import (
     Optimum,
+    agree,
     fit_with_noise,
     measurements_in,
     require_increasing,
@@ -98,7 +98,10 @@ def _fitted(
     journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
     starts = fit.starts(campaign.nominal, spec.starts, spec.seed)
     calls = [call(descend_from, fit, start, k, spec.seed) for k, start in enumerate(starts)]
-    records = run_all(calls, RunRecord, jobs, progress, journal, resume)
+    # Where two starts agree, the others do.
+    records = run_all(calls[:2], RunRecord, jobs, progress, journal, resume)
+    if not agree([record.objective for record in records]):
+        records = run_all(calls, RunRecord, jobs, progress, journal, resume or journal is not None)
     best, published = best_of(records), published_on(fit)
     point = fit.point(best.coefficients)
     optimum = Optimum(fit.at_best(point), point)
@@ -113,17 +116,16 @@ def _fitted(
         known = Estimate(value=best.coefficients[p.name], unit=p.unit, verdict=said)
         estimates[p.name] = searched.get(p.name, known)
     undetermined = findings.on_lack_of_determination(optimum, searched)
-    disagreement, agreement = on_runs(records, DataFit.round_off, (), "--fix NAME=VALUE")
+    disagreement, agreement = on_runs(records, DataFit.round_off, (), "--fix NAME=VALUE", "starts")
     notes = [*findings.notes_of(optimum, level, undetermined), *better, *data.data.notes]
-    if published is not None:
+    if published is not None and not optimum.is_rounding:
         notes.append(
-            f"on these data the law has an objective of {published.objective:.4g} with its "
-            f"published constants, and {best.objective:.4g} fitted"
+            "with the published constants of the law the residuals are "
+            f"{published.objective / best.objective:.3g} times as large (root mean square, in "
+            "standard deviations)"
         )
     of_published = model.build(published.coefficients) if published else None
     worst = optimum.law, of_published
-    is_given, noise = fit.noise.is_given, optimum.covariance_of_readings
-    unit = {ABSOLUTE: "mm", STANDARDISED: "std. dev."}.get(campaign.objective, "")
     return DataFit(
         name=campaign.name,
         law=model.law,
@@ -131,9 +133,7 @@ def _fitted(
         formula=model.formula,
         reference=campaign.reference,
         estimates=estimates,
-        objective=ObjectiveValue(
-            name=campaign.objective, value=best.objective, unit="std. dev." if is_given else unit
-        ),
+        objective=ObjectiveValue(name=campaign.objective, value=best.objective, unit="std. dev."),
         published=published,
         # Of readings about zero a relative difference says nothing.
         max_abs_diff_percent=MaxDifference(
@@ -149,12 +149,12 @@ def _fitted(
         settings=campaign.settings,
         provenance=provenance,
         level=level,
-        sigma=optimum.sigma,
         degrees_of_freedom=optimum.degrees,
+        is_rounding=optimum.is_rounding,
         chi_square_p=optimum.chi_square_p,
         correlation=findings.correlation_of(optimum).tolist(),
         outliers=[data.line(row) for row in findings.outliers(optimum)],
-        noise=None if noise is None else findings.deviations_of(optimum, noise),
+        noise=findings.deviations_of(optimum),
         log_likelihood=optimum.log_likelihood,
         estimated=optimum.estimated,
         r_squared=findings.r_squared(optimum),

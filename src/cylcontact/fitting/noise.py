@@ -8,8 +8,8 @@ A reading of the penetration is δ = δ_law(f) + e with a Gaussian e of the cova
 carried over by the slope of the law (the effective variance of Orear 1982). s₀ is a constant
 scatter, s₁ one in proportion to the penetration δ_c of the contact. The readings of a series share
 an offset, a gain and a drift, which are the columns of Z: 1, δ_c, and the position in the series
-from 0 to 1. With five series or more these effects are random with deviations τ; fewer say too
-little about a deviation, and their effects are fixed, that is, fitted without any.
+from 0 to 1. With five series or more these effects are random with deviations τ. With fewer a
+deviation cannot be estimated; each series then gets its own fixed effects.
 
 With the residuals r of the readings at the best parameters and X their derivatives, the columns of
 fixed effects among them, the deviations minimise the restricted likelihood
@@ -19,15 +19,13 @@ fixed effects among them, the deviations minimise the restricted likelihood
 (Patterson and Thompson 1971), which allows for the parameters being estimated from the same data:
 with constant scatter alone it gives Σr²/(N − k). The degrees of freedom of an estimate are
 Satterthwaite's: 2C²/(gᵀAg), with C its variance, g the derivatives of C by the logarithms of the
-deviations, and A their covariance from the curvature of ℓ.
+deviations, and A their covariance from the curvature of ℓ; at least two.
 
-The noise alone says what the residuals of a fit are:
+Unless a fit says otherwise, both s₀ and s₁ are found. With few readings the data hardly tell the
+two apart. `Mixture` then averages over how the scatter is split between them.
 
-| objective | noise | residual |
-|---|---|---|
-| rms-log-penetration | `Plain`, relative to δ | ln(δ_law(f)/δ) |
-| rms-penetration | `Plain`, in mm or given as σ_δ | δ_law(f) − δ, or (δ_law(f) − δ)/σ_δ |
-| rms-standardised | `Covariance` of a `NoiseModel` | V^(−½)·(δ_law(f) − δ), no unit |
+What is known of the parameters from elsewhere, such as a measured clearance, acts like further
+readings of them (`Likelihood.known`).
 """
 
 from __future__ import annotations
@@ -36,7 +34,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +43,13 @@ from cylcontact.laws.law import ContactLaw
 from cylcontact.support.arrays import FloatArray, as_floats
 
 NOISES = ("constant", "proportional", "both")
-LOG, ABSOLUTE, STANDARDISED = "rms-log-penetration", "rms-penetration", "rms-standardised"
+# The objective of a fit to measurements: the root mean square of V^(−½)·(δ_law(f) − δ).
+OBJECTIVE = "rms-standardised"
+# Degrees of freedom of an estimate are at least these.
+_FEWEST_DEGREES = 2.0
+# A direction of the parameters with a smaller singular value, relative to the largest, has no
+# effect on the readings.
+DEPENDENT = 1e-7
 # With fewer series than this, their effects are fixed.
 FEWEST_RANDOM = 5
 # Deviations relative to the penetration; the others are in mm.
@@ -57,63 +61,6 @@ _STEP, _WIDE_STEP = 1e-4, 1e-2
 _OPTIONS: Any = {"ftol": 1e-14, "gtol": 1e-7, "maxiter": 500}
 # A deviation is zero if −2ℓ loses no more than this by it.
 _NO_LOSS = 1e-6
-
-
-@dataclass(frozen=True, eq=False)
-class Plain:
-    """Independent noise of one size: relative to the penetration, in mm, or as given in mm."""
-
-    is_log: bool = True
-    given: FloatArray | None = None
-
-    @property
-    def objective(self) -> str:
-        """The name of the objective."""
-        return LOG if self.is_log else ABSOLUTE
-
-    @property
-    def is_given(self) -> bool:
-        """Whether the standard deviations are given with the data."""
-        return self.given is not None
-
-    @property
-    def unit(self) -> str:
-        """What the residuals are in."""
-        if self.is_given:
-            return "given standard deviations"
-        return "share of the penetration" if self.is_log else "mm"
-
-    def residuals(self, predicted: FloatArray, observed: FloatArray) -> FloatArray:
-        """Return the residuals of predictions, shape (..., N)."""
-        if self.is_log:
-            return as_floats(np.log(predicted / observed))
-        return as_floats((predicted - observed) / (1.0 if self.given is None else self.given))
-
-    def log_likelihood(self, residuals: FloatArray, observed: FloatArray) -> float | None:
-        """Return ln L of the readings in mm; None if all residuals are zero.
-
-        They are readings whatever the residuals, so that fits with different noise can be compared.
-        An estimated standard deviation has its value of largest likelihood, √(Σr²/N).
-        """
-        variance = 1.0 if self.is_given else float((residuals**2).mean())
-        if variance == 0:
-            return None
-        # From the residual to the reading: |dr/dy| = 1/y for logarithms, else 1/σ.
-        size = np.abs(observed) if self.is_log else self.given
-        scale = 0.0 if size is None else float(np.log(size).sum())
-        squares = float((residuals**2).sum()) / variance
-        return -0.5 * (residuals.size * float(np.log(2 * np.pi * variance)) + squares) - scale
-
-    def new_variance(self, depth: FloatArray, sigma: float) -> FloatArray:
-        """Return the variance of new readings in mm²; given deviations have their median."""
-        if self.is_log:
-            return as_floats((sigma * depth) ** 2)
-        median = 1.0 if self.given is None else float(np.median(self.given))
-        return np.full_like(depth, (sigma * median) ** 2)
-
-    def take(self, rows: Indices) -> Plain:
-        """Return the noise of a selection of rows."""
-        return self if self.given is None else replace(self, given=self.given[rows])
 
 
 @dataclass(frozen=True)
@@ -133,9 +80,9 @@ class NoiseModel:
     has_offset: bool = False
 
     @property
-    def objective(self) -> str:
-        """The name of the objective."""
-        return STANDARDISED
+    def is_given(self) -> bool:
+        """Whether the deviations of single readings are given with them."""
+        return self.noise is None
 
     @property
     def scatter(self) -> tuple[str, ...]:
@@ -156,9 +103,11 @@ class NoiseModel:
         reading = law.penetration(load, pair)
         zero = np.zeros(len(data))
         load_std = np.hypot(columns.get("load_std", zero), self.load_error * load)
-        with np.errstate(divide="ignore"):
-            slope = np.where(load_std > 0, 1 / law.stiffness(reading, pair), 0.0)
-        given = columns.get("penetration_std", zero) ** 2 + (slope * load_std) ** 2
+        given = columns.get("penetration_std", zero) ** 2
+        if load_std.any():
+            with np.errstate(divide="ignore"):
+                slope = np.where(load_std > 0, 1 / law.stiffness(reading, pair), 0.0)
+            given = given + (slope * load_std) ** 2
         series = zero.astype(np.intp) if self.over is None else data.groups(self.over)[1]
         return Covariance(
             model=self,
@@ -199,18 +148,10 @@ class Covariance:
     random: bool | None = None
     deviations: Mapping[str, float] = field(default_factory=dict)
 
-    is_log: ClassVar[bool] = False
-    objective: ClassVar[str] = STANDARDISED
-
     @property
     def is_given(self) -> bool:
         """Whether all standard deviations are given with the data."""
         return not self.names
-
-    @property
-    def unit(self) -> str:
-        """What the residuals are in."""
-        return f"{'given' if self.is_given else 'estimated'} standard deviations"
 
     @property
     def estimated(self) -> int:
@@ -368,7 +309,7 @@ def _basis_of(columns: FloatArray) -> FloatArray:
     length = np.linalg.norm(columns, axis=0)
     scaled = columns / np.where(length > 0, length, 1.0)
     left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
-    return as_floats(left[:, singular > 1e-10 * singular.max(initial=0.0)])
+    return as_floats(left[:, singular > DEPENDENT * singular.max(initial=0.0)])
 
 
 # --- the deviations by restricted maximum likelihood ------------------------------------------
@@ -376,11 +317,17 @@ def _basis_of(columns: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Likelihood:
-    """The restricted likelihood of deviations, from residuals in mm and their slopes (N, k)."""
+    """The restricted likelihood of deviations, from residuals in mm and their slopes (N, k).
+
+    What is known of the parameters from elsewhere acts like m further readings, in units of their
+    standard deviations: `known` has the differences, shape (m,), and `known_slopes` is (m, k).
+    """
 
     covariance: Covariance
     residuals: FloatArray
     slopes: FloatArray
+    known: FloatArray = field(default_factory=lambda: np.empty(0))
+    known_slopes: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
 
     def __call__(self, deviations: Mapping[str, float]) -> float:
         """Return −2ℓ; inf if the covariance or the information matrix is singular."""
@@ -393,15 +340,36 @@ class Likelihood:
         value = float(log_det + np.linalg.slogdet(normal)[1] + rest)
         return value if np.isfinite(value) else np.inf
 
-    def log_likelihood(self, deviations: Mapping[str, float]) -> float:
-        """Return ln L of the readings, not restricted, at the best parameters and fixed effects."""
-        log_det, _, rest = self._terms(deviations)
-        return float(-0.5 * (self.residuals.size * np.log(2 * np.pi) + log_det + rest))
+    @cached_property
+    def log_likelihood(self) -> float:
+        """ln L of the readings, not restricted, at its largest over deviations and parameters.
+
+        Whatever is assumed of the noise, it is the likelihood of the same readings in mm.
+        """
+
+        def unrestricted(deviations: Mapping[str, float]) -> float:
+            if not (self.covariance.variance(deviations) > 0).all():
+                return np.inf
+            log_det, _, rest = self._terms(deviations)
+            return log_det + rest
+
+        names = self.covariance.names
+        best = _largest(unrestricted, names, self._first()) if names else {}
+        constant = self.residuals.size * float(np.log(2 * np.pi))
+        return -0.5 * (constant + unrestricted(best))
+
+    def _first(self) -> dict[str, float]:
+        """Return a first guess of the deviations."""
+        size = float(np.sqrt((self.residuals**2).mean()))
+        depth = float(np.sqrt((self.covariance.depth**2).mean()))
+        shares = {
+            name: size / depth if name in RELATIVE else size for name in self.covariance.names
+        }
+        return {name: share or 1e-12 for name, share in shares.items()}
 
     def _terms(self, deviations: Mapping[str, float]) -> tuple[float, FloatArray, float]:
         """Return ln|V|, XᵀV⁻¹X in an orthonormal basis of the columns of X, and rᵀPr."""
-        V = self.covariance.at(deviations)
-        white = V.white(self._reduced)
+        white = self._white(V := self.covariance.at(deviations), self._reduced)
         inner = white @ white.T
         normal = inner[1:, 1:]
         rest = inner[0, 0] - inner[0, 1:] @ np.linalg.solve(normal, inner[1:, 0])
@@ -409,19 +377,42 @@ class Likelihood:
 
     def parameter_covariance(self, deviations: Mapping[str, float]) -> FloatArray:
         """Return the covariance of the free parameters, shape (k, k)."""
-        design = np.hstack([self.slopes, self.covariance.fixed])
-        size = np.linalg.norm(design, axis=0)
-        size = np.where(size > 0, size, 1.0)
-        X = self.covariance.at(deviations).white((design / size).T)
-        k = self.slopes.shape[1]
-        inverse = np.linalg.pinv(X @ X.T, hermitian=True) / np.outer(size, size)
-        return as_floats(inverse[:k, :k])
+        X = self._white(self.covariance.at(deviations), self._design.T)
+        size = np.linalg.norm(X, axis=1)
+        X = X / np.where(size > 0, size, 1.0)[:, None]
+        k, size = self.slopes.shape[1], np.where(size > 0, size, 1.0)
+        inverse = np.linalg.pinv(X @ X.T, rcond=DEPENDENT**2, hermitian=True)
+        return as_floats((inverse / np.outer(size, size))[:k, :k])
 
     @cached_property
     def _reduced(self) -> FloatArray:
         """The residuals, then an orthonormal basis of the derivatives and fixed effects."""
-        basis = _basis_of(np.hstack([self.slopes, self.covariance.fixed]))
-        return np.vstack([self.residuals, basis.T])
+        return np.vstack([np.concatenate([self.residuals, self.known]), self.basis.T])
+
+    @cached_property
+    def basis(self) -> FloatArray:
+        """An orthonormal basis of the derivatives and fixed effects, shape (N + m, rank)."""
+        return _basis_of(self._design)
+
+    @property
+    def degrees(self) -> int:
+        """Readings, and what is known, less parameters and fixed effects."""
+        return int(self.residuals.size + self.known.size - self.basis.shape[1])
+
+    @cached_property
+    def _design(self) -> FloatArray:
+        """The derivatives by the parameters and fixed effects, shape (N + m, k + q)."""
+        design = np.hstack([self.slopes, self.covariance.fixed])
+        if not self.known.size:
+            return design
+        more = np.zeros((self.known.size, design.shape[1]))
+        more[:, : self.slopes.shape[1]] = self.known_slopes
+        return np.vstack([design, more])
+
+    def _white(self, V: Covariance, values: FloatArray) -> FloatArray:
+        """Return values of shape (..., N + m) whitened; what is known is in its own deviations."""
+        N = self.residuals.size
+        return np.concatenate([V.white(values[..., :N].copy()), values[..., N:]], axis=-1)
 
 
 def estimate(likelihood: Likelihood) -> dict[str, float]:
@@ -431,14 +422,18 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
     readings show none, NaN where the information matrix is singular at all deviations tried.
     """
     names = likelihood.covariance.names
-    if not names:
-        return {}
-    size = float(np.sqrt((likelihood.residuals**2).mean()))
-    depth = float(np.sqrt((likelihood.covariance.depth**2).mean()))
-    first = {name: (size / depth if name in RELATIVE else size) or 1e-12 for name in names}
+    return _largest(likelihood, names, likelihood._first()) if names else {}
+
+
+def _largest(
+    minus_twice: Callable[[Mapping[str, float]], float],
+    names: tuple[str, ...],
+    first: Mapping[str, float],
+) -> dict[str, float]:
+    """Return the deviations of the lowest −2ℓ; NaN if it is infinite at all that were tried."""
 
     def value(steps: FloatArray) -> float:
-        return likelihood(_scaled(first, names, steps))
+        return minus_twice(_scaled(first, names, steps))
 
     def slopes(at: FloatArray) -> FloatArray:
         steps = _STEP * np.eye(at.size)
@@ -457,7 +452,7 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
     best, lowest = _scaled(first, names, solution.x), float(solution.fun)
     for name in sorted(names, key=lambda name: best[name] / first[name]):
         without = best | {name: 0.0}
-        if (reached := likelihood(without)) <= lowest + _NO_LOSS:
+        if (reached := minus_twice(without)) <= lowest + _NO_LOSS:
             best, lowest = without, min(lowest, reached)
     return best if np.isfinite(lowest) else dict.fromkeys(names, np.nan)
 
@@ -477,7 +472,7 @@ class Degrees:
 
     covariance of the parameters, shape (k, k); sensitivity: its derivatives by the logarithm of
     each deviation, (m, k, k); spread: the covariance of these logarithms, (m, m); most: readings
-    less parameters.
+    less parameters, infinite where a parameter may be known from elsewhere.
     """
 
     covariance: FloatArray
@@ -505,7 +500,7 @@ class Degrees:
             covariance=likelihood.parameter_covariance(deviations),
             sensitivity=np.reshape(slopes, (m, k, k)),
             spread=_inverse_curvature(lambda steps: 0.5 * likelihood(at(steps)), m),
-            most=float(likelihood.residuals.size - k - likelihood.covariance.fixed.shape[1]),
+            most=np.inf if likelihood.known.size else float(likelihood.degrees),
         )
 
     def __call__(self, contrasts: FloatArray) -> FloatArray:
@@ -517,7 +512,7 @@ class Degrees:
         noise = np.einsum("...m,mn,...n->...", g, self.spread, g)
         with np.errstate(divide="ignore", invalid="ignore"):
             degrees = np.where(noise > 0, 2 * variance**2 / noise, np.inf)
-        return as_floats(np.clip(degrees, 1.0, self.most))
+        return as_floats(np.clip(degrees, min(_FEWEST_DEGREES, self.most), self.most))
 
 
 def _inverse_curvature(value: Callable[[FloatArray], float], size: int) -> FloatArray:
@@ -533,3 +528,77 @@ def _inverse_curvature(value: Callable[[FloatArray], float], size: int) -> Float
     curved = values > 1e-6 * max(float(values.max(initial=0.0)), 1e-12)
     inverse = np.where(curved, 1 / np.where(curved, values, 1.0), 0.0)
     return as_floats((vectors * inverse) @ vectors.T)
+
+
+# --- few readings -----------------------------------------------------------------------------
+
+# With as many degrees of freedom an interval does not average over the split of the noise any
+# more; with so many it does so wholly.
+_MANY, _FEW = 10.0, 8.0
+# Splits of the noise, from constant alone to proportional alone, and halvings of an interval.
+_NODES, _HALVINGS = 24, 50
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """What the readings say of the parameters, averaged over the split of the noise.
+
+    The scatter is s₀² = s²·cos²φ and s₁² = s²·sin²φ/q², with q the root mean square of δ_c, and a
+    uniform φ. At each of n nodes the size s is integrated out: the parameters have a Student
+    distribution of N − k degrees of freedom, and the node the weight of its likelihood.
+
+    shift: the best parameters less those of the fit, (n, k); covariance (n, k, k); weight (n,).
+    """
+
+    shift: FloatArray
+    covariance: FloatArray
+    weight: FloatArray
+    degrees: float
+
+    @classmethod
+    def of(cls, likelihood: Likelihood) -> Mixture | None:
+        """Return the mixture; None where the readings tell the two apart, or it is not needed."""
+        V, degrees = likelihood.covariance, float(likelihood.degrees)
+        needed = V.names == ("constant", "proportional") and not V.given.any()
+        if not needed or degrees >= _MANY or likelihood.known.size or degrees < 1:
+            return None
+        size = float(np.sqrt((V.depth**2).mean()))
+        shifts, covariances, values = [], [], []
+        for angle in (np.arange(_NODES) + 0.5) / _NODES * np.pi / 2:
+            split = {"constant": math.cos(angle), "proportional": math.sin(angle) / size}
+            C = likelihood.parameter_covariance(split)
+            white = V.at(split).white(likelihood._reduced)
+            rest = white[0] - white[1:].T @ np.linalg.lstsq(white[1:].T, white[0])[0]
+            variance = float(rest @ rest) / degrees
+            log_det = float(np.linalg.slogdet(white[1:] @ white[1:].T)[1])
+            values.append(degrees * math.log(variance) + V.at(split).log_det + log_det)
+            slopes = V.at(split).white(likelihood.slopes.T)
+            shifts.append(-C @ slopes @ white[0])
+            covariances.append(variance * C)
+        weight = np.exp(-0.5 * (np.array(values) - min(values)))
+        return cls(np.array(shifts), np.array(covariances), weight / weight.sum(), degrees)
+
+    def widening(self, contrasts: FloatArray, reach: FloatArray, level: float) -> FloatArray:
+        """Return by how much intervals of m contrasts (m, k) are to be wider, below and above.
+
+        `reach` is their half-width by the deviations found, (m,); the factors are (m, 2), 1 or
+        more.
+        """
+        from scipy import special
+
+        centre = self.shift @ contrasts.T
+        variance = np.einsum("mi,nij,mj->nm", contrasts, self.covariance, contrasts)
+        error = np.sqrt(np.maximum(variance, np.finfo(float).tiny))
+        far = special.stdtrit(self.degrees, 0.5 + 0.4999) * error
+        ends = []
+        for tail in ((1 - level) / 2, (1 + level) / 2):
+            low, high = (centre - far).min(axis=0), (centre + far).max(axis=0)
+            for _ in range(_HALVINGS):
+                middle = (low + high) / 2
+                below = self.weight @ special.stdtr(self.degrees, (middle - centre) / error) < tail
+                low, high = np.where(below, middle, low), np.where(below, high, middle)
+            ends.append(np.abs((low + high) / 2))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.nan_to_num(np.stack(ends, axis=-1) / reach[:, None], nan=1.0, posinf=1.0)
+        share = min(1.0, (_MANY - self.degrees) / (_MANY - _FEW))
+        return as_floats(np.maximum(ratio, 1.0) ** share)

@@ -48,6 +48,8 @@ class Parameter:
     stiffness: bool = False
     unit: str = ""
     meaning: str = ""
+    # Its value from elsewhere, and the standard deviation of that, as of a further reading.
+    known: tuple[float, float] | None = None
 
     @property
     def fixed(self) -> bool:

@@ -11,18 +11,25 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cylcontact.datasets.measurements import Indices, Measurements
-from cylcontact.fitting.drawing import Curve, draw_curves, draw_readings, draw_residuals
+from cylcontact.fitting.drawing import (
+    MOST_SERIES,
+    Curve,
+    draw_curves,
+    draw_readings,
+    draw_residuals,
+)
 from cylcontact.fitting.readings import Optimum
 from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.support.arrays import FloatArray
+from cylcontact.support.errors import InputError
 from cylcontact.support.plain_text import as_label, brief
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# Points of a curve, and the most pairs and laws with curves of their own.
-_POINTS, _PAIRS, _LAWS = 121, 5, 4
+# Points of a curve, and the most laws with curves of their own.
+_POINTS, _LAWS = 121, 4
 # The most lines of a legend within a panel; each below the panels makes the figure taller.
 _LEGEND, _TALLER = 4, 0.04
 # Curves closer than this share of the readings' range are drawn as one.
@@ -31,13 +38,18 @@ _APART = 0.005
 
 def plot(optimum: Optimum, law: str, level: float, ax: Axes | None = None) -> Axes:
     """Draw the data, the fitted law and the band of a new reading."""
-    data, noise = optimum.fit.data, optimum.covariance_of_readings
+    data = optimum.fit.data
     # The curve and its band lack the fixed effects of series.
-    fixed = None if noise is None or noise.is_random else optimum.series_in_mm
+    fixed = None if optimum.fit.noise.is_random else optimum.series_in_mm
     with axes_for(ax, "plot", "column", 68.0) as axes:
-        draw_curves(axes, _curves(optimum, law, level))
+        curves, series = _curves(optimum, law, level), _series(data)
+        pairs = len(data.groups("pair")[0])
+        of_pairs = 1 < pairs <= MOST_SERIES and "group" not in data.data.labels
+        draw_curves(axes, curves, level, of_pairs)
+        if len(curves) < pairs:
+            axes.plot([], [], " ", label=f"{pairs - len(curves)} more pairs not drawn")
         reading = data.penetration if fixed is None else data.penetration - fixed
-        draw_readings(axes, data.load, reading, _series(data))
+        draw_readings(axes, data.load, reading, series)
         if fixed is not None and fixed.any():
             axes.set_ylabel("penetration less series effects (µm)")
         axes.legend()
@@ -142,14 +154,15 @@ def _curves(optimum: Optimum, law: str, level: float) -> list[Curve]:
     data = optimum.fit.data
     names, index = data.groups("pair")
     curves = []
-    for number, name in enumerate(names[:_PAIRS]):
+    for number, name in enumerate(names[:MOST_SERIES]):
         rows: Indices = np.flatnonzero(index == number)
         loads, pair = data.load[rows], data.take(rows[:1]).pair
         at: FloatArray = np.geomspace(loads.min(), loads.max(), _POINTS)
         label = name if len(names) > 1 else law
-        if optimum.covariance is None:
+        try:
+            band = optimum.band(pair, level, load=at)
+        except InputError:  # the readings do not determine the curve of this pair
             curves.append(Curve(at, optimum.law.penetration(at, pair), label=label))
             continue
-        band = optimum.band(pair, level, load=at)
         curves.append(Curve(at, band.value, band.new_low, band.new_high, label))
     return curves

@@ -2,9 +2,11 @@
 
 To first order n further readings of one new series add JᵀV⁻¹J to the inverse of the covariance of
 the parameters, with J the derivatives of the penetration and V its covariance by the fitted noise.
-The readings are chosen one after the other, and then exchanged for other candidates until no
-exchange gains. What counts is the determinant of the covariance (D-optimality; Fedorov 1972), or
-the variance of one parameter. A candidate may be chosen more than once.
+Readings are first spread evenly over the candidates, and chosen one after the other; each of these
+two sets is exchanged reading by reading for other candidates until no exchange gains, and the
+better of the ends counts. What counts is the determinant of the covariance (D-optimality; Fedorov
+1972), or the variance of one parameter; what is known from elsewhere does not count. A candidate
+may be chosen more than once.
 """
 
 from __future__ import annotations
@@ -27,7 +29,10 @@ if TYPE_CHECKING:
 
     from cylcontact.plots.figure import Drawing
 
-_MOST = 1000
+# The most readings to add, and the relative gain below which they narrow nothing.
+_MOST, _NARROWER = 1000, 1e-3
+# An exchange that gains less than this, relatively, is none.
+_GAIN = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +52,8 @@ class Plan:
         The parameter that counts; empty for all.
     read : tuple of str
         Lines that say what was read of the table of the readings before.
+    warning : str
+        Which of the readings are at loads outside those measured; empty if none is.
     """
 
     readings: pd.DataFrame
@@ -54,6 +61,7 @@ class Plan:
     candidates: pd.DataFrame
     parameter: str
     read: tuple[str, ...] = ()
+    warning: str = ""
 
     def __str__(self) -> str:
         what = f"the interval of {self.parameter}" if self.parameter else "all intervals together"
@@ -61,7 +69,8 @@ class Plan:
         readings = self.readings.to_string(index=False, float_format="{:.5g}".format)
         intervals = self.intervals.to_string(float_format="{:.5g}".format)
         read = "".join(f"{item(line, '')}\n" for line in self.read)
-        return f"{read}{title}\n\n{readings}\n\n{intervals}"
+        warning = f"\n{item(self.warning, '! ')}" if self.warning else ""
+        return f"{read}{title}{warning}\n\n{readings}\n\n{intervals}"
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw what one reading at each candidate gains, a line for each clearance."""
@@ -111,7 +120,7 @@ def plan(
     level: float,
 ) -> Plan:
     """Return the best further readings; `DataFit.plan` describes the arguments."""
-    if optimum.covariance is None:
+    if optimum.unidentifiable:
         rule, remedy = "are not identifiable one by one", "fix one of them, and fit again"
         raise InputError("plan", "parameters", optimum.unidentifiable, rule, remedy)
     names = optimum.fit.names
@@ -119,34 +128,30 @@ def plan(
         raise InputError(
             "plan", "parameter", parameter, "is not free", f"choose {', '.join(names)}"
         )
-    if not 1 <= add <= _MOST:
-        raise InputError("plan", "add", add, f"must be from 1 to {_MOST}", "5 is common")
+    if isinstance(add, bool) or not isinstance(add, int | np.integer) or not 1 <= add <= _MOST:
+        rule = f"must be a whole number from 1 to {_MOST}"
+        raise InputError("plan", "add", add, rule, "5 is common")
+    if not loads.size or not (np.isfinite(loads) & (loads > 0)).all():
+        rule, remedy = "must be positive loads", "give some, e.g. [10.0, 100.0, 1000.0]"
+        raise InputError("plan", "candidates", loads.tolist(), rule, remedy)
     candidates = _Candidates.of(optimum, loads, dR)
     before = as_floats(np.linalg.inv(optimum.covariance))
-    counted = None if parameter is None else names.index(parameter)
+    counted = [
+        k
+        for k, p in enumerate(optimum.fit.free)
+        if p.name == parameter or (parameter is None and p.known is None)
+    ]
 
     def cost(information: FloatArray) -> float:
-        """Return the width of one parameter, or the mean of all by the determinant."""
-        if counted is None:
-            return float(np.exp(-np.linalg.slogdet(information)[1] / (2 * len(information))))
-        return float(np.sqrt(np.linalg.inv(information)[counted, counted]))
+        """Return the width of one parameter, or the mean of several by the determinant."""
+        part = np.linalg.inv(information)[np.ix_(counted, counted)]
+        return float(np.exp(np.linalg.slogdet(part)[1] / (2 * len(counted))))
 
-    chosen: list[int] = []
-
-    def best(others: list[int]) -> int:
-        costs = [
-            cost(before + candidates.information([*others, k])) for k in range(len(candidates))
-        ]
-        return int(np.argmin(costs))
-
-    for _ in range(add):
-        chosen.append(best(chosen))
-    reached = np.inf
-    while (now := cost(before + candidates.information(chosen))) < reached * (1 - 1e-9):
-        reached = now
-        for place in range(add):
-            others = chosen[:place] + chosen[place + 1 :]
-            chosen = [*others, best(others)]
+    chosen = _best_set(candidates, before, cost, add)
+    if cost(before + candidates.information(chosen)) > (1 - _NARROWER) * cost(before):
+        rule = "narrow nothing as one new series"
+        remedy = "measure the series there are again, or take other candidates"
+        raise InputError("plan", "candidates", None, rule, remedy)
     covariance = as_floats(np.linalg.inv(before + candidates.information(chosen)))
     return Plan(
         readings=candidates.table.assign(number=np.bincount(chosen, minlength=len(candidates)))
@@ -156,7 +161,50 @@ def plan(
         candidates=candidates.table.assign(narrower_percent=candidates.gains(before, cost)),
         parameter=parameter or "",
         read=tuple(optimum.fit.data.read),
+        warning=_on_loads(candidates.table["load_N_per_mm"].to_numpy()[chosen], optimum),
     )
+
+
+def _on_loads(loads: FloatArray, optimum: Optimum) -> str:
+    """Return a warning for loads outside those measured, where law and noise are extrapolated."""
+    measured = optimum.fit.data.load
+    outside = int(np.count_nonzero((loads < measured.min()) | (loads > measured.max())))
+    if not outside:
+        return ""
+    return (
+        f"{outside} of these readings are outside the measured loads, {measured.min():g} to "
+        f"{measured.max():g} N/mm, where the law and its noise are extrapolated"
+    )
+
+
+def _best_set(
+    candidates: _Candidates,
+    before: FloatArray,
+    cost: Callable[[FloatArray], float],
+    add: int,
+) -> list[int]:
+    """Return the readings of the lowest cost that exchanges lead to, as indices of candidates."""
+
+    def of(rows: list[int]) -> float:
+        return cost(before + candidates.information(rows))
+
+    def best(others: list[int]) -> int:
+        return int(np.argmin([of([*others, k]) for k in range(len(candidates))]))
+
+    greedy: list[int] = []
+    for _ in range(add):
+        greedy.append(best(greedy))
+    spread = np.linspace(0, len(candidates) - 1, add).round().astype(int).tolist()
+    ends = []
+    for chosen in (spread, greedy):
+        reached, now = np.inf, of(chosen)
+        while now < reached * (1 - _GAIN):
+            reached = now
+            for place in range(add):
+                chosen[place] = best(chosen[:place] + chosen[place + 1 :])
+            now = of(chosen)
+        ends.append(chosen)
+    return min(ends, key=of)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,16 +236,13 @@ class _Candidates:
             rule, remedy = "leaves the domain of the fitted law", "stay within it"
             raise InputError("plan", "loads", load[~np.isfinite(centre)][0], rule, remedy)
         depth = as_floats(centre - optimum.best.get("offset", 0.0))
-        shared, spread, noise = np.empty((load.size, 0)), None, optimum.covariance_of_readings
-        if noise is None:
-            variance = optimum.variance_of_reading(centre, load)
-        else:
-            variance = noise.scatter_variance(depth, load)
-            if noise.model.effects:
-                columns = {"offset": np.ones_like(depth), "gain": depth, "drift": 0.5 + 0 * depth}
-                shared = np.stack([columns[name] for name in noise.model.effects], axis=1)
-                if noise.is_random:
-                    spread = noise.spread(noise.deviations)
+        shared, spread, noise = np.empty((load.size, 0)), None, optimum.fit.noise
+        variance = noise.scatter_variance(depth, load)
+        if noise.model.effects:
+            columns = {"offset": np.ones_like(depth), "gain": depth, "drift": 0.5 + 0 * depth}
+            shared = np.stack([columns[name] for name in noise.model.effects], axis=1)
+            if noise.is_random:
+                spread = noise.spread(noise.deviations)
         import pandas as pd
 
         table = pd.DataFrame({"load_N_per_mm": load, "dR_mm": gap})
@@ -228,8 +273,9 @@ def _intervals(optimum: Optimum, covariance: FloatArray, add: int, level: float)
     import pandas as pd
 
     before = optimum.degrees_of_each()
-    plain = optimum.satterthwaite is None and not optimum.fit.noise.is_given
-    after = before + add if plain else before
+    # Every reading of one kind of noise adds a degree of freedom.
+    one_kind = len(optimum.fit.noise.names) == 1 and not optimum.fit.noise.given.any()
+    after = before + add if one_kind else before
     errors = np.sqrt(np.diag(covariance))
     return pd.DataFrame(
         {

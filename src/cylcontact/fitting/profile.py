@@ -24,7 +24,7 @@ _RANDOM, _BESIDE, _BETWEEN = 1, 4, 8
 _NEIGHBOURS, _GAIN = (1, 4), 1e-6
 # Relative gains at the end of a descent and of the last one.
 _FINE, _EXACT = 1e-6, 1e-10
-_Distance = Callable[[FloatArray], FloatArray]
+_Distance = Callable[[FloatArray, int], FloatArray]
 # An end is where the distance is 1 to this precision, after so many steps at most.
 _PRECISION, _STEPS = 1e-4, 40
 
@@ -78,16 +78,30 @@ class Profiles:
     def ends(self, distance: _Distance) -> FloatArray:
         """Return the ends of the interval of each parameter, shape (k, 2).
 
-        `distance` of an objective is 0 at the optimum, 1 at the ends of an interval, and nearly
-        linear in a parameter. NaN stands for an end beyond the first and last place.
+        `distance` of an objective, towards the lower (0) or upper side (1), is 0 at the optimum, 1
+        at the ends of an interval, and nearly linear in a parameter. NaN stands for an end beyond
+        the bound.
         """
         ends = np.full((self.best.size, 2), np.nan)
+        sides = [key for key in np.ndindex(ends.shape) if key[0] in self.axis]
         for step in range(_STEPS):
-            pairs = {key: self._bracket(distance, *key) for key in np.ndindex(ends.shape)}
+            pairs = {key: self._bracket(distance, *key) for key in sides}
+            if self._extend([key for key, pair in pairs.items() if pair is None]):
+                continue
             brackets = {key: pair for key, pair in pairs.items() if pair}
             inner, outer = np.array([*brackets.values()], dtype=np.intp).reshape(-1, 2).T
             low, high = self.at[inner], self.at[outer]
-            inside, outside = (distance(self.objective[each]) - 1 for each in (inner, outer))
+            of_side = [side for _, side in brackets]
+            inside, outside = (
+                np.array(
+                    [
+                        distance(self.objective[[k]], s)[0]
+                        for k, s in zip(each, of_side, strict=True)
+                    ]
+                )
+                - 1
+                for each in (inner, outer)
+            )
             share = inside / (inside - outside)
             for key, end in zip(brackets, low + share * (high - low), strict=True):
                 ends[key] = end
@@ -105,8 +119,22 @@ class Profiles:
         own = self.places(axis)
         middle = int(np.searchsorted(self.at[own], self.best[axis]))
         way = own[middle:] if side else own[middle::-1]
-        outside = np.flatnonzero(distance(self.objective[way]) > 1)
+        outside = np.flatnonzero(distance(self.objective[way], side) > 1)
         return (int(way[outside[0] - 1]), int(way[outside[0]])) if outside.size else None
+
+    def _extend(self, sides: list[tuple[int, int]]) -> bool:
+        """Add a place twice as far, or at the bound, to each side that does not reach an end."""
+        last, at = [], []
+        for axis, side in sides:
+            place = self.places(axis)[-1 if side else 0]
+            bound, best = (self.space.low, self.space.high)[side][axis], self.best[axis]
+            far = best + 2 * (self.at[place] - best)
+            if self.at[place] != bound:
+                last.append(place)
+                at.append(min(far, bound) if side else max(far, bound))
+        if last:
+            self._insert(np.array(last), np.array(last), np.array(at))
+        return bool(last)
 
     def _insert(self, inner: IndexArray, outer: IndexArray, at: FloatArray) -> None:
         """Refit at new places between others, from the minima there and from points beside them."""

@@ -1,24 +1,24 @@
 """A law fitted to readings, and the fit at its best: covariance, intervals and predictions.
 
-The noise says what the residuals r are (`noise`). With J their derivatives by the free parameters
-at the optimum, least squares has the covariance s²·(JᵀJ)⁻¹, where s² is 1 if the standard
-deviations are known and Σr²/(N − k) if not. With a noise model s² is 1, and the degrees of freedom
-are Satterthwaite's.
+The residuals r are the predicted less the measured penetrations, whitened by the covariance of the
+readings (`noise`): least squares minimises S = Σr², with the squares of what is known of the
+parameters from elsewhere. With J the derivatives of r at the optimum the parameters have the
+covariance (JᵀJ)⁻¹; the degrees of freedom are Satterthwaite's.
 
-A profile fixes a parameter and refits the others. The likelihood ratio to the optimum is
-(S(θ) − S)/τ if the noise is Gaussian. An interval holds the values for which it stays below the
-quantile of χ² (standard deviations known) or of F (not known). Unlike an interval from the
-covariance it follows the curvature of the law.
+A profile fixes a parameter and refits the others. The likelihood ratio to the optimum is S(θ) − S
+for Gaussian noise. An interval holds the values for which it stays below the quantile of χ²
+(standard deviations known) or of F (not known). Unlike an interval from the covariance it follows
+the curvature of the law. The profiles are those of `profile`, which remembers every refit. With few
+readings an interval is wider, as `noise.Mixture` says.
 
-Bands are from the delta method, in ln δ if the noise is proportional, since contact laws are nearly
-linear there; in δ otherwise, where readings may be negative. The variance of the curve is gᵀCg with
-g the derivatives by the free parameters and C their covariance. A new reading adds the noise, with
-random effects that of a series not yet measured.
+Bands are from the delta method. The variance of the curve is gᵀCg with g the derivatives by the
+free parameters and C their covariance. A new reading adds the noise, with random effects that of a
+series not yet measured.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -28,20 +28,29 @@ from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.measurements import Indices, Measurements
-from cylcontact.fitting.adapters import RigCompliance, ScaledLaw
+from cylcontact.fitting.adapters import CorrectedInputs, RigCompliance, ScaledLaw
 from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.noise import Covariance, Degrees, Likelihood, NoiseModel, Plain, estimate
+from cylcontact.fitting.noise import (
+    DEPENDENT,
+    Covariance,
+    Degrees,
+    Likelihood,
+    Mixture,
+    NoiseModel,
+    estimate,
+)
+from cylcontact.fitting.profile import Profiles
 from cylcontact.fitting.search import EXACT, descend
 from cylcontact.fitting.space import Space, law_of
 from cylcontact.fitting.specs import MeasuredSpec
-from cylcontact.laws.law import Coefficients, ContactLaw
+from cylcontact.laws.law import ContactLaw
 from cylcontact.laws.user import UserLaw
 from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.support.errors import InputError
 
 # From the median of |r| to a standard deviation of Gaussian residuals.
 MEDIAN_TO_SIGMA = 1.4826
-# Smaller residuals are round-off: the data have no noise.
+# Residuals smaller than this share of the readings are round-off: the data have no noise.
 ROUNDING = 1e-11
 # Points evaluated for each start chosen.
 _POINTS_PER_START = 32
@@ -54,16 +63,15 @@ _FLOOR = 1e-4
 # Iterations for the deviations of a noise model, which end when the parameters move by less than
 # this share of the residuals.
 _ROUNDS, _SETTLED = 60, 1e-9
-# A direction with a smaller singular value, relative to the largest, is not identifiable; it
-# involves the parameters with at least this fraction of its largest component.
-_BLIND, _INVOLVED = 1e-7, 0.1
-# Precision of an interval's ends relative to the distance from the optimum, the first step towards
-# an end relative to the distance to the bound, the least one relative to that so far, and the most.
-_EDGE_PRECISION, _FIRST_STEP, _LEAST_STEP, _EDGE_STEPS = 1e-6, 1e-6, 1e-3, 60
-# Relative gain at the end of a descent with a parameter fixed.
-_REFIT = 1e-12
-# Closer to a bound than this, relative to its interval, a parameter is at it.
-_AT_BOUND = 1e-9
+# A direction that has no effect involves the parameters with this fraction of its largest
+# component; a prediction with more than this share along it is not determined.
+_INVOLVED, _ALONG = 0.1, 1e-4
+# The first step towards an end of an interval relative to the bounds, and the largest distance.
+_FIRST_STEP, _FAR = 1e-6, 1e6
+# Starts that end relatively this close together are of one minimum.
+_SAME = 1e-8
+# Numbers in arrays of points by readings; of more points some at a time are evaluated.
+_AT_ONCE = 1 << 20
 # Half-widths of the interval on either side of the optimum in a profile, and the values there.
 _REACH, _POINTS = 1.6, 21
 # Points evaluated before data are refused as outside a law's domain.
@@ -79,7 +87,7 @@ class Fit(Space):
     """N readings, and a law with k free parameters that is fitted to them."""
 
     data: Measurements
-    noise: Plain | Covariance
+    noise: Covariance
 
     @property
     def observed(self) -> FloatArray:
@@ -111,12 +119,43 @@ class Fit(Space):
 
     def residuals(self, points: FloatArray) -> FloatArray:
         """Return the residuals over √N, whose squares add up to the objective's."""
-        return as_floats(self.raw(points) / np.sqrt(len(self.data)))
+        return as_floats(self.whole(points) / np.sqrt(len(self.data)))
+
+    def values(self, points: FloatArray) -> FloatArray:
+        """Return the objective of P points, shape (P,), of some at a time."""
+        some = max(1, _AT_ONCE // len(self.data))
+        parts = (points[k : k + some] for k in range(0, max(len(points), 1), some))
+        return np.concatenate([super(Fit, self).values(part) for part in parts])
+
+    @cached_property
+    def _known(self) -> tuple[Indices, FloatArray, FloatArray]:
+        """The parameters that are known from elsewhere: index, value and standard deviation.
+
+        Those that a profile fixes count as well.
+        """
+        places = [k for k, p in enumerate(self.parameters) if p.known is not None]
+        pairs = [p.known for p in self.parameters if p.known is not None]
+        values, deviations = np.reshape(np.array(pairs, dtype=np.float64), (-1, 2)).T
+        return np.array(places, dtype=np.intp), values, deviations
+
+    def from_known(self, points: FloatArray) -> FloatArray:
+        """Return how far parameters are from what is known of them, in deviations, shape (P, m)."""
+        places, values, deviations = self._known
+        return as_floats((self.complete(points)[:, places] - values) / deviations)
+
+    def whole(self, points: FloatArray) -> FloatArray:
+        """Return the residuals of the readings and of what is known, shape (P, N + m)."""
+        return as_floats(np.hstack([self.raw(points), self.from_known(points)]))
+
+    @cached_property
+    def size(self) -> int:
+        """The number of residuals, N + m."""
+        return len(self.data) + self._known[0].size
 
     @property
-    def size(self) -> int:
-        """The number of residuals, N."""
-        return len(self.data)
+    def is_ill_conditioned(self) -> bool:
+        """Readings may hardly tell parameters apart."""
+        return True
 
     def curvatures(self, A: FloatArray) -> FloatArray:
         """Return the curvature of each parameter: in readings they have all sizes (Marquardt)."""
@@ -161,6 +200,13 @@ class Fit(Space):
         points, values = descend(self, start[None], precision)
         return points[0], float(values[0])
 
+    def lowest(self, starts: FloatArray) -> FloatArray:
+        """Return the lowest minimum below some points; of the first two if they agree."""
+        ends = [self.minimise(start) for start in starts[:2]]
+        if not agree([value for _, value in ends]):
+            ends += [self.minimise(start) for start in starts[2:]]
+        return min(ends, key=lambda end: end[1])[0]
+
     def take(self, rows: Indices) -> Fit:
         """Return the fit to a selection of rows."""
         return replace(self, data=self.data.take(rows), noise=self.noise.take(rows))
@@ -178,15 +224,14 @@ class Fit(Space):
         return replace(self, noise=replace(covariance, deviations=dict(deviations)))
 
     def at_best(self, point: FloatArray) -> Fit:
-        """Return the fit with its noise, if it has a model of it, for the best law."""
-        if isinstance(self.noise, Plain):
-            return self
+        """Return the fit with its noise for the best law."""
         return self.with_noise(self.noise.model, point, self.noise.deviations)
 
     def likelihood(self, point: FloatArray, noise: Covariance) -> Likelihood:
         """Return the likelihood of the deviations of a noise model at a point."""
         slopes = self.jacobian(point, self.differences)
-        return Likelihood(noise, self.differences(point[None, :])[0], slopes)
+        known = self.from_known(point[None, :])[0], self.jacobian(point, self.from_known)
+        return Likelihood(noise, self.differences(point[None, :])[0], slopes, *known)
 
     def estimating(self, model: NoiseModel, start: FloatArray) -> Fit:
         """Return the fit with the deviations of a noise model.
@@ -198,10 +243,9 @@ class Fit(Space):
         point, source = start, self.data.data.source
         for _ in range(_ROUNDS):
             noise = self.with_noise(model, point, {}).noise
-            assert isinstance(noise, Covariance)
             likelihood = self.likelihood(point, noise)
             (rows, free), effects = likelihood.slopes.shape, noise.fixed.shape[1]
-            if rows <= free + effects:
+            if rows + likelihood.known.size <= free + effects:
                 rule = f"are not more than {free} parameters and {effects} effects of the series"
                 remedy = "measure more points, or leave group and drift out"
                 raise InputError(source, "group", f"{rows} rows", rule, remedy)
@@ -218,6 +262,11 @@ class Fit(Space):
         return weighed
 
 
+def agree(values: Sequence[float]) -> bool:
+    """Return whether two or more minima are one."""
+    return len(values) > 1 and bool(np.ptp(values) <= _SAME * min(values))
+
+
 def singular(source: str) -> InputError:
     """Return the error of a fit whose information matrix is singular."""
     rule = "do not determine the law and the noise together: the information matrix is singular"
@@ -230,10 +279,23 @@ def singular(source: str) -> InputError:
 
 def plain_fit(campaign: Campaign) -> Fit:
     """Return the fit of a campaign on measurements by plain least squares."""
-    data, noise = measurements_in(campaign), campaign.noise
-    if not isinstance(noise, Plain):
-        noise = Plain(is_log=False, given=data.columns.get("penetration_std"))
+    data = measurements_in(campaign)
+    noise = independent(data, data.columns.get("penetration_std"))
     return Fit(campaign.model, campaign.parameters, data, noise)
+
+
+def independent(data: Measurements, given: FloatArray | None = None) -> Covariance:
+    """Return the covariance of independent readings, of given deviations or of 1 mm each."""
+    zero = np.zeros(len(data))
+    return Covariance(
+        model=NoiseModel(noise="constant" if given is None else None),
+        load=data.load,
+        given=zero if given is None else as_floats(given**2),
+        depth=data.penetration,
+        series=zero.astype(np.intp),
+        position=zero,
+        deviations={"constant": 1.0} if given is None else {},
+    )
 
 
 def fit_with_noise(campaign: Campaign) -> Fit:
@@ -246,11 +308,16 @@ def fit_with_noise(campaign: Campaign) -> Fit:
     """
     plain, spec = plain_fit(campaign), campaign.spec
     assert isinstance(spec, MeasuredSpec)
+    assert campaign.noise is not None
     _require_defined(campaign, plain)
-    if not isinstance(campaign.noise, NoiseModel):
-        return plain
-    starts = plain.starts(campaign.nominal, spec.starts, spec.seed)
-    point, _ = min(map(plain.minimise, starts), key=lambda end: end[1])
+    point = plain.lowest(plain.starts(campaign.nominal, spec.starts, spec.seed))
+    size, observed = (
+        float(np.sqrt((values**2).mean()))
+        for values in (plain.differences(point[None])[0], plain.observed)
+    )
+    if size < ROUNDING * observed and not campaign.noise.is_given:
+        rounding = {"constant": max(size, np.finfo(float).eps * observed)}
+        return replace(plain, noise=plain.noise.at(rounding))
     return plain.estimating(campaign.noise, point)
 
 
@@ -289,7 +356,7 @@ def _require_defined(campaign: Campaign, fit: Fit) -> None:
 def require_increasing(fit: Fit, point: FloatArray) -> None:
     """Refuse a function of the user's own that is no contact law at some free parameters."""
     law, data = fit.model.build(fit.coefficients(point)), fit.data
-    if isinstance(law, RigCompliance):
+    while isinstance(law, RigCompliance | CorrectedInputs):
         law = law.base
     function = law.base if isinstance(law, ScaledLaw) else law
     if not isinstance(function, UserLaw):
@@ -323,7 +390,7 @@ class Interval(NamedTuple):
     high: float
     low_is_bound: bool
     high_is_bound: bool
-    lowest: float  # (S(θ) − S)/τ; below 0 there is a better optimum
+    lowest: float  # S(θ) − S; below 0 there is a better optimum
 
 
 class Band(NamedTuple):
@@ -355,11 +422,6 @@ class Optimum:
         assert law is not None, "the law is undefined at the best parameters"
         return law
 
-    @property
-    def covariance_of_readings(self) -> Covariance | None:
-        """The covariance of the readings; None without a noise model."""
-        return self.fit.noise if isinstance(self.fit.noise, Covariance) else None
-
     # --- the residuals ------------------------------------------------------------------------
 
     @cached_property
@@ -374,32 +436,28 @@ class Optimum:
 
     @cached_property
     def slopes(self) -> FloatArray:
-        """The derivatives of r by the free parameters, shape (N, k)."""
-        return self.fit.jacobian(self.point, self.fit.raw)
+        """The derivatives of r, and of what is known, by the free parameters, (N + m, k)."""
+        return self.fit.jacobian(self.point, self.fit.whole)
 
     @property
     def degrees(self) -> int:
-        """Degrees of freedom, N − k."""
-        return self.r.size - self.point.size
+        """Degrees of freedom: readings, and what is known, less parameters and fixed effects."""
+        return self.likelihood.degrees
 
     @cached_property
     def sum_of_squares(self) -> float:
         """The minimum S of the sum of squares."""
         return float(self.r.size * self.fit.value(self.point) ** 2)
 
-    @cached_property
-    def sigma(self) -> float:
-        """Standard deviation of r, √(Σr²/(N − k))."""
-        return float(np.sqrt((self.r**2).sum() / self.degrees))
-
     @property
     def is_rounding(self) -> bool:
         """Whether the data follow the law to round-off, without noise."""
-        return not self.fit.noise.is_given and self.sigma < ROUNDING
+        size, observed = (float((x**2).mean()) for x in (self.differences, self.fit.observed))
+        return not self.fit.noise.is_given and size < ROUNDING**2 * observed
 
     @property
     def chi_square_p(self) -> float | None:
-        """The probability of residuals this large; None if σ is not known."""
+        """The probability of residuals this large; None unless all deviations are given."""
         from scipy import special
 
         if not self.fit.noise.is_given:
@@ -409,211 +467,153 @@ class Optimum:
     @cached_property
     def series(self) -> FloatArray | None:
         """The effects of each series, shape (G, q); None without series."""
-        noise = self.covariance_of_readings
-        if noise is None or not noise.model.effects:
-            return None
-        return noise.series_effects(self.differences)
+        noise = self.fit.noise
+        return noise.series_effects(self.differences) if noise.model.effects else None
 
     @property
     def series_in_mm(self) -> FloatArray | None:
         """What its series adds to each reading in mm, shape (N,); None without series."""
-        noise, effects = self.covariance_of_readings, self.series
-        if noise is None or effects is None:
+        noise, effects = self.fit.noise, self.series
+        if effects is None:
             return None
         return as_floats((noise.columns * effects[noise.series]).sum(axis=1))
 
     @property
     def log_likelihood(self) -> float | None:
-        """ln L of the readings in mm; None if all residuals are zero."""
-        noise = self.fit.noise
-        if isinstance(noise, Plain):
-            return noise.log_likelihood(self.r, self.fit.observed)
-        assert self.likelihood is not None
-        return self.likelihood.log_likelihood(noise.deviations)
+        """ln L of the readings in mm; None if they follow the law to round-off."""
+        return None if self.is_rounding else self.likelihood.log_likelihood
 
     @property
     def estimated(self) -> int:
         """The number of free parameters, deviations of the noise and fixed effects."""
-        noise = self.fit.noise
-        if isinstance(noise, Covariance):
-            return self.point.size + noise.estimated
-        return self.point.size + (0 if noise.is_given else 1)
+        return self.point.size + self.fit.noise.estimated
 
     # --- the covariance of the parameters -----------------------------------------------------
 
     @cached_property
-    def likelihood(self) -> Likelihood | None:
-        """The likelihood of the deviations of the noise model, if there is one."""
-        noise = self.covariance_of_readings
-        return None if noise is None else self.fit.likelihood(self.point, noise)
+    def likelihood(self) -> Likelihood:
+        """The likelihood of the deviations of the noise."""
+        return self.fit.likelihood(self.point, self.fit.noise)
 
     @cached_property
-    def satterthwaite(self) -> Degrees | None:
-        """Degrees of freedom with a noise model."""
-        noise = self.covariance_of_readings
-        if self.likelihood is None or noise is None:
-            return None
-        return Degrees.of(self.likelihood, noise.deviations)
+    def satterthwaite(self) -> Degrees:
+        """The covariance of the parameters, and degrees of freedom."""
+        return Degrees.of(self.likelihood, self.fit.noise.deviations)
 
     @cached_property
-    def _inverse(self) -> tuple[FloatArray | None, list[int]]:
-        """(JᵀJ)⁻¹, or None and the columns of which only a combination is identifiable."""
+    def mixture(self) -> Mixture | None:
+        """The average over the split of the noise, where few readings leave that open."""
+        return None if self.is_rounding else Mixture.of(self.likelihood)
+
+    @cached_property
+    def _without_effect(self) -> FloatArray:
+        """Directions of the parameters without effect on the readings, shape (d, k), scaled."""
+        scaled = self.slopes / self._sizes
+        _, values, directions = np.linalg.svd(scaled, full_matrices=False)
+        return as_floats(directions[values <= DEPENDENT * values[0]])
+
+    @property
+    def _sizes(self) -> FloatArray:
         size = np.sqrt((self.slopes**2).sum(axis=0))
-        scaled = self.slopes / np.where(size > 0, size, 1.0)
-        _, singular_values, directions = np.linalg.svd(scaled, full_matrices=False)
-        if singular_values[-1] <= _BLIND * singular_values[0]:
-            component = np.abs(directions[-1])
-            return None, [int(k) for k in np.flatnonzero(component >= _INVOLVED * component.max())]
-        half = directions.T / singular_values
-        return as_floats(half @ half.T / np.outer(size, size)), []
+        return as_floats(np.where(size > 0, size, 1.0))
 
     @property
     def unidentifiable(self) -> list[str]:
-        """The parameters of which only a combination is identifiable."""
-        return [self.fit.names[k] for k in self._inverse[1]]
-
-    @cached_property
-    def covariance(self) -> FloatArray | None:
-        """Of the free parameters, shape (k, k); None if they are not all identifiable."""
-        inverse, _ = self._inverse
-        if inverse is None:
-            return None
-        if self.satterthwaite is not None:
-            return self.satterthwaite.covariance
-        return as_floats(inverse * self.unit)
+        """The parameters of which only a combination, or none, has an effect."""
+        component = np.abs(self._without_effect)
+        largest = component.max(axis=1, keepdims=True, initial=0.0)
+        involved = (component >= _INVOLVED * largest).any(axis=0)
+        return [name for name, is_in in zip(self.fit.names, involved, strict=True) if is_in]
 
     @property
-    def unit(self) -> float:
-        """τ, such that (S(θ) − S)/τ has a χ² or F distribution."""
-        is_plain = self.covariance_of_readings is None
-        return self.sigma**2 if is_plain and not self.fit.noise.is_given else 1.0
+    def covariance(self) -> FloatArray:
+        """Of the free parameters, shape (k, k); of what is determined of them, if not all are."""
+        return self.satterthwaite.covariance
 
     @property
     def errors(self) -> FloatArray:
-        """The standard errors of the free parameters, shape (k,); NaN without a covariance."""
-        if self.covariance is None:
-            return np.full(self.point.size, np.nan)
-        return as_floats(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
+        """The standard errors of the free parameters, shape (k,); NaN for unidentifiable ones."""
+        errors = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        unknown = [name in self.unidentifiable for name in self.fit.names]
+        return as_floats(np.where(unknown, np.nan, errors))
 
     @cached_property
     def per_unit(self) -> FloatArray:
         """Factors from half-widths to relative ones, shape (k,): 1/|value|.
 
-        For a shift, whose zero is arbitrary, the root mean square of the relative change of the
-        predictions per unit of it.
+        For a shift, whose zero is arbitrary, the root mean square of the change of the predictions
+        per unit of it, over that of the readings.
         """
-        observed = self.fit.observed
-        rms = np.full_like(observed, np.sqrt((observed**2).mean()))
-        size = observed if self.fit.noise.is_log else rms
-        moved = self.fit.jacobian(self.point, self.fit.differences) / size[:, None]
-        effect = np.sqrt((moved**2).mean(axis=0))
+        moved, size = self.likelihood.slopes, (self.fit.observed**2).mean()
+        effect = np.sqrt((moved**2).mean(axis=0) / size)
         # Bounds on either side of zero make it arbitrary, whatever the law declares.
         is_shift = [p.shift or p.low < 0 < p.high for p in self.fit.free]
         with np.errstate(divide="ignore"):
             return as_floats(np.where(is_shift, effect, 1 / np.abs(self.point)))
 
-    def degrees_of(self, contrasts: FloatArray) -> FloatArray:
-        """Return the degrees of freedom of combinations, (..., k) to (...); inf if σ is known."""
-        if self.satterthwaite is not None:
-            return self.satterthwaite(contrasts)
-        degrees = np.inf if self.fit.noise.is_given else float(self.degrees)
-        return np.full(contrasts.shape[:-1], degrees)
-
     def degrees_of_each(self) -> FloatArray:
-        """Return the degrees of freedom of each parameter, shape (k,)."""
-        return self.degrees_of(np.eye(self.point.size))
+        """Return the degrees of freedom of each parameter, shape (k,); inf if σ is known."""
+        return self.satterthwaite(np.eye(self.point.size))
 
-    def threshold(self, level: float, name: str) -> float:
-        """Return the largest (S(θ) − S)/τ within the interval of a parameter."""
-        from scipy import special
+    def reach(self, contrasts: FloatArray, level: float) -> FloatArray:
+        """Return the half-widths of intervals of m contrasts (m, k), below and above, (m, 2)."""
+        variance = ((contrasts @ self.covariance) * contrasts).sum(axis=1)
+        widths = half_width(level, self.satterthwaite(contrasts)) * np.sqrt(variance)
+        both = np.repeat(widths[:, None], 2, axis=1)
+        if self.mixture is None:
+            return both
+        return as_floats(both * self.mixture.widening(contrasts, widths, level))
 
-        degrees = float(self.degrees_of_each()[self.fit.names.index(name)])
-        if np.isinf(degrees):
-            return float(special.chdtri(1, 1 - level))
-        return float(special.fdtri(1, degrees, level))
+    def limits(self, level: float, name: str) -> FloatArray:
+        """Return √(S(θ) − S) at the ends of the interval of a parameter, shape (2,)."""
+        contrast = np.eye(self.point.size)[[self.fit.names.index(name)]]
+        return as_floats(
+            self.reach(contrast, level)[0] / np.sqrt(contrast @ self.covariance @ contrast.T)[0]
+        )
 
     # --- profiles -----------------------------------------------------------------------------
 
-    def ratio(self, fixed: Coefficients, start: Coefficients) -> tuple[float, dict[str, float]]:
-        """Return (S(θ) − S)/τ with some parameters fixed, and the others refitted from a start."""
-        held = self.fit.fixing(**fixed)
-        point, reached = held.minimise(held.point(start), _REFIT)
-        ratio = (self.r.size * reached**2 - self.sum_of_squares) / self.unit
-        return float(ratio), held.coefficients(point)
+    def rise(self, objective: FloatArray) -> FloatArray:
+        """Return √(S(θ) − S): for a linear law the distance in standard errors."""
+        above = self.r.size * objective**2 - self.sum_of_squares
+        return as_floats(np.sqrt(np.maximum(above, 0.0)))
+
+    def _profiles(self, name: str, values: FloatArray) -> Profiles:
+        """Return the profile of a free parameter, held at some values first."""
+        of_each = [values if each == name else np.empty(0) for each in self.fit.names]
+        return Profiles(self.fit, self.point, of_each)
 
     def interval(self, name: str, level: float) -> Interval:
         """Return the profile-likelihood interval of a free parameter."""
-        parameter = next(p for p in self.fit.free if p.name == name)
-        limit = float(np.sqrt(self.threshold(level, name)))
-        low, low_is_bound, below = self._edge(name, parameter.low, limit)
-        high, high_is_bound, above = self._edge(name, parameter.high, limit)
-        return Interval(low, high, low_is_bound, high_is_bound, min(0.0, below, above))
-
-    def _edge(self, name: str, bound: float, limit: float) -> tuple[float, bool, float]:
-        """Return an interval's end, whether it is the bound, and the lowest ratio on the way."""
-        best, lowest = self.best[name], np.inf
-        reach = bound - best
-        if reach == 0:
-            return bound, True, lowest
+        k, limits = self.fit.names.index(name), self.limits(level, name)
+        low, high, best = self.fit.low[k], self.fit.high[k], self.point[k]
         # Slightly more than the distance by the covariance.
-        error = float(np.nan_to_num(self.errors[self.fit.names.index(name)]))
-        inner, inside = 0.0, -limit
-        step = outer = min(1.0, max(1.1 * limit * error / abs(reach), _FIRST_STEP))
-        start: Coefficients = self.best
-        last = start
+        error = float(np.nan_to_num(self.errors[k]))
+        step = np.maximum(1.1 * limits * error, _FIRST_STEP * (high - low))
+        at = np.unique(np.clip([best - step[0], best, best + step[1]], low, high))
+        profiles = self._profiles(name, at)
 
-        def excess(share: float) -> float:
-            """Return how far √ratio, nearly linear in the parameter, is above the limit."""
-            nonlocal last, lowest
-            # A descent that starts at a bound may stay there.
-            origin = start if self._is_at_bound(last) else last
-            fixed = {name: best + share * reach}
-            ratio, others = self.ratio(fixed, origin)
-            if not np.isfinite(ratio) and origin is not start:  # undefined with the others of last
-                ratio, others = self.ratio(fixed, start)
-            last = others if np.isfinite(ratio) else last
-            lowest = min(lowest, ratio)
-            return float(np.sqrt(max(ratio, 0.0))) - limit
+        def distance(objective: FloatArray, side: int) -> FloatArray:
+            return as_floats(np.minimum(self.rise(objective) / limits[side], _FAR))
 
-        while (outside := excess(outer)) <= 0 or (outside == np.inf and step > _LEAST_STEP * outer):
-            if outside == np.inf:  # with these others: nearer ones lead on
-                step /= 2
-            elif outer == 1.0:
-                return bound, True, lowest
-            else:
-                inside, inner, start, step = outside, outer, last, 2 * step
-            outer = min(1.0, inner + step)
-        if inner == 0.0:  # a refit here says whether the fit is a minimum at all
-            excess(inner)
-        share = crossing(excess, (inner, inside), (outer, outside))
-        return best + share * reach, False, lowest
-
-    def _is_at_bound(self, coefficients: Coefficients) -> bool:
-        return any(
-            min(coefficients[p.name] - p.low, p.high - coefficients[p.name])
-            < _AT_BOUND * (p.high - p.low)
-            for p in self.fit.free
-        )
+        ends = profiles.ends(distance)[k]
+        cut_low, cut_high = np.isnan(ends).tolist()
+        lower = float(low if cut_low else ends[0])
+        upper = float(high if cut_high else ends[1])
+        lowest = self.r.size * profiles.objective.min() ** 2 - self.sum_of_squares
+        return Interval(lower, upper, cut_low, cut_high, min(0.0, float(lowest)))
 
     def profile(
         self, name: str, low: float, high: float, level: float
     ) -> tuple[FloatArray, FloatArray, float]:
-        """Return values of a parameter, √((S(θ) − S)/τ) there, and its value at the level's ends.
-
-        For a linear law the root is the distance in standard errors. Each refit starts from that
-        nearer the best.
-        """
-        best, parameter = self.best[name], self.fit.free[self.fit.names.index(name)]
-        low = max(parameter.low, best - _REACH * (best - low))
-        high = min(parameter.high, best + _REACH * (high - best))
-        values = np.union1d(np.linspace(low, high, _POINTS), [best])
-        rise, middle = np.empty(values.size), int(np.searchsorted(values, best))
-        for order in (range(middle, values.size), range(middle - 1, -1, -1)):
-            start: Coefficients = self.best
-            for index in order:
-                ratio, start = self.ratio({name: float(values[index])}, start)
-                rise[index] = np.sqrt(max(ratio, 0.0))
-        return values, rise, float(np.sqrt(self.threshold(level, name)))
+        """Return values of a parameter, the rise there, and that at the ends of the level."""
+        k = self.fit.names.index(name)
+        best, limit = self.point[k], float(self.limits(level, name).mean())
+        low = max(self.fit.low[k], best - _REACH * (best - low))
+        high = min(self.fit.high[k], best + _REACH * (high - best))
+        profiles = self._profiles(name, np.union1d(np.linspace(low, high, _POINTS), [best]))
+        places = profiles.places(k)
+        return profiles.at[places], self.rise(profiles.objective[places]), limit
 
     # --- predictions --------------------------------------------------------------------------
 
@@ -634,75 +634,46 @@ class Optimum:
     def propagated(
         self, evaluate: Callable[[ContactLaw], ArrayLike], level: float
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return m numbers, their variances by the delta method, and half-widths in errors."""
-        if self.covariance is None:
+        """Return m numbers, their variances by the delta method, and half-widths, (m, 2)."""
+        centre, slopes = self.slopes_of(evaluate)
+        along = (slopes / self._sizes) @ self._without_effect.T
+        size = np.linalg.norm(slopes / self._sizes, axis=1)
+        if (np.linalg.norm(along, axis=1) > _ALONG * size).any():
             rule = "are not identifiable one by one, so that there is no band"
             remedy = "fix one of them (--fix NAME=VALUE), and fit again"
-            blamed = self.unidentifiable or list(self.best)
-            raise InputError("prediction", "parameters", blamed, rule, remedy)
-        centre, slopes = self.slopes_of(evaluate)
+            raise InputError("prediction", "parameters", self.unidentifiable, rule, remedy)
         variance = ((slopes @ self.covariance) * slopes).sum(axis=1)
-        return centre, as_floats(variance), half_width(level, self.degrees_of(slopes))
+        return centre, as_floats(variance), self.reach(slopes, level)
 
     def band(self, pair: CylinderPair, level: float, load: ArrayLike) -> Band:
         """Return the prediction for a pair at m loads in N/mm, with bands."""
-        force, is_log = np.atleast_1d(as_floats(load)), self.fit.noise.is_log
+        force = np.atleast_1d(as_floats(load))
 
         def predicted(law: ContactLaw) -> FloatArray:
             with np.errstate(divide="ignore", invalid="ignore"):
-                value = law.penetration(force, pair)
-                return as_floats(np.log(value)) if is_log else value
+                return law.penetration(force, pair)
 
         centre, variance, reach = self.propagated(predicted, level)
         if not np.isfinite(centre).all():
             outside = float(np.broadcast_to(force, centre.shape)[~np.isfinite(centre)][0])
-            rule = "leaves the domain of the fitted law, or is not positive"
-            raise InputError("prediction", "load in N/mm", outside, rule, "stay within it")
-        depth = self.law.penetration(force, pair)
-        depth = as_floats(np.where(depth == 0, _NO_DEPTH, depth))
-        added = self.variance_of_reading(depth, force)
-        if is_log:
-            added = as_floats(added / depth**2)
-        spread, wider = reach * np.sqrt(variance), reach * np.sqrt(variance + added)
-        ends = (centre, centre - spread, centre + spread, centre - wider, centre + wider)
-        return Band(*(as_floats(np.exp(end)) if is_log else as_floats(end) for end in ends))
+            rule, remedy = "leaves the domain of the fitted law", "stay within it"
+            raise InputError("prediction", "load in N/mm", outside, rule, remedy)
+        added = self.variance_of_reading(centre, force)
+        # A new reading is as many standard deviations away as the curve.
+        error = np.sqrt(variance)
+        times = np.where(
+            error > 0, reach.T / np.where(error > 0, error, 1.0), half_width(level, self.degrees)
+        )
+        below, above = times * np.sqrt(variance + added)
+        low, high = reach.T
+        return Band(centre, centre - low, centre + high, centre - below, centre + above)
 
-    def variance_of_reading(self, depth: FloatArray, force: FloatArray) -> FloatArray:
+    def variance_of_reading(self, reading: FloatArray, force: FloatArray) -> FloatArray:
         """Return the variance of new readings of the penetration in mm².
 
-        With given standard deviations, a new reading has their median, or with a noise model that
-        of the loads measured.
+        A given variance is interpolated over the load.
         """
-        noise = self.fit.noise
-        if isinstance(noise, Plain):
-            return noise.new_variance(depth, 1.0 if noise.is_given else self.sigma)
-        return noise.new_variance(depth - self.best.get("offset", 0.0), force)
-
-
-def crossing(
-    function: Callable[[float], float], inner: tuple[float, float], outer: tuple[float, float]
-) -> float:
-    """Return where a function crosses zero between two points, each with its value there.
-
-    Regula falsi by Anderson and Björck (1973), which weighs down the end that stays. Where the
-    function is infinite, the interval is halved.
-    """
-    (a, at_a), (b, at_b) = inner, outer
-    for _ in range(_EDGE_STEPS):
-        if abs(b - a) <= _EDGE_PRECISION * max(abs(a), abs(b)):
-            break
-        at_a, at_b = (np.copysign(1.0, at) if np.isinf(at_a + at_b) else at for at in (at_a, at_b))
-        x = b - at_b * (b - a) / (at_b - at_a)
-        at_x = function(x)
-        if abs(at_x) <= _EDGE_PRECISION:
-            return x
-        if at_x * at_b < 0:
-            a, at_a = b, at_b
-        else:
-            weight = 1 - at_x / at_b
-            at_a *= weight if weight > 0 else 0.5
-        b, at_b = x, at_x
-    return b
+        return self.fit.noise.new_variance(reading - self.best.get("offset", 0.0), force)
 
 
 def half_width(level: float, degrees: ArrayLike) -> FloatArray:

@@ -40,8 +40,6 @@ if TYPE_CHECKING:
 _FORMAT = 3
 _OBJECTIVE_WORDS = {
     "rms-log-penetration": "relative scatter of the penetration",
-    "rms-penetration": "scatter of the penetration",
-    "rms-standardised": "scatter in standard deviations",
     "rms-difference-percent": "scatter of the penetration in percent",
     "max-difference-percent": "largest difference of the penetration in percent",
     "rms-relative-force": "relative scatter of the load",
@@ -152,7 +150,7 @@ class FitResult(Spec):
     def free(self) -> dict[str, float]:
         """The values of the coefficients that were searched, by name."""
         campaign = self.settings["campaign"]
-        others = {*campaign["fixed"], *campaign.get("ties", ())}
+        others = {*campaign["fixed"], *campaign.get("ties", ())} - {*campaign.get("uncertain", ())}
         return {name: value for name, value in self.coefficients.items() if name not in others}
 
     def to_law(self, source: str = "") -> ContactLaw:
@@ -184,9 +182,9 @@ class FitResult(Spec):
     def headline(self) -> str:
         """What was fitted to what."""
         fitted, masked = self.counts.samples, self.counts.masked
-        words = _OBJECTIVE_WORDS[self.objective.name]
-        to = f"fitted to {fitted:,} measurements, minimising the {words}"
+        to = f"fitted to {fitted:,} measurements"
         if self.reference != "measurements":
+            words = _OBJECTIVE_WORDS[self.objective.name]
             to = f"fitted to {self.reference}, minimising the {words} on {fitted:,} samples "
             to += f"({masked:,} outside the reference's domain)"
         return f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, {to}"
@@ -208,6 +206,7 @@ class FitResult(Spec):
         paper = self.published.coefficients if self.published else {}
         # The searched ones first: the others are often the law's own constants.
         order = sorted(self.estimates.items(), key=lambda item: item[0] not in self.free)
+        order = [(name, self._in_its_unit(estimate)) for name, estimate in order]
         rows = [
             {
                 "": name,
@@ -222,18 +221,44 @@ class FitResult(Spec):
             for name, estimate in order
         ]
         heads, worst = [*rows[0]], self.max_abs_diff_percent
-        objective = {
-            "": _OBJECTIVE_WORDS[self.objective.name],
-            "fitted": f"{self.objective.value:.5g}",
-            "unit": self.objective.unit,
-            "published": or_blank(self.published.objective if self.published else None),
-        }
-        rows.append(objective)
+        if self.objective.name in _OBJECTIVE_WORDS:
+            objective = {
+                "": _OBJECTIVE_WORDS[self.objective.name],
+                "fitted": f"{self.objective.value:.5g}",
+                "unit": self.objective.unit,
+                "published": or_blank(self.published.objective if self.published else None),
+            }
+            rows.append(objective)
         if worst.fitted is not None:
             largest = {"": "largest difference", "fitted": f"{worst.fitted:.4g}", "unit": "%"}
             rows.append(largest | {"published": or_blank(worst.published)})
         used = [head for head in heads if any(row.get(head) for row in rows)]
         return TextTable(used, [[row.get(head, "") for head in used] for row in rows])
+
+    def to_latex(self) -> str:
+        """Return the coefficients as a LaTeX table for booktabs, as `print` shows them."""
+        marks = {
+            "%": r"\%",
+            "_": r"\_",
+            "…": r"\dots{}",
+            "±": r"$\pm$",
+            "µ": r"$\mu$",
+            "^": r"\^{}",
+        }
+
+        def plain(cell: str) -> str:
+            return "".join(marks.get(letter, letter) for letter in cell)
+
+        table = self.table
+        rows = [" & ".join(map(plain, row)) + r" \\" for row in table.rows]
+        head = " & ".join(map(plain, table.columns)) + r" \\"
+        form = "l" + "r" * (len(table.columns) - 1)
+        lines = [rf"\begin{{tabular}}{{{form}}}", r"\toprule", head, r"\midrule", *rows]
+        return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"])
+
+    def _in_its_unit(self, estimate: Estimate) -> Estimate:
+        """Return a coefficient in the unit that the report states it in."""
+        return estimate
 
     def to_frame(self) -> pd.DataFrame:
         """Return the coefficients as a table.
@@ -364,19 +389,19 @@ def basins(runs: Sequence[RunRecord], round_off: float) -> list[tuple[float, int
 
 
 def on_runs(
-    runs: Sequence[RunRecord], round_off: float, poor: Sequence[str], how: str
+    runs: Sequence[RunRecord], round_off: float, poor: Sequence[str], how: str, word: str = "runs"
 ) -> tuple[list[str], list[str]]:
     """Return the warning if less than half of the runs agree, and the notes on them."""
     (_, agreeing), *others = basins(runs, round_off)
-    notes = [f"{agreeing} of {len(runs)} runs reached the best objective within 0.1 %"]
+    notes = [f"{agreeing} of {len(runs)} {word} reached the best objective within 0.1 %"]
     if others:
         objectives = ", ".join(f"{objective:.4g} ({count})" for objective, count in others)
-        notes.append(f"the others ended in other basins, at (runs): {objectives}")
+        notes.append(f"the others ended in other basins, at ({word}): {objectives}")
     if 2 * agreeing >= len(runs):
         return [], notes
     warning = (
-        f"only {agreeing} of {len(runs)} runs reached the best objective within 0.1 %, so a lower "
-        f"one may have been missed: make more runs (--runs {4 * len(runs)}), or hold "
+        f"only {agreeing} of {len(runs)} {word} reached the best objective within 0.1 %, so a "
+        f"lower one may have been missed: make more {word} (--runs {4 * len(runs)}), or hold "
         f"{' or '.join(poor) or 'a coefficient'} at a value ({how})"
     )
     return [warning], notes

@@ -39,6 +39,8 @@ _MIN_GAIN, _MOST_RESTARTS = 1e-10, 20
 _SMALL_GAINS, _MOST_DAMPING = 3, 1e10
 # The first damping, the share of the way to a bound, and the nearest to it of a start.
 _FIRST_DAMPING, _WAY, _MARGIN = 1e-3, 0.995, 1e-12
+# The nearest to a bound of a start of SciPy's, and the relative move at which its descents end.
+_INSIDE, _LEAST_MOVE = 1e-9, 1e-13
 # Numbers in slopes that are formed together: they stay in the cache of a core.
 _AT_ONCE = 1 << 16
 # First and last radius of the trust region relative to the bounds, and the most programmes.
@@ -178,6 +180,9 @@ def descend(
     if space.is_largest:
         both = zip(starts, held, strict=True)
         ends = np.array([_descend_largest(space, start, own, precision) for start, own in both])
+    elif space.is_ill_conditioned:
+        both = zip(starts, held, strict=True)
+        ends = np.array([_least_squares(space, start, own, precision) for start, own in both])
     else:
         ends = _descend_squares(space, starts, precision, held)
     after = space.values(ends)
@@ -249,6 +254,47 @@ def _descend_squares(
         g = np.where(better[:, None], g_there, g)
     ends[here] = t
     return np.where(fixed, starts, space.low + ends * space.span)
+
+
+def _least_squares(
+    space: Space, start: FloatArray, held: BoolArray, precision: float
+) -> FloatArray:
+    """Return the end of a trust-region descent from one point (Branch, Coleman and Li 1999).
+
+    It reflects at the bounds, so that it can leave one.
+    """
+    from scipy.optimize import least_squares  # slow to import
+
+    end, free = start.copy(), ~held
+    low, span = space.low[free], space.span[free]
+
+    def at(t: FloatArray) -> FloatArray:
+        end[free] = low + t * span
+        return end[None, :]
+
+    def residuals(t: FloatArray) -> FloatArray:
+        return as_floats(space.finite_residuals(at(t))[0])
+
+    def slopes(t: FloatArray) -> FloatArray:
+        return as_floats(space.slopes(at(t))[0][free].T * span)
+
+    first = np.clip((start[free] - low) / span, _INSIDE, 1 - _INSIDE)
+    with np.errstate(all="ignore"):  # of a parameter that has no effect
+        try:
+            found = least_squares(
+                residuals,
+                first,
+                slopes,
+                bounds=(0.0, 1.0),
+                x_scale="jac",
+                ftol=precision,
+                xtol=_LEAST_MOVE,
+                gtol=None,
+                max_nfev=_STEPS,
+            )
+        except (ValueError, np.linalg.LinAlgError):
+            return start
+    return as_floats(at(np.nan_to_num(found.x, nan=0.5))[0])
 
 
 def _normal_equations(

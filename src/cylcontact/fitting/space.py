@@ -129,6 +129,11 @@ class Space:
         return 0
 
     @property
+    def is_ill_conditioned(self) -> bool:
+        """Whether parameters may trade off so much that each descent is one of SciPy's."""
+        return False
+
+    @property
     def smoothing(self) -> Sequence[float]:
         """Widths over which maxima in the law are smoothed, the largest first; often none."""
         return ()

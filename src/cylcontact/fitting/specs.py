@@ -13,6 +13,7 @@ from pydantic import AfterValidator, Field, model_validator
 from cylcontact.bodies.pair import Contact
 from cylcontact.datasets.reading import TableSpec
 from cylcontact.files.spec import Spec, broken
+from cylcontact.fitting.inputs import INPUTS
 from cylcontact.fitting.noise import NOISES
 from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.reference import OBJECTIVES
@@ -138,6 +139,9 @@ class MeasuredSpec(ParametersSpec, TableSpec):
         {}, description="a table [constants] of values for all rows, e.g. dR_um = 50"
     )
     materials: str | None = Field(None, description="the path of a table of materials")
+    uncertain: dict[str, float | str] = Field(
+        {}, description='a table of standard uncertainties of inputs, e.g. dR = "2 um", E = "5%"'
+    )
     housing: HousingSpec | None = Field(
         None, description="a table [housing] of the rim's radius R_o, its clamp and layers"
     )
@@ -151,8 +155,10 @@ _SpecType = TypeVar("_SpecType", bound=ParametersSpec)
 
 def completed(spec: _SpecType, parameters: tuple[Parameter, ...]) -> _SpecType:
     """Return a campaign's settings with the bounds or the value of every parameter."""
-    bounds = {p.name: (p.low, p.high) for p in parameters if p.is_free}
+    bounds = {p.name: (p.low, p.high) for p in parameters if p.is_free and p.known is None}
     fixed = {p.name: p.value for p in parameters if p.value is not None}
+    constants = {*getattr(spec, "uncertain", {})} - {*INPUTS}
+    fixed |= {p.name: p.known[0] for p in parameters if p.known and p.name in constants}
     return spec.model_copy(update={"bounds": bounds, "fixed": fixed})
 
 

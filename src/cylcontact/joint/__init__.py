@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cylcontact.joint.loaded import LoadedJoint
     from cylcontact.joint.many import ClearanceJoints
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
+    from cylcontact.joint.tables import TableCheck, check_table
 
 __all__ = [
     "Bush",
@@ -36,9 +37,11 @@ __all__ = [
     "SpatialJoint",
     "SpatialState",
     "SpatialWrench",
+    "TableCheck",
     "check_bush",
     "check_clevis",
     "check_joint",
+    "check_table",
     "fitted",
     "joint_from",
     "read_joint",
@@ -53,6 +56,7 @@ _NAMES = {
     ),
     "clevis": ("Clevis", "ClevisCheck", "Plate", "check_clevis"),
     "loaded": ("LoadedJoint",),
+    "tables": ("TableCheck", "check_table"),
     "many": ("ClearanceJoints",),
     "spatial": ("SpatialJoint", "SpatialState", "SpatialWrench"),
 }

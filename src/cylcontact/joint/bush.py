@@ -492,7 +492,7 @@ def check_bush(
         band[name], yields[name] = under.solved(drawn, name in _ANSWERED)
     low, _ = bush.interference
     changes = loose_temperatures(joint.materials, joint.radii, low, state)
-    loose = float(changes[0]) if joint.expands else np.inf
+    loose = float(changes[0]) if joint.expands and low > 0 else np.inf
     return BushCheck(
         bush, pin, pin_diameter, hole, housing, float(load), length, plane, warm, state, close_in,
         20.0 + loose, band, {name: each for name, each in yields.items() if each},

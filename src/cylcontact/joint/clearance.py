@@ -510,9 +510,12 @@ def rows_of(
     numbers = [rates]
     for key, body in (("bearing", bearing), ("pin", pin)):
         numbers.append(np.asarray(body, dtype=np.float64))
-        what, remedy = _BODIES[size]
-        good = numbers[-1].shape[-1:] == (size,)
-        require(good, "joint", key, body, f"must be {what}", f"give {remedy}")
+        if numbers[-1].shape[-1:] != (size,):
+            what, remedy = _BODIES[size]
+            require(False, "joint", key, body, f"must be {what}", f"give {remedy}")
+    if all(part.ndim == 1 for part in numbers):  # one state: broadcasting takes longer than a law
+        first, second, third = (part.reshape(1, -1).copy() for part in numbers)
+        return first, second, third, ()
     shape = np.broadcast_shapes(*(part.shape[:-1] for part in numbers))
     first, second, third = (
         np.broadcast_to(part, (*shape, part.shape[-1])).reshape(-1, part.shape[-1]).copy()
@@ -524,6 +527,8 @@ def rows_of(
 def parts_of(wrench: Any, shape: tuple[int, ...]) -> dict[str, Any]:
     """Return the parts of wrenches, each of the shape of the rows."""
     parts = {name: wrench[name] for name in wrench.dtype.names}
+    if shape == ():
+        return {name: part[0] for name, part in parts.items()}
     return {name: part.reshape(shape + part.shape[1:]).copy() for name, part in parts.items()}
 
 

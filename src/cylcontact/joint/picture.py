@@ -10,9 +10,10 @@ from cylcontact.joint.loaded import law_of
 from cylcontact.limits import hertz_stress
 from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.style import ACCENT
-from cylcontact.support.arrays import FloatArray, as_floats
+from cylcontact.support.arrays import FloatArray, as_floats, require
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
     from cylcontact.bodies.pair import CylinderPair
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from cylcontact.joint.loaded import LoadedJoint
 
 _POINTS = 161
+# Colours are by logarithms where answers differ by more than this factor.
+_DECADE = 10.0
 # Of a fit these are drawn: the others lie between them.
 _DRAWN = ("joint", "tightest", "middle", "loosest")
 
@@ -72,6 +75,32 @@ def _drawn(load: FloatArray, pair: CylinderPair, joint: LoadedJoint) -> FloatArr
     if not joint.has_penetration:
         return hertz_stress(load, pair)
     return 1e3 * law_of(pair, joint.housing, joint.depth).penetration(load, pair)
+
+
+def draw_map(table: pd.DataFrame, x: str, y: str, answer: str, ax: Axes | None = None) -> Axes:
+    """Draw an answer of a table of joints against two of its columns, each joint as a point."""
+    for key in (x, y, answer):
+        rule, remedy = "is not a column of numbers", f"choose among {', '.join(map(str, table))}"
+        sound = key in table and table[key].dtype.kind in "fiu"
+        require(sound, "plot", "column", key, rule, remedy)
+    known = table[[x, y, answer]].dropna()
+    values = known[answer]
+    spread = values.min() > 0 and values.max() > _DECADE * values.min()
+    with axes_for(ax, "plot", "column", 75.0) as axes:
+        points = axes.scatter(
+            known[x],
+            known[y],
+            c=values,
+            s=14,
+            cmap="viridis",
+            edgecolors="none",
+            norm="log" if spread else None,
+        )
+        figure = axes.figure
+        figure.colorbar(points, ax=axes, label=answer.replace("_", " "))
+        axes.set(xlabel=x.replace("_", " "), ylabel=y.replace("_", " "))
+        axes.set_title(f"{len(known):,} joints")
+    return axes
 
 
 def title_of(joint: LoadedJoint) -> str:

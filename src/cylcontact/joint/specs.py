@@ -15,7 +15,7 @@ from cylcontact.joint.bush import Bush, BushCheck, check_bush
 from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
 from cylcontact.laws.housing_spec import HousingSpec
 from cylcontact.limits.rings import Rim
-from cylcontact.support.errors import require
+from cylcontact.support.errors import InputError, require
 
 __all__ = ["BushJointSpec", "BushSpec", "ClevisSpec", "PlateSpec", "check_file"]
 
@@ -76,6 +76,25 @@ class BushJointSpec(Spec):
         if self.housing.layers:
             raise broken("housing.layers", None, "are beside a bush", "leave them out")
         return self
+
+
+def is_plain_joint(path: Path | str) -> bool:
+    """Return whether a file is of a joint with neither bush nor clevis; refuse what is no joint.
+
+    Raises
+    ------
+    InputError
+        If the file is neither; the error names what may be checked.
+    """
+    data = read_toml(path)
+    if "bush" in data or {"eye", "cheek"} & {*data}:
+        return False
+    rule = "is no joint"
+    remedy = "give a table of joints, the file of a joint ([bearing] and [pin], as "
+    remedy += "datasets/joint.toml), of one with a [bush], or of a clevis, as datasets/clevis.toml"
+    if not {"bearing", "pin"} <= {*data} or data.get("kind") == "spatial":
+        raise InputError(str(path), "", None, rule, remedy)
+    return True
 
 
 class PlateSpec(MaterialSpec):

@@ -40,6 +40,9 @@ class HousingSpec(Spec):
     layers: Annotated[tuple[LayerSpec, ...], Strict(False)] | None = Field(
         None, description="a list of rings around the hole's own, from within, each with its R_i"
     )
+    seat: Literal["bonded", "sliding"] | None = Field(
+        None, description='"bonded" for layers that are glued in, "sliding" for a pressed bush'
+    )
 
     @model_validator(mode="after")
     def _check(self) -> HousingSpec:
@@ -56,6 +59,8 @@ class HousingSpec(Spec):
             raise broken(
                 "shank", self.shank, "is for a lug", 'write clamp = "lug", or leave it out'
             )
+        if self.seat is not None and not self.layers:
+            raise broken("seat", self.seat, "is for layers", "give layers, or leave it out")
         return self
 
     def with_numbers(
@@ -76,12 +81,12 @@ class HousingSpec(Spec):
             (layer.named(f"layer {k}", own, source, key), layer.R_i)
             for k, layer in enumerate(self.layers or (), start=1)
         ]
+        clamp: Literal["rim"] | Sector = "rim"
         if self.clamp == "lug":
-            shank = 1.0 if self.shank is None else self.shank
-            return Housing(self.R_o, clamp=Sector.lug(shank), layers=layers)
-        if self.angle is None or self.side is None:
-            return Housing(self.R_o, layers=layers)
-        return Housing(self.R_o, clamp=Sector(self.angle, self.side), layers=layers)
+            clamp = Sector.lug(1.0 if self.shank is None else self.shank)
+        elif self.angle is not None and self.side is not None:
+            clamp = Sector(self.angle, self.side)
+        return Housing(self.R_o, clamp=clamp, layers=layers, seat=self.seat or "bonded")
 
     @property
     def housing(self) -> Housing:

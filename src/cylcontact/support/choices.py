@@ -20,8 +20,8 @@ TARGETS = {"c": ".c", "fortran": ".f90", "matlab": ".m"}
 JOINT_TARGETS = {**TARGETS, "fmu": ".fmu"}
 # Multibody codes with a contact of their own, whose parameters `contact_parameters` fits.
 CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
-# What the folder of a fit to a table holds.
-FIT_FILES = ("result.json", "residuals.csv", "fit.png", "fit.pdf")
+# What the folder of a fit to a table holds, and with --pdf besides.
+FIT_FILES, FIT_PDF = ("result.json", "residuals.csv", "fit.png"), "fit.pdf"
 # What `choose` adds to it.
 CHOICE_FILES = ("choice.csv", "choice.png", "choice.pdf")
 PLAN_FILES = ("plan.csv", "plan.png", "plan.pdf")

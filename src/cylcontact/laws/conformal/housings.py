@@ -338,7 +338,9 @@ class Housing:
     def _kernel(self, row: list[float]) -> Kernel:
         """Return the kernel of one pair from its R_i, w_i, and κ and 8μ of each ring."""
         R_i, w_i, *elastic = row
-        radii = [1.0, *(radius / R_i for _, radius in self.layers), self.R_o / R_i]
+        # Rounded, so that housings of one shape and other sizes share what follows from it.
+        ratios = (round(radius / R_i, 13) for radius in (*(r for _, r in self.layers), self.R_o))
+        radii = [1.0, *ratios]
         rings = tuple(
             Ring(radii[k], radii[k + 1], elastic[2 * k], elastic[2 * k + 1] / elastic[1], slides)
             for k, slides in enumerate([False, *[self.seat == "sliding"] * len(self.layers)])
