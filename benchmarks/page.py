@@ -39,8 +39,8 @@ Every numerical result has an independent check: the [numbers of others](#number
 
 ## Numbers of others
 
-A dash means that no number could be found. `python -m benchmarks.references` prints these comparisons, and
-`datasets/references` holds them; to add one, fill in `template/rig.toml` there.
+A dash means that no number could be found. `python -m benchmarks.references` prints these
+comparisons, and `datasets/references` holds them; to add one, fill in `template/rig.toml` there.
 
 {references}
 
