@@ -155,14 +155,19 @@ def test_power_is_the_slope_of_the_energy_and_no_work_is_left_around_a_loop(kind
     left = np.abs(power.sum(axis=1)) / np.abs(power).sum(axis=1)
     assert left.max() <= 1e-10
     # Derivatives of periodic series. Of a half without contact the deepest place may jump.
-    pairs = [(w.elastic_energy, -power)]
+    power = -power
+    pairs = [(w.elastic_energy, power)]
     pairs += zip(w.penetration.T, w.penetration_rate.T, strict=True)
     for series, wanted in pairs:
         smooth = (series.reshape(-1, N) > 0).all(axis=1) | (joint.spec.pin.crown == 0.0)
         gain = np.fft.rfft(series.reshape(-1, N)[smooth]) * 1j * np.fft.rfftfreq(N, 1 / N)
         slope, rates = np.fft.irfft(gain), wanted.reshape(-1, N)[smooth]
         peak = np.abs(rates).max(axis=1, keepdims=True) + 1e-300
-        np.testing.assert_allclose(slope / peak, rates / peak, rtol=0, atol=1e-6)
+        # Where the deepest place of a crowned pin reaches the rim, the second derivative jumps.
+        crowned = joint.spec.pin.crown > 0 and wanted is not power
+        error = np.abs(slope - rates) / peak
+        assert error.size == 0 or error.max() <= (1e-4 if crowned else 1e-6)
+        assert error.size == 0 or np.median(error) <= 5e-7
 
 
 # --- what holds in every motion ---

@@ -34,6 +34,16 @@ def test_the_table_does_not_depend_on_the_workers(table):
     pd.testing.assert_frame_equal(table, other)
 
 
+def test_a_row_has_the_error_of_its_energy_balance_and_the_tolerance(table):
+    """The error is that of the run; work less losses is energy that the mechanism keeps."""
+    given = WANTED[0]
+    changes = {name: value for name, value in vars(given).items() if value is not None}
+    run = simulate(slider_crank().changed(**changes), 2)
+    errors = run.statistics(1).revolutions["energy_error_J"]
+    assert table.iloc[0]["energy_error_J"] == errors.abs().max() < 1e-5
+    assert (table["tolerance"] == run.mechanism.spec.tolerance).all()
+
+
 def test_two_tolerances_agree_for_ever_or_for_some_revolutions():
     for restitution, low, high in ((1.0, 0.1, 2.0), (0.9, 3.0, 3.01)):
         mechanism = slider_crank("johnson", 0.5, restitution, 0.1)

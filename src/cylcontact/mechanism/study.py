@@ -232,7 +232,7 @@ def _row(
     try:
         statistics = long_run(mechanism, revolutions, first, beyond)
     except InputError as error:
-        return row | {"message": str(error)}
+        return row | {"tolerance": mechanism.spec.tolerance, "message": str(error)}
     row |= {"first_revolution": statistics.first + 1, "last_revolution": revolutions}
     for name, numbers in statistics.interval().iterrows():
         row |= {str(name): numbers["mean"], f"{name}_half_width": numbers["half_width"]}

@@ -280,7 +280,7 @@ def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
             coefficients = fitted(solution.coefficients * b[:, None])
             return Housed(top, series, coefficients)
     rule = "makes a ring so thin that the pin does not touch it along one arc"
-    raise InputError("Housing", "R_o", None, rule, "give a thicker one, or the datum as a number")
+    raise InputError("Housing", "R_o", None, rule, "give a larger R_o: 1.3 times the hole, or more")
 
 
 def _end(beta: float, w_i: float, g: FloatArray) -> float:

@@ -1,0 +1,53 @@
+"""The page of a joint: the same numbers as the answer, the same file for the same joint."""
+
+import re
+
+import pytest
+
+import cylcontact as cc
+from cylcontact import InputError, laws
+from cylcontact.joint.page import inputs
+
+STEEL, BRONZE = map(cc.Material.named, ("high-strength steel", "bronze"))
+PAIR = cc.CylinderPair.internal(10.0, 9.95, pin=STEEL, hole=BRONZE, length=12.0)
+EYE = laws.Housing(20.0, laws.Sector.lug())
+
+
+def test_a_page_has_inputs_answer_warning_and_what_is_not_included(tmp_path):
+    check = cc.check_joint(PAIR, 1500.0, iso="20H7/g6", housing=EYE, temperature=60.0, rim="free")
+    html = check.save(tmp_path / "joint.html").read_text(encoding="utf-8")
+    for row in check.table.loc[["first_yield_N_per_mm", "total_stiffness_N_per_mm"]].to_numpy():
+        assert all(f"<td>{float(f'{value:.4g}'):,.10g}</td>" in html for value in row)
+    for text in ("table (assumed)", "ISO 286-1", "bending and tilt of the pin", *check.warnings):
+        assert text in html
+    assert html.count("<svg") == 2
+    assert re.search(rf"cylcontact {cc.__version__}, inputs [0-9a-f]{{16}}<", html)
+    again = check.save(tmp_path / "again.html").read_text(encoding="utf-8")
+    assert again == html
+
+
+@pytest.mark.parametrize("suffix", ["pdf", "png"])
+def test_a_page_is_one_sheet_of_any_joint(tmp_path, suffix):
+    flat = cc.CylinderPair.external(15.0, float("inf"), BRONZE)
+    for name, check in {
+        "eye": cc.check_joint(PAIR, 500.0, housing=EYE),
+        "layers": cc.check_joint(PAIR, 500.0, housing=laws.Housing(20.0, layers=[(STEEL, 13.0)])),
+        "plane": cc.check_joint(flat, 50.0),
+    }.items():
+        content = check.save(tmp_path / f"{name}.{suffix}").read_bytes()
+        assert content.startswith(b"%PDF" if suffix == "pdf" else b"\x89PNG")
+        if suffix == "pdf":
+            assert content.count(b"/Type /Page ") == 1
+            assert b"CreationDate" not in content
+
+
+def test_the_source_of_a_material_is_the_table_only_for_its_numbers():
+    own = cc.Material("bronze", 111e3, 0.34)
+    pair = cc.CylinderPair.internal(10.0, 9.95, pin=STEEL, hole=own)
+    rows = {name: source for name, _, source in inputs(cc.check_joint(pair, 100.0))}
+    assert (rows["hole"], rows["pin"]) == ("given", "table (assumed)")
+
+
+def test_a_page_of_another_kind_is_refused(tmp_path):
+    with pytest.raises(InputError):
+        cc.check_joint(PAIR, 100.0).save(tmp_path / "joint.docx")
