@@ -18,7 +18,7 @@ RECIPES := $(filter-out reports/mine%,$(wildcard reports/*.py))
 # First the published coefficients recovered, then all of them searched freely.
 REFITS := $(patsubst %,build/%.json,recovered-internal recovered-external internal external)
 # Figures 17 to 19 compile the mechanism, so they come first.
-FIGURES := $(foreach number,17 18 19 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(number))
+FIGURES := $(foreach number,17 18 19 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(number)) fig_choices
 
 # Another user's Python packages must not leak into the environment.
 unexport PYTHONHOME PYTHONPATH
@@ -56,7 +56,8 @@ build/report.html: build/comparison.txt build/.figures
 
 ##@ Results and figures
 
-fits: $(RESULTS) ## Redo every committed reference fit, fitting/*.toml to fitting/results
+fits: $(RESULTS) | committed ## Redo every committed fit and the study of choices, into fitting/results
+	$(BIN)/python reports/choices.py
 
 # A result names the commit that it came from, so the checkout must be as that commit has it.
 committed: FORCE

@@ -192,14 +192,14 @@ def test_bad_input_gets_one_line_and_exit_code_2_and_writes_nothing(bench, run, 
 
 
 def test_a_run_that_finds_no_defined_law_is_told_of(bench, run):
-    few = {"genetic.populations": [4], "genetic.generations": 1, "genetic.runs": 20}
+    few = {"genetic.population": 4, "genetic.generations": 1, "genetic.runs": 20}
     bounds = {"bounds.K_star": [-1000, 1], "bounds.n": [-50, 1.5]}
     write_toml(bench / "fitting/few.toml", changed(CAMPAIGN, few | bounds))
     code, _, errors = run("fit", "fitting/few.toml", "--jobs", "1")
     assert code == 2
     assert re.fullmatch(
-        r"cylcontact: fitting/few\.toml: genetic\.populations = 4: run \d+ found no coefficients "
-        r"for which the law is defined; narrow the bounds, or raise populations and "
+        r"cylcontact: fitting/few\.toml: genetic\.population = 4: run \d+ found no coefficients "
+        r"for which the law is defined; narrow the bounds, or raise population and "
         r"generations\n",
         errors,
     )

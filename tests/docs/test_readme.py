@@ -1,5 +1,6 @@
-"""The README: its code runs, its table holds the committed results, its commands exist."""
+"""The README: its code runs, its sentences hold the committed results, its commands exist."""
 
+import json
 import re
 import subprocess
 from pathlib import Path
@@ -7,8 +8,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from cylcontact.fitting import read_result
-from cylcontact.reports.figures import recipes
+from cylcontact.reports.figures import recipes, report_module
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -31,16 +31,15 @@ def test_it_is_read_in_three_minutes():
     assert len(README.splitlines()) <= 110
 
 
-def test_the_recovered_coefficients_are_those_of_the_committed_results():
-    """All that are searched, and no other."""
-    expected = []
-    for contact in ("internal", "external"):
-        result = read_result(ROOT / f"fitting/results/recovered-{contact}.json")
-        published = result.published.coefficients
-        for name, value in result.free.items():
-            difference = f"{100 * (value / published[name] - 1):+.1f}"
-            expected.append([contact, name, f"{published[name]:g}", f"{value:.5g}", difference])
-    assert rows_of("contact") == expected
+def test_pages_say_of_the_choices_what_the_study_gives():
+    """Word for word, on README, the page on reproduction and in the second notebook."""
+    pages = "README.md", "docs/how-to/reproduce-the-paper.md"
+    texts = {page: (ROOT / page).read_text("utf-8") for page in pages}
+    notebook = json.loads((ROOT / "notebooks/2_recover_the_coefficients.ipynb").read_text("utf-8"))
+    texts["notebook 2"] = "\n".join("".join(cell["source"]) for cell in notebook["cells"])
+    for page, text in texts.items():
+        for sentence in report_module(ROOT, "choices").sentences(ROOT):
+            assert sentence in " ".join(text.split()), page
 
 
 def planned():
@@ -56,7 +55,7 @@ def test_make_draws_as_many_figures_as_it_says():
     names &= set(recipes(ROOT))
     assert f"leaves {len(names)} figures" in README
     paper = {f"fig{n:02d}" for n in (*range(2, 15), 17, 18, 19)}
-    assert names == paper | {"fig_refit"}
+    assert names == paper | {"fig_choices", "fig_refit"}
 
 
 def test_the_verdicts_are_counted():

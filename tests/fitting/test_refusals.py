@@ -28,21 +28,28 @@ INTERNAL = ("a", "b", "Y_log_scale", "Y_log_exponent", "Y_slope", "Y_offset", "n
 FREE = {"bounds": {}, "fixed": {"K_star": 1.1, "n": 1.1}}
 FIXED = {"fixed": {"stiffness_factor": 1.0, "offset": 1.0}}
 OWN_LAW = {"law": "mine:load", "bounds": {"K_star": [0.5, 10.0]}}
-SIZES, NAMES, DATASET = "genetic.populations", "genetic.crossovers", "no such file beside the camp"
+SIZE, DATASET = "genetic.population", "no such file beside the camp"
+AS_ENHANCED = {"law": "enhanced", "bounds": {}}
 AS_GRID = "not a parameter of power for internal"
 
 # Changes to a campaign on a grid, or on a table: the key, the value, the rule and the remedy.
 ON_GRID = [
     ({"law": "hertz"}, "law", "hertz", "is not a law that can be fitted", "enhanced or"),
     ({"objective": "rms"}, "objective", "rms", "is not a known objective", "rms-log-penetration"),
-    *(({SIZES: some}, SIZES, some, "sizes from 4", "e.g. [60") for some in ([], [3], [100_001])),
-    *(({NAMES: some}, NAMES, some, "known cro", "blend") for some in ([], ["blend", "two-points"])),
+    *(
+        ({SIZE: some}, SIZE, some, "must be", "integer from 4 to 100000")
+        for some in (3, 100_001, [60])
+    ),
     ({"bounds.n": [1.5, 1]}, "bounds.n", [1.5, 1.0], "below the upper bound", "use [fixed]"),
     ({"bounds.n": [1]}, "bounds.n.1", None, "is required", "[bounds]"),
     ({"bounds.n": ["1", 2]}, "bounds.n.0", "1", "must be a number", "[bounds]"),
     ({"fixed.n": 1.1}, "fixed.n", None, "is also in [bounds]", "keep one of them"),
     ({"ties.n": "K_star"}, "ties.n", None, "is also in [bounds]", "keep one of them"),
     (FREE, "parameters", None, "are all fixed or tied", "free at least one"),
+    *(
+        (AS_ENHANCED | some, "Y_switch", None, "which no fit may search", "--fix Y_switch=0.34954")
+        for some in ({"bounds": {"Y_switch": [0.1, 1.0]}}, {"ties": {"Y_switch": "a"}})
+    ),
     ({"bounds.m": [1, 2]}, "bounds.m", None, AS_GRID, "K_star, n"),
     ({"fixed.m": 1}, "fixed.m", None, AS_GRID, "K_star, n"),
     *(({"dataset": d}, "dataset", d, DATASET, "e.g.") for d in ("datasets/none", "datasets", "\0")),
@@ -57,6 +64,13 @@ ON_TABLE = [
     ),
     ({"objective": "rms-penetration"}, "objective", "rms-penetration", "is not a known key", ""),
     ({"materials": "absent.csv"}, "materials", "absent.csv", "no such file", ""),
+    (
+        {"law": "enhanced", "free": ["Y_switch"]},
+        "Y_switch",
+        None,
+        "which no fit may search",
+        "--fix Y_switch=0.34954",
+    ),
     (
         {"bounds": {"K": [0.0, 1.0]}},
         "bounds.K",

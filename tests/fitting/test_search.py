@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import linprog
 
 from cylcontact.datasets import Grid, Moments, concatenate
-from cylcontact.fitting import Campaign, read_result
+from cylcontact.fitting import Campaign
 from cylcontact.fitting.calibration import profiles_of, space_of
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.parameters import LawModel, Parameter
@@ -16,16 +16,9 @@ from cylcontact.fitting.profile import Profiles
 from cylcontact.fitting.records import SAME_BASIN, SearchRecord
 from cylcontact.fitting.reference import OnMoments, OnSamples, Samples, power_laws
 from cylcontact.fitting.runs import run_all, searches
-from cylcontact.fitting.search import (
-    CROSSOVERS,
-    beside,
-    descend,
-    genetic_search,
-    minimise,
-    polish,
-    sharpen,
-)
+from cylcontact.fitting.search import descend, genetic_search, polish
 from cylcontact.fitting.space import Space, central_differences
+from cylcontact.fitting.specs import GeneticSpec
 from cylcontact.support.progress import silent
 from tests.support.own_grids import GRIDS, campaign_of
 from tests.support.spec_files import write_bench
@@ -56,7 +49,9 @@ def exact_space(contact):
         Moments.of_samples(dR, *row)
         for dR, row in zip(DR[contact], np.stack([s, j], axis=1), strict=True)
     )
-    parameters = tuple(Parameter(name, *BOUNDS[contact][name]) for name in model.names)
+    parameters = tuple(
+        Parameter(p.name, *BOUNDS[contact][p.name]) if p.is_free else p for p in model.parameters
+    )
     return OnMoments(model, parameters, data)
 
 
@@ -78,29 +73,58 @@ def starts(space, number):
 # --- the genetic search -------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("crossover", CROSSOVERS)
-def test_search_approaches_the_optimum_with_every_crossover(crossover):
-    space = exact_space("external")
-    actual = genetic_search(space, 40, 60, crossover, seed=3)
-    assert actual.value < 0.05 * space.value((space.low + space.high) / 2)
-    assert 40 < actual.evaluations <= 40 + 60 * 38
+CAMPAIGNS = sorted(path.stem for path in (ROOT / "fitting").glob("*.toml"))
+
+
+def alone_above_the_optimum(space, genetic, seeds):
+    """Return by how much, relatively, each search alone ends above the best descent from any."""
+    best = [genetic_search(space, genetic.population, genetic.generations, s) for s in seeds]
+    values = np.array([each.value for each in best])
+    return values / min(polish(space, each.point)[1] for each in best) - 1
+
+
+@pytest.mark.parametrize("name", ["internal", "practical", "external", "recovered-internal"])
+def test_the_search_alone_ends_at_the_optimum(name):
+    campaign = Campaign.read(ROOT / f"fitting/{name}.toml")
+    above = alone_above_the_optimum(space_of(campaign)[0], campaign.spec.genetic, range(3))
+    assert np.all(above < 1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CAMPAIGNS)
+def test_the_search_alone_ends_at_the_optimum_of_every_campaign_from_any_seed(name):
+    campaign = Campaign.read(ROOT / f"fitting/{name}.toml")
+    above = alone_above_the_optimum(space_of(campaign)[0], campaign.spec.genetic, range(20))
+    assert np.all(above < 1e-6)
+
+
+def test_the_search_alone_finds_the_least_largest_difference():
+    """To 0.1 %, in a valley with kinks that is narrower than that of a sum of squares."""
+    space = samples_space("max-difference-percent")
+    above = alone_above_the_optimum(space, GeneticSpec(), range(2))
+    assert np.all(above < 1e-3)
+
+
+def test_each_candidate_is_evaluated_once(external):
+    """The better half of a generation stays, and its objective is known."""
+    assert genetic_search(external, 40, 60, seed=3).evaluations == 40 + 60 * 20
 
 
 def test_the_same_seed_gives_the_same_bits_whatever_the_global_generator(external):
     actual = []
     for state in (1, 2):
         np.random.seed(state)  # noqa: NPY002 - the one that must play no part
-        actual.append(genetic_search(external, 12, 20, "blend", seed=5))
+        actual.append(genetic_search(external, 12, 20, seed=5))
     assert actual[0].value == actual[1].value
     assert actual[0].point.tobytes() == actual[1].point.tobytes()
-    assert genetic_search(external, 12, 20, "blend", seed=6).value != actual[0].value
+    assert genetic_search(external, 12, 20, seed=6).value != actual[0].value
 
 
 def test_one_parameter_can_be_searched_alone(tmp_path):
     alone = {"bounds": {"K_star": [0.5, 10]}, "fixed": {"n": 1.2}}
     space, _ = space_of(Campaign.read(write_bench(tmp_path, alone)))
-    values = [genetic_search(space, 20, 20, "blend", seed=seed).value for seed in range(4)]
-    assert values == pytest.approx([min(values)] * 4, rel=1e-2)
+    values = [genetic_search(space, 20, 40, seed=seed).value for seed in range(4)]
+    assert values == pytest.approx([min(values)] * 4, rel=1e-6)
 
 
 def test_candidates_for_which_the_law_is_undefined_are_survived(external):
@@ -108,7 +132,7 @@ def test_candidates_for_which_the_law_is_undefined_are_survived(external):
     wide = tuple(
         replace(p, low=-3.0, high=1.5) if p.name in "ab" else p for p in external.parameters
     )
-    assert np.isfinite(genetic_search(replace(external, parameters=wide), 30, 40, "blend", 1).value)
+    assert np.isfinite(genetic_search(replace(external, parameters=wide), 30, 40, 1).value)
 
 
 # --- descents -----------------------------------------------------------------------------------
@@ -152,9 +176,9 @@ def test_slopes_of_a_law_with_ties_follow_them():
 
 def test_an_end_does_not_depend_on_the_others_of_its_batch(few_points):
     begun = starts(few_points, 7)
-    together, _ = descend(few_points, sharpen(few_points, begun))
+    together, _ = descend(few_points, begun)
     for start, end in zip(begun, together, strict=True):
-        alone, _ = descend(few_points, sharpen(few_points, start[None, :]))
+        alone, _ = descend(few_points, start[None, :])
         assert np.array_equal(alone[0], end)
 
 
@@ -240,12 +264,10 @@ def test_an_interval_of_a_sum_of_squares_is_the_one_by_hand():
     assert np.isnan(ends[1, 1])  # beyond the bound
 
 
-def lowest(space, name, value, near, number=150):
-    """Return the lowest objective with a parameter held, by many descents of two kinds."""
-    held, rng = space.fixing(**{name: value}), np.random.default_rng(5)
-    random = sharpen(held, held.scatter(rng, number))
-    hops = beside(held, np.tile(held.point(near), (number, 1)), rng)
-    return descend(held, np.vstack([random, hops]), 1e-8)[1].min()
+def lowest(space, name, value, number=150):
+    """Return the lowest objective with a parameter held, by many descents."""
+    held = space.fixing(**{name: value})
+    return descend(held, held.scatter(np.random.default_rng(5), number), 1e-8)[1].min()
 
 
 @pytest.mark.slow
@@ -256,25 +278,29 @@ def test_beyond_the_ends_of_an_interval_no_restart_finds_a_lower_objective(name)
         ROOT / f"fitting/{name}.toml"
     )  # fmt: skip
     space, _ = space_of(campaign)
-    point, value = min((minimise(space, space.low, seed) for seed in range(4)), key=lambda m: m[1])
+    point, value = min((polish(space, start) for start in starts(space, 4)), key=lambda m: m[1])
     best = space.coefficients(point)
     for key, (profile, ends, _) in profiles_of(space, [best]).items():
         assert min(profile.objective) >= value * (1 - 1e-9)
         for end in ends.tolist():
             if not np.isnan(end):  # cut off by a bound
                 beyond = best[key] + 1.02 * (end - best[key])
-                assert lowest(space, key, beyond, best) > 1.01 * value
+                assert lowest(space, key, beyond) > 1.01 * value
                 held = space.fixing(**{key: end})
                 assert polish(held, held.point(best))[1] >= 1.01 * value * (1 - 1e-4)
 
 
-def test_committed_intervals_with_kinks_are_the_lowest_profiles():
-    """Found by an independent search: Y_slope may fall to .00192 within 1 %, not to .00205."""
-    estimate = read_result(ROOT / "fitting/results/internal-E1000.json").estimates["Y_slope"]
-    assert estimate.low == pytest.approx(0.00192, abs=5e-6)
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_every_descent_from_a_random_start_ends_in_the_one_minimum(contact):
+    space, _ = space_of(Campaign.read(ROOT / f"fitting/{contact}.toml"))
+    begun = starts(space, 100)
+    _, values = descend(space, begun, 1e-14)
+    defined = np.isfinite(space.values(begun))
+    assert np.count_nonzero(defined) > 90
+    assert values[defined] == pytest.approx(values.min(), rel=1e-9)
 
 
-TINY = {"populations": [4], "generations": 1}
+TINY = {"population": 4, "generations": 1}
 
 
 def objectives(campaign):

@@ -27,6 +27,7 @@ TIED = {"bounds.K_star": DROP, "ties": {"K_star": "2*n"}}
         ("-a**2", -9.0),
         ("(a + b)*1e-1", 0.7),
         ("  a - b - 1 ", -2.0),
+        ("log(a*b)/log(12)", 1.0),
     ],
 )
 def test_expressions_are_arithmetic(expression, value):
@@ -63,7 +64,23 @@ def test_arithmetic_without_a_value_is_not_a_number_or_infinite(expression):
 
 
 NO_ARITHMETIC = (
-    *("", "a +", "exp(a)", "a.real", "a[0]", "a < b", "not a", "a // 2", "'a'", "True", "1e999"),
+    *(
+        "",
+        "a +",
+        "exp(a)",
+        "log()",
+        "log(a, 2)",
+        "log(a)(b)",
+        "a.log(b)",
+        "a.real",
+        "a[0]",
+        "a < b",
+        "not a",
+        "a // 2",
+        "'a'",
+        "True",
+        "1e999",
+    ),
     *("(a := 2)", "a; b", "a\0", "1or 2", "__import__('os').getcwd()", "9" * 5000),
 )
 ARITHMETIC = "may hold only numbers, names of parameters"

@@ -81,11 +81,11 @@ def test_the_published_law_is_eqs_5_and_6(contact, gaps):
 
 
 def test_factor_and_exponent_follow_other_coefficients():
-    """The switch of Y lies where the two branches meet, at other clearances than the paper's."""
+    """The switch of Y stays at the printed 0.34954 mm, and its branches may leave a jump."""
     own = InternalCoefficients(a=0.5, b=0.25, Y_offset=1.18, n_exponent=-0.1)
-    dR, law = np.array([0.05, 0.3]), Enhanced(own)
+    dR, law = np.array([0.3, 0.35]), Enhanced(own)
     pair = CylinderPair.from_dR("internal", dR, STEEL)
-    Y = np.array([1.51 * np.log(50.0) ** -0.151, 0.0151 * 0.3 + 1.18])
+    Y = np.array([1.51 * np.log(300.0) ** -0.151, 0.0151 * 0.35 + 1.18])
     np.testing.assert_allclose(law.exponent(pair), Y * dR**-0.1, rtol=1e-15)
     np.testing.assert_allclose(law.factor(pair), (0.5 * dR + 0.25) * pair.E_star / dR, rtol=1e-15)
 

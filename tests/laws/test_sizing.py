@@ -2,7 +2,7 @@
 
 import pytest
 
-from cylcontact import CylinderPair, Material, laws
+from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.limits.sizing import find, half_width
 
 STEEL = Material("steel", 207e3, 0.3, 500.0, 12e-6)
@@ -44,3 +44,40 @@ def test_next_to_the_end_of_a_law_a_stiffness_is_met_again_and_not_found():
         length * law.stiffness(law.penetration(500.0 / length, rollers), rollers), rel=1e-9
     )
     assert length > 100.0  # at the other, 2.4 mm, rollers of 20 mm penetrate by 22 mm
+
+
+# --- a law that jumps -----------------------------------------------------------------------------
+
+FITTED = laws.Enhanced(
+    laws.InternalCoefficients(
+        a=0.755, b=0.1095, Y_log_scale=1.376, Y_log_exponent=-0.121, Y_slope=0.0247,
+        Y_offset=1.1132, n_exponent=-0.0225,
+    )
+)  # fmt: skip
+
+
+def depth_at(dR, law=FITTED):
+    return float(law.penetration(100.0, CylinderPair.from_dR("internal", dR, STEEL)))
+
+
+@pytest.mark.parametrize("dR", [0.1, 0.33, 0.34954 - 1e-9, 0.34954 + 1e-9, 0.36, 2.0])
+def test_a_clearance_on_either_side_of_a_jump_is_found(dR):
+    """Of several that give the penetration, the largest."""
+    pair = CylinderPair.from_dR("internal", 1.0, STEEL)
+    found = find("clearance", pair, 100.0, penetration=depth_at(dR), law=FITTED)
+    assert depth_at(found) == pytest.approx(depth_at(dR), rel=1e-9)
+    assert found >= dR * (1 - 1e-9)
+
+
+def test_a_penetration_that_a_law_jumps_over_is_refused():
+    below, above = depth_at(0.34954 * (1 - 1e-15)), depth_at(0.34954)
+    assert above / below - 1 == pytest.approx(FITTED.coefficients.jump, rel=1e-9)
+    pair = CylinderPair.from_dR("internal", 1.0, STEEL)
+    with pytest.raises(InputError, match=r"at 0\.34954 mm the law jumps from 0\.\d+ to 0\.\d+"):
+        find("clearance", pair, 100.0, penetration=(below + above) / 2, law=FITTED)
+
+
+def test_branches_that_meet_leave_no_note():
+    assert abs(laws.InternalCoefficients().jump) < 1e-6
+    assert laws.Enhanced().note == laws.Enhanced(laws.InternalCoefficients()).note == ""
+    assert "% larger" in FITTED.note

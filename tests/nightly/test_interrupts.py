@@ -29,8 +29,8 @@ ENDS = ("SIGKILL", "SIGINT", "SIGTERM", "SIGHUP")
 
 # Quick but for the runs: a fit spends most of its time between the first and the last of them.
 FEW = {"bounds.n": DROP, "fixed.n": 1.2}
-RUNS = FEW | {"genetic.runs": 12, "genetic.generations": 60, "genetic.populations": [16]}
-MINUTES = {"genetic.runs": 50, "genetic.generations": 3000, "genetic.populations": [16]}
+RUNS = FEW | {"genetic.runs": 12, "genetic.generations": 60, "genetic.population": 16}
+MINUTES = {"genetic.runs": 50, "genetic.generations": 3000, "genetic.population": 16}
 FIT = ("fit", "fitting/small.toml", "-j", "1")
 CASES = ("sweep", f"{ROOT}/datasets/slider_crank.toml", "-o", "cases.csv")
 # Commands that take some seconds, and what they write.

@@ -36,12 +36,7 @@ CAMPAIGN = {
     "objective": "rms-log-penetration",
     "seed": 7,
     "bounds": {"K_star": [0.5, 10], "n": [1, 1.5]},
-    "genetic": {
-        "runs": 3,
-        "populations": [8],
-        "generations": 5,
-        "crossovers": ["blend", "uniform"],
-    },
+    "genetic": {"runs": 3, "population": 8, "generations": 5},
 }
 
 ELEMENTS = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from textwrap import wrap
 from typing import Any
@@ -255,6 +255,9 @@ def exported(
         raise InputError("export", "--contact", None, rule, remedy)
     formula, constants = of_contact[contacts.index(contact) if contact else 0]
     is_usual = law.name in LAWS and law == LAWS[law.name]()
+    if base.note:
+        note = base.note[0].upper() + base.note[1:]
+        formula = replace(formula, remark=f"{formula.remark} {note}.")
     origin = origin or (base.origin if is_usual else "given by the caller")
     return ExportedLaw(law, contact, origin, formula, constants, *factors)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -39,6 +39,8 @@ from cylcontact.support.progress import Progress, silent
 
 # Points evaluated at a time until the law is defined for one, and their number.
 _AT_ONCE, _TRIED = 64, 1 << 12
+# A search that ends this close above the objective, relatively, has found the optimum itself.
+_AS_GOOD = 1e-6
 # Values of a coefficient in a profile, and the largest distance from the optimum that counts.
 _CURVE, _FAR = 41, 1e6
 # A coefficient this close to a bound, relative to the search interval, is at the bound.
@@ -180,7 +182,7 @@ def profiles_of(
 ) -> dict[str, _Curve]:
     """Return the profiles of the free coefficients, at the best and, perhaps, published ones."""
     # A batch is faster where descents are; otherwise each coefficient has a worker.
-    is_batch = space.random_starts > 0
+    is_batch = space.in_batches
     groups = [space.names] if is_batch else [[name] for name in space.names]
     calls = [call(_profiles, space, group, *compared) for group in groups]
     progress("profiling", 0, len(calls))
@@ -265,7 +267,7 @@ def sentences_on(
                 f"{published.objective:.4g}"
             )
         elif published.objective > best * (1 + SAME_BASIN) + LawFit.round_off:
-            is_all = len(space.free) == len(space.parameters)
+            is_all = all(p.is_free or p.never_free for p in space.parameters)
             searched = "all coefficients" if is_all else f"only {' and '.join(space.names)}"
             excess = f"{100 * (ratio - 1):.1f} % above" if ratio < 1.1 else f"{ratio:.2f} times"
             notes[-1] = (
@@ -291,6 +293,19 @@ def sentences_on(
         for side, end in (("lower", p.low), ("upper", p.high)):
             if abs(estimates[p.name].value - end) <= _AT_BOUND * (p.high - p.low):
                 notes.append(f"{p.name} is at its {side} bound {end:g}: widen it")
+    law = space.model.build({name: each.value for name, each in estimates.items()})
     how = "[fixed] in the campaign, or --fix"
     warnings, more = on_runs(runs, LawFit.round_off, poor, how)
-    return warnings, notes + more
+    return warnings, [*notes, *more, _on_search(runs), *filter(None, [getattr(law, "note", "")])]
+
+
+def _on_search(runs: Sequence[SearchRecord]) -> str:
+    """Return what the genetic search reached, and what the descent after it added."""
+    best = min(run.objective for run in runs)
+    above = [max(run.objective_before_polish / best - 1, 0.0) for run in runs if best > 0]
+    if not above or max(above) < _AS_GOOD:
+        return "the genetic search itself reached this objective within 1 in a million"
+    return (
+        f"the genetic search ended {min(above):.1e} to {max(above):.1e} above this objective; "
+        "a descent from there gained the rest"
+    )

@@ -35,7 +35,8 @@ class Parameter:
     `nominal` is a value to start from, that of the law's source if the model says so; `tie` the
     expression that sets it, e.g. "a/10" (`fitting.ties`). The zero of a `shift` is arbitrary, so
     that a relative error has no meaning. A `stiffness` sets how stiff the contact is, and is free
-    by default in a fit to measurements.
+    by default in a fit to measurements. What is `never_free` may be fixed at another value, but is
+    not searched.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Parameter:
     tie: str | None = None
     shift: bool = False
     stiffness: bool = False
+    never_free: bool = False
     unit: str = ""
     meaning: str = ""
     # Its value from elsewhere, and the standard deviation of that, as of a further reading.
@@ -80,9 +82,9 @@ class LawModel:
     # shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
     # from moments and has a lower bound.
     power_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
-    # From candidates, clearances and ε to K*, n and their derivatives by the parameters, shape
-    # (P, k, m), with every maximum in the law smoothed over ε. At ε = 0 it is `power_form`.
-    smooth_form: Callable[[FloatArray, FloatArray, float], tuple[FloatArray, ...]] | None = None
+    # The same with ln K* for K*, and the derivatives of both by the parameters, shape (P, k, m).
+    # The clearances may differ between candidates, shape (P, m).
+    slope_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, ...]] | None = None
     # Whether it can be fitted on a grid, where a sample has ΔR and f/E* only, and whether its
     # nominal values are those of the law's source, not of this project.
     on_grid: bool = False
@@ -112,8 +114,8 @@ class LawModel:
         return np.array([[values[name] for name in self.names] for values in coefficients])
 
 
-# The form of the enhanced law for internal contact: how Y is put together from its branches.
-_EQ_6D = "eq 6d, the larger branch"
+# The form of the enhanced law for internal contact.
+_EQ_6D = "Eq 6d as printed"
 
 # --- the laws of the package --------------------------------------------------------------------
 
@@ -172,7 +174,10 @@ def _scaled(law: ContactLaw) -> LawModel:
 
 def _of_coefficients(law: Any, contact: Contact, **more: Any) -> LawModel:
     """Return a law by its coefficients for a contact."""
-    parameters = parameters_of_fields(law.defaults[contact])
+    parameters = tuple(
+        replace(p, value=p.nominal, never_free=True) if p.name == "Y_switch" else p
+        for p in parameters_of_fields(law.defaults[contact])
+    )
     return LawModel(law.name, contact, parameters, law, on_grid=True, **more)
 
 
@@ -227,9 +232,10 @@ def package_models() -> Iterator[LawModel]:
         elif isinstance(law, Liu | Persson):
             yield _scaled(law)
     inside = {"dR_min": INTERNAL_DR_MIN, "dR_max": INTERNAL_DR_MAX}
-    forms = {"power_form": _enhanced, "smooth_form": _smooth_enhanced}
+    forms = {"power_form": _enhanced, "slope_form": _enhanced_slopes}
     yield _of_coefficients(Enhanced, "internal", formula=_EQ_6D, **forms, **inside)
-    yield _of_coefficients(Enhanced, "external", power_form=_enhanced)
+    forms["slope_form"] = _external_slopes
+    yield _of_coefficients(Enhanced, "external", **forms)
     for contact in CONTACTS:
         yield _of_coefficients(Explicit, contact, nominal_is_published=False)
     yield from (_lankarani(contact) for contact in CONTACTS)
@@ -263,21 +269,26 @@ def _enhanced(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, Float
     return as_floats(a * dR + b), as_floats(n)
 
 
-def _smooth_enhanced(
-    candidates: FloatArray, dR: FloatArray, smooth: float
-) -> tuple[FloatArray, ...]:
-    """Return ln K*, n and their derivatives, with Y = ½(Y₁ + Y₂ + √((Y₁ − Y₂)² + ε²))."""
-    a, b, scale, exponent, slope, offset, n_exponent = candidates.T[:, :, None]
+def _enhanced_slopes(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, ...]:
+    """Return ln K*, n and their derivatives for internal contact."""
+    a, b, scale, exponent, slope, offset, n_exponent, switch = candidates.T[:, :, None]
     K_star, log_dR, log_log = a * dR + b, np.log(dR), np.log(np.log(1000 * dR))
     power, reach = np.exp(exponent * log_log), np.exp(n_exponent * log_dR)
-    first, second = scale * power, slope * dR + offset
-    gap = np.sqrt((first - second) ** 2 + smooth**2 + np.finfo(float).tiny)
-    n = 0.5 * (first + second + gap) * reach
-    linear = (0.5 - 0.5 * (first - second) / gap) * reach
+    linear = np.where(dR < switch, 0.0, reach)
     logarithmic = reach - linear
-    K_slopes, n_slopes = np.zeros((2, *candidates.shape, dR.size))
+    n = scale * power * logarithmic + (slope * dR + offset) * linear
+    K_slopes, n_slopes = np.zeros((2, *candidates.shape, dR.shape[-1]))
     K_slopes[:, 0], K_slopes[:, 1] = dR / K_star, 1 / K_star
     n_slopes[:, 2] = logarithmic * power
-    n_slopes[:, 3] = logarithmic * first * log_log
+    n_slopes[:, 3] = logarithmic * scale * power * log_log
     n_slopes[:, 4], n_slopes[:, 5], n_slopes[:, 6] = linear * dR, linear, n * log_dR
     return np.log(K_star), n, K_slopes, n_slopes
+
+
+def _external_slopes(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, ...]:
+    """Return ln K*, n and their derivatives for external contact."""
+    a, b, n = candidates.T[:, :, None]
+    K_star = a * dR + b
+    K_slopes, n_slopes = np.zeros((2, *candidates.shape, dR.shape[-1]))
+    K_slopes[:, 0], K_slopes[:, 1], n_slopes[:, 2] = dR / K_star, 1 / K_star, 1.0
+    return np.log(K_star), n + np.zeros_like(K_star), K_slopes, n_slopes

@@ -1,8 +1,7 @@
 """Profiles: how much worse a fit gets when a parameter moves and all others follow.
 
-A profile is the lowest objective with one parameter held, as a function of its value. In a law with
-kinks each refit may end in one of several minima, so that the lowest must be looked for: from those
-of neighbouring values, from points beside them, and from random points. All refits are remembered;
+A profile is the lowest objective with one parameter held, as a function of its value. Each value is
+refitted from the minima of its neighbours, beginning at the optimum. All refits are remembered;
 where one is lower, its neighbours are refitted from it. So the ends of an interval lie between two
 values that are known to be inside and outside of it.
 """
@@ -13,13 +12,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from cylcontact.fitting.search import beside, descend, sharpen
+from cylcontact.fitting.search import descend
 from cylcontact.fitting.space import Space
 from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray
 
-# Of each first refit the random starts and then the points beside its end; and the points beside
-# each of the neighbours' minima from which a value between them is refitted.
-_RANDOM, _BESIDE, _BETWEEN = 1, 4, 8
 # Neighbours that are refitted from a lower minimum, and the relative gain for which they are.
 _NEIGHBOURS, _GAIN = (1, 4), 1e-6
 # Relative gains at the end of a descent and of the last one.
@@ -43,26 +39,20 @@ class Profiles:
     """
 
     def __init__(self, space: Space, best: FloatArray, values: Sequence[FloatArray]) -> None:
-        self.space, self.best, self._rng = space, best, np.random.default_rng(0)
+        self.space, self.best = space, best
         # Of each of N places the parameter that is held, the lowest point and its objective.
         self.axis = np.repeat(np.arange(len(values)), [each.size for each in values])
         self.points = np.tile(best, (self.axis.size, 1))
         self.objective = np.full(self.axis.size, np.inf)
         self.points[np.arange(self.axis.size), self.axis] = np.concatenate(values)
         places = np.arange(self.axis.size)
-        if space.random_starts:
-            many = np.tile(places, _RANDOM)
-            random = self._holding(space.scatter(self._rng, many.size), many)
-            random = sharpen(space, random, self._held(many))
-            changed = self._refit(np.vstack([self.points, random]), np.tile(places, 1 + _RANDOM))
+        if space.in_batches:
+            first = places
         else:  # spread from the places that are nearest to the optimum
             away = np.abs(self.at - best[self.axis]) / space.span[self.axis]
-            nearest = [own[away[own].argmin()] for own in map(self.places, set(self.axis.tolist()))]
-            changed = self._refit(self.points[nearest], np.array(nearest))
-        self._spread(changed)
-        if space.random_starts:
-            many = np.tile(places, _BESIDE)
-            self._spread(self._refit(beside(space, self.points[many], self._rng), many))
+            own = map(self.places, set(self.axis.tolist()))
+            first = np.array([each[away[each].argmin()] for each in own])
+        self._spread(self._refit(self.points[first], first))
         self._refit(self.points, places, _EXACT)
 
     @property
@@ -143,12 +133,7 @@ class Profiles:
         self.points = np.vstack([self.points, self.points[inner]])
         self.points[new, self.axis[new]] = at
         self.objective = np.append(self.objective, np.full(new.size, np.inf))
-        starts, number = np.vstack([self.points[inner], self.points[outer]]), 2
-        if self.space.random_starts:
-            many = np.tile(starts, (_BETWEEN, 1))
-            starts = np.vstack([starts, beside(self.space, many, self._rng)])
-            number = 2 + 2 * _BETWEEN
-        changed = self._refit(starts, np.tile(new, number))
+        changed = self._refit(np.vstack([self.points[inner], self.points[outer]]), np.tile(new, 2))
         self._spread(changed)
         self._refit(self.points[new], new, _EXACT)
 

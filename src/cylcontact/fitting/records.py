@@ -107,7 +107,6 @@ class SearchRecord(RunRecord):
     """A genetic search with its budget and its best, and the descents after it."""
 
     population: int
-    crossover: str
     evaluations: int
     objective_before_polish: float
     coefficients_before_polish: dict[str, float]

@@ -40,10 +40,6 @@ OBJECTIVES: dict[str, tuple[bool, float | None, bool]] = {
 }
 # With E = 2 MPa and ν = 0 the composite modulus is 1 MPa.
 _UNIT = material_in_MPa("of unit composite modulus", 2.0, 0.0)
-# Random starts of a search, and the numbers in their slopes, which limit the starts.
-_STARTS, _SLOPES = 31, 1 << 22
-# Widths over which the maximum in a law is smoothed, in units of Y.
-_LADDER = (0.3, 0.15, 0.07, 0.035, 0.018, 0.009, 0.004)
 # Numbers in an array of points by clearances; of more points some at a time are evaluated.
 _AT_ONCE = 1 << 22
 # A descent to a largest deviation sees the extremes of about so many groups of samples.
@@ -139,18 +135,13 @@ class Samples:
 class OfLaw(Space):
     """What the two spaces have in common: slopes of power laws by formula."""
 
-    @property
-    def smoothing(self) -> Sequence[float]:
-        """The ladder, if the law has a maximum that it can smooth."""
-        return _LADDER if self.model.smooth_form is not None and not self.is_largest else ()
-
-    def _smoothed(
-        self, points: FloatArray, dR: FloatArray, smooth: float
+    def _with_slopes(
+        self, points: FloatArray, dR: FloatArray
     ) -> tuple[PowerLaws, FloatArray, FloatArray]:
-        """Return power laws with maxima smoothed, and the slopes of ln K* and n, (P, k, m)."""
-        assert self.model.smooth_form is not None
+        """Return power laws, and the slopes of ln K* and n, (P, k, m)."""
+        assert self.model.slope_form is not None
         with np.errstate(all="ignore"):
-            log_K, n, *by_all = self.model.smooth_form(self.complete(points), dR, smooth)
+            log_K, n, *by_all = self.model.slope_form(self.complete(points), dR)
             laws = PowerLaws(np.log(dR) - log_K, np.where(n > 0, n, np.nan))
         if any(p.tie for p in self.parameters):
             ties = central_differences(self.complete, self.low, self.high, points)
@@ -174,9 +165,9 @@ class OnMoments(OfLaw):
         return float(np.sqrt(self.moments.unexplained.sum() / self.moments.total))
 
     @property
-    def random_starts(self) -> int:
-        """As many as their slopes leave memory for."""
-        return min(_STARTS, _SLOPES // (self.size * len(self.free)))
+    def in_batches(self) -> bool:
+        """They do."""
+        return True
 
     def residuals(self, points: FloatArray) -> FloatArray:
         """Return residuals whose squares add up to those of the objective less the bound."""
@@ -189,11 +180,11 @@ class OnMoments(OfLaw):
         parts = [super(OnMoments, self).values(points[k : k + some]) for k in starts]
         return as_floats(np.hypot(np.concatenate(parts), self.bound))
 
-    def linearised(self, points: FloatArray, smooth: float = 0.0) -> tuple[FloatArray, FloatArray]:
+    def linearised(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the residuals and their derivatives, by formula if the law has one."""
-        if self.model.smooth_form is None:
+        if self.model.slope_form is None:
             return super().linearised(points)
-        laws, d_log_K, dn = self._smoothed(points, self.moments.dR, smooth)
+        laws, d_log_K, dn = self._with_slopes(points, self.moments.dR)
         level_weight, tilt_weight, _ = self._constants
         u = 1 / laws.n
         mean = level_weight * u * u * (self.moments.mean_s + laws.c)
@@ -231,13 +222,6 @@ class OnSamples(OfLaw):
         """Whether the largest deviation counts."""
         return OBJECTIVES[self.objective][2]
 
-    @property
-    def random_starts(self) -> int:
-        """As many as are affordable; none where every descent takes long."""
-        if self.is_largest or self.model.power_form is None:
-            return 0
-        return min(_STARTS, _SLOPES // (self.size * len(self.free)))
-
     def residuals(self, points: FloatArray) -> FloatArray:
         """Return residuals whose squares add up to the objective's, or the extremes of groups."""
         if self.is_largest:
@@ -256,12 +240,12 @@ class OnSamples(OfLaw):
             )
         return np.where(np.isfinite(values), values, np.inf)
 
-    def linearised(self, points: FloatArray, smooth: float = 0.0) -> tuple[FloatArray, FloatArray]:
+    def linearised(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the residuals and their derivatives, by formula if the law has one."""
-        if self.model.smooth_form is None or self.is_largest:
+        if self.model.slope_form is None or self.is_largest:
             return super().linearised(points)
         of_load, at = OBJECTIVES[self.objective][0], self.samples.index
-        (c, n), d_log_K, dn = self._smoothed(points, self.samples.dR, smooth)
+        (c, n), d_log_K, dn = self._with_slopes(points, self.samples.dR)
         if of_load:
             level, tilt, x = d_log_K, dn, self.samples.j
             ratio = n[:, at] * self.samples.j - c[:, at] - self.samples.s

@@ -49,6 +49,9 @@ _OBJECTIVE_WORDS = {
 # What a law was fitted to, by the kind of a result.
 _KINDS = {"law": "a law", "readings": "readings"}
 
+# A longer tie stands in the campaign only.
+_LONGEST_TIE = 24
+
 Rows = list[tuple[str, ...]]
 
 
@@ -216,7 +219,7 @@ class FitResult(Spec):
                 interval: estimate.interval,
                 "published": or_blank(paper.get(name)),
                 at_published: or_blank(estimate.penalty, "+.1%"),
-                "verdict": estimate.verdict,
+                "verdict": "tied" if len(estimate.verdict) > _LONGEST_TIE else estimate.verdict,
             }
             for name, estimate in order
         ]

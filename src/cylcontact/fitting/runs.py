@@ -13,7 +13,7 @@ from cylcontact.files.journal import Journal, call_for, run_recorded
 from cylcontact.files.spec import parse_spec
 from cylcontact.fitting.readings import Fit
 from cylcontact.fitting.records import Published, RunRecord, SearchRecord
-from cylcontact.fitting.search import genetic_search, minimise
+from cylcontact.fitting.search import genetic_search, polish
 from cylcontact.fitting.space import Space
 from cylcontact.fitting.specs import GeneticSpec
 from cylcontact.support.arrays import FloatArray, on_one_thread
@@ -34,25 +34,18 @@ def searches(space: Space, genetic: GeneticSpec, seed: int, source: str = "campa
 def run_search(
     space: Space, genetic: GeneticSpec, index: int, seed: int, source: str = "campaign"
 ) -> SearchRecord:
-    """Search and descend on one thread, so that the result depends on the arguments alone.
-
-    All combinations of populations and crossovers take turns.
-    """
+    """Search and descend on one thread, so that the result depends on the arguments alone."""
     started = time.perf_counter()
-    turn, place = divmod(index, len(genetic.populations))
-    population = genetic.populations[place]
-    crossover = genetic.crossovers[turn % len(genetic.crossovers)]
     with on_one_thread():
-        best = genetic_search(space, population, genetic.generations, crossover, seed)
-        end = minimise(space, best.point, seed)
+        best = genetic_search(space, genetic.population, genetic.generations, seed)
+        end = polish(space, best.point)
     if not np.isfinite(end[1]):
         rule = f"run {index} found no coefficients for which the law is defined"
-        remedy = "narrow the bounds, or raise populations and generations"
-        raise InputError(source, "genetic.populations", population, rule, remedy)
+        remedy = "narrow the bounds, or raise population and generations"
+        raise InputError(source, "genetic.population", genetic.population, rule, remedy)
     return SearchRecord(
         **_of_run(space, end, started, index, seed),
-        population=population,
-        crossover=crossover,
+        population=genetic.population,
         evaluations=best.evaluations,
         objective_before_polish=best.value,
         coefficients_before_polish=space.coefficients(best.point),

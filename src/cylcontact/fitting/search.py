@@ -1,12 +1,8 @@
-"""The search: PyGAD for the region of the optimum, descents from many points for its minimum.
+"""The search: PyGAD finds the optimum, and a descent from there adds the last digits.
 
 A descent is an interior Levenberg-Marquardt iteration on a batch of points at once, with the
 scaling of Coleman and Li (1996) at the bounds and the damping of Nielsen (1999). A largest residual
 is minimised by linear programmes within a trust region instead (Osborne and Watson 1969).
-
-A law with a maximum, such as Y with its two branches, has a minimum for each way of dividing the
-clearances between them, and a branch that serves none stays out of use. So the maximum is first
-smoothed, which gives both branches a gradient, and sharpened in steps.
 """
 
 from __future__ import annotations
@@ -16,23 +12,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cylcontact.fitting.space import Space
-from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray, as_floats
 
-CROSSOVERS = ("single_point", "two_points", "uniform", "scattered", "blend")
-# The best of a generation that are kept, the share of genes that mutate, and the powers of ten
-# between which the size of their steps is drawn.
-_ELITE, _MUTATED, _STEP_DECADES = 2, 0.2, (-3.0, -0.5)
+# The bounds of the factor of a difference, and the share of genes that an offspring takes from it
+# instead of from a parent: of one half of the offspring, and of the other.
+_FACTOR, _SHARES = (0.5, 1.0), (0.9, 1.0)
 # The fitness of an undefined law; PyGAD refuses NaN.
 _WORST_FITNESS = -1e300
 
-# Relative gain at the end of a rough descent, as with a smoothed maximum, of a fine and an exact
-# one; and the most steps of a rough one and of the others.
-_ROUGH, _FINE, EXACT = 1e-2, 1e-6, 1e-14
-_ROUGH_STEPS, _STEPS = 10, 400
-# Points beside the best from which it is tried to go lower: how many at once, their standard
-# deviation relative to the bounds, drawn between two, and after how many rounds in turn without a
-# relative gain they end.
-_BESIDE, _HOPS, _ROUNDS, _MIN_ROUND_GAIN = 16, (5e-4, 0.05), 2, 1e-8
+# Relative gain at the end of a fine descent and of an exact one, and the most steps.
+_FINE, EXACT, _STEPS = 1e-6, 1e-14, 400
 # A restart that gains less than this, relatively, is the last.
 _MIN_GAIN, _MOST_RESTARTS = 1e-10, 20
 # A descent ends after so many small gains, or at this damping.
@@ -55,91 +44,95 @@ class Minimum(NamedTuple):
     evaluations: int
 
 
-def genetic_search(
-    space: Space, population: int, generations: int, crossover: str, seed: int
-) -> Minimum:
+def genetic_search(space: Space, population: int, generations: int, seed: int) -> Minimum:
     """Return the best of a genetic search by PyGAD.
 
-    Genes are the free parameters scaled to [0, 1] between their bounds. A population is evaluated
-    in one call. Crossover is one of PyGAD's or blend, BLX-½ (Eshelman and Schaffer 1993); mutation
-    moves genes by Gaussian steps whose size is itself drawn, from 0.1 % to 30 % of the range, so
-    that one setting serves both exploring and refining.
+    Genes are the free parameters scaled to [0, 1] between their bounds. The better half of each
+    generation stays, and has as many offspring: each is one parent plus the scaled difference of
+    two others, a + F·(b − c) (Storn and Price 1997). The differences shrink with the population, so
+    that one setting serves both exploring and refining, and mutation is not needed.
+
+    Parameters
+    ----------
+    space : Space
+        What is minimised.
+    population, generations : int
+        The size of the population, at least 4, and how many follow the first one.
+    seed : int
+        Of PyGAD's random numbers.
+
+    References
+    ----------
+    Storn, R., Price, K. (1997). Differential evolution. J. Glob. Optim. 11, 341-359.
     """
     import pygad  # slow to import
 
-    evaluations = 0
-
-    def fitness(_: pygad.GA, genes: FloatArray, __: Any) -> FloatArray:
-        nonlocal evaluations
-        evaluations += len(genes)
+    def fitness_of(genes: FloatArray) -> FloatArray:
         values = space.values(space.low + genes * space.span)
         return np.where(np.isfinite(values), -values, _WORST_FITNESS)
 
-    engine = pygad.GA(
+    class Engine(pygad.GA):  # type: ignore[misc]
+        """PyGAD with the fitness of a generation in one call, in place of one for each solution."""
+
+        evaluations = 0
+        last_generation_parents_indices: IndexArray | None = None
+
+        def cal_pop_fitness(self) -> FloatArray:
+            """Return the fitness of all; the parents come first, and theirs is known."""
+            parents = self.last_generation_parents_indices
+            known = np.empty(0) if parents is None else self.previous_generation_fitness[parents]
+            offspring = self.population[len(known) :]
+            self.evaluations += len(offspring)
+            return np.concatenate([known, fitness_of(offspring)])
+
+        def best_solution(self, pop_fitness: FloatArray) -> tuple[FloatArray, float, int]:
+            """Return the best genes, their fitness and their place."""
+            best = int(np.argmax(pop_fitness))
+            return self.population[best].copy(), float(pop_fitness[best]), best
+
+    engine = Engine(
         num_generations=generations,
-        num_parents_mating=max(2, population // 2),
         sol_per_pop=population,
+        num_parents_mating=population // 2,
         num_genes=len(space.free),
         gene_space={"low": 0.0, "high": 1.0},
-        fitness_func=fitness,
-        fitness_batch_size=population,
-        crossover_type=_blend if crossover == "blend" else crossover,
-        mutation_type=_mutate,
-        keep_elitism=min(_ELITE, population - 1),
+        fitness_func=lambda _, genes, __: fitness_of(genes[None])[0],  # PyGAD asks for one
+        parent_selection_type=_better_half,
+        keep_elitism=0,
+        keep_parents=-1,  # all
+        crossover_type=_recombine,
+        mutation_type=None,
         random_seed=seed,
         suppress_warnings=True,
     )
     engine.run()
     genes, best, _ = engine.best_solution(engine.last_generation_fitness)
-    return Minimum(space.low + genes * space.span, float(-best), evaluations)
+    return Minimum(space.low + genes * space.span, -best, engine.evaluations)
 
 
-def _blend(parents: FloatArray, size: tuple[int, int], engine: Any) -> FloatArray:
-    """Return offspring drawn gene by gene from the parents' interval, widened by half."""
-    rng = engine.numpy_random_generator
-    one, two = parents[rng.randint(len(parents), size=(2, size[0]))]
-    weight = rng.uniform(-0.5, 1.5, size=size)
-    return as_floats(np.clip(weight * one + (1 - weight) * two, 0, 1))
+def _better_half(fitness: FloatArray, number: int, engine: Any) -> tuple[FloatArray, IndexArray]:
+    """Return the fittest of a generation and their places."""
+    best = np.argsort(-fitness, kind="stable")[:number]
+    return engine.population[best], best
 
 
-def _mutate(offspring: FloatArray, engine: Any) -> FloatArray:
-    """Return offspring with some genes moved by Gaussian steps of random size."""
-    rng = engine.numpy_random_generator
-    hit = rng.uniform(size=offspring.shape) < _MUTATED
-    step = rng.normal(size=offspring.shape) * 10 ** rng.uniform(*_STEP_DECADES, offspring.shape)
-    return as_floats(np.clip(np.where(hit, offspring + step, offspring), 0, 1))
+def _recombine(parents: FloatArray, size: tuple[int, int], engine: Any) -> FloatArray:
+    """Return offspring a + F·(b − c) of random parents, some of whose genes stay a parent's.
+
+    A gene beyond a bound is drawn between that bound and the parent's.
+    """
+    rng, (number, k) = engine.numpy_random_generator, size
+    one, a, b, c = parents[rng.randint(len(parents), size=(4, number))]
+    moved = a + rng.uniform(*_FACTOR, size=(number, 1)) * (b - c)
+    share = rng.choice(_SHARES, size=(number, 1))
+    takes = rng.uniform(size=size) < share
+    takes[np.arange(number), rng.randint(k, size=number)] = True
+    offspring, drawn = np.where(takes, moved, one), rng.uniform(size=size)
+    low, high = drawn * one, 1 - drawn * (1 - one)
+    return as_floats(np.where(offspring < 0, low, np.where(offspring > 1, high, offspring)))
 
 
 # --- descents -----------------------------------------------------------------------------------
-
-
-def minimise(space: Space, start: FloatArray, seed: int = 0) -> tuple[FloatArray, float]:
-    """Return the lowest minimum below a point and others, and its value.
-
-    The others are random points, and then points beside the lowest end.
-    """
-    rng = np.random.default_rng(seed)
-    starts = np.vstack([start, space.scatter(rng, space.random_starts)])
-    ends, values = descend(space, np.vstack([start, sharpen(space, starts)]), _FINE)
-    point, value = ends[values.argmin()], float(values.min())
-    if not np.isfinite(value) or not point.size:
-        return start, value
-    # Where random starts take too long, these do as well.
-    without_gain = 0 if space.random_starts else _ROUNDS
-    while without_gain < _ROUNDS:
-        ends, values = descend(space, beside(space, np.tile(point, (_BESIDE, 1)), rng), _FINE)
-        lower = values.min() < value * (1 - _MIN_ROUND_GAIN)
-        without_gain = 0 if lower else without_gain + 1
-        if values.min() < value:
-            point, value = ends[values.argmin()], float(values.min())
-    return polish(space, point)
-
-
-def beside(space: Space, points: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return a point beside each of P points, at distances of all sizes from 0.05 % to 5 %."""
-    low, high = np.log10(_HOPS)
-    size = 10 ** rng.uniform(low, high, size=(len(points), 1)) * space.span
-    return as_floats(np.clip(points + rng.normal(size=points.shape) * size, space.low, space.high))
 
 
 def polish(space: Space, start: FloatArray, precision: float = EXACT) -> tuple[FloatArray, float]:
@@ -148,6 +141,8 @@ def polish(space: Space, start: FloatArray, precision: float = EXACT) -> tuple[F
     The coefficients are known to about the square root of the relative `precision`.
     """
     point, value = start, space.value(start)
+    if not np.isfinite(value):
+        return point, value
     for _ in range(_MOST_RESTARTS):
         (end,), (reached,) = descend(space, point[None, :], precision)
         gained = reached < value * (1 - _MIN_GAIN)
@@ -156,13 +151,6 @@ def polish(space: Space, start: FloatArray, precision: float = EXACT) -> tuple[F
         if not gained:
             break
     return point, value
-
-
-def sharpen(space: Space, points: FloatArray, held: BoolArray | None = None) -> FloatArray:
-    """Return the ends of rough descents with maxima smoothed less and less, if the law has any."""
-    for smooth in space.smoothing:
-        points = _descend_squares(space, points, _ROUGH, held, smooth, _ROUGH_STEPS)
-    return points
 
 
 def descend(
@@ -191,12 +179,7 @@ def descend(
 
 
 def _descend_squares(
-    space: Space,
-    starts: FloatArray,
-    precision: float,
-    held: BoolArray | None,
-    smooth: float = 0.0,
-    most_steps: int = _STEPS,
+    space: Space, starts: FloatArray, precision: float, held: BoolArray
 ) -> FloatArray:
     """Minimise sums of squares within the bounds.
 
@@ -210,20 +193,19 @@ def _descend_squares(
     What is held has no slopes, and so no step.
     """
     k = space.low.size
-    fixed = np.zeros(starts.shape, dtype=bool) if held is None else held
     ends = (starts - space.low) / space.span
-    ends = np.where(fixed, ends, np.clip(ends, _MARGIN, 1 - _MARGIN))
-    here, t, free = np.arange(len(ends)), ends, 1.0 - fixed
+    ends = np.where(held, ends, np.clip(ends, _MARGIN, 1 - _MARGIN))
+    here, t, free = np.arange(len(ends)), ends, 1.0 - held
 
     def expanded(t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return r², A and g."""
-        cost, A, g = _normal_equations(space, space.low + t * space.span, smooth)
+        cost, A, g = _normal_equations(space, space.low + t * space.span)
         return cost, A * free[:, :, None] * free[:, None, :], g * free
 
     cost, A, g = expanded(t)
     damping, growth = np.full(here.size, _FIRST_DAMPING), np.full(here.size, 2.0)
     small = np.zeros(here.size)
-    for _ in range(most_steps):
+    for _ in range(_STEPS):
         on = (small < _SMALL_GAINS) & (damping < _MOST_DAMPING) & np.isfinite(cost)
         if not on.all():
             ends[here[~on]] = t[~on]
@@ -253,7 +235,7 @@ def _descend_squares(
         A = np.where(better[:, None, None], A_there, A)
         g = np.where(better[:, None], g_there, g)
     ends[here] = t
-    return np.where(fixed, starts, space.low + ends * space.span)
+    return np.where(held, starts, space.low + ends * space.span)
 
 
 def _least_squares(
@@ -298,12 +280,12 @@ def _least_squares(
 
 
 def _normal_equations(
-    space: Space, points: FloatArray, smooth: float
+    space: Space, points: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the sum of squares, JᵀJ and Jᵀr at P points, in coordinates from 0 to 1."""
     parts, some = [], max(1, _AT_ONCE // (space.low.size * space.size))
     for first in range(0, len(points), some):
-        residuals, slopes = space.linearised(points[first : first + some], smooth)
+        residuals, slopes = space.linearised(points[first : first + some])
         with np.errstate(all="ignore"):
             g = space.span * (slopes @ residuals[..., None])[..., 0]
             A = space.span[:, None] * (slopes @ slopes.mT) * space.span

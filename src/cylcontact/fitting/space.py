@@ -124,26 +124,17 @@ class Space:
     # --- what a search may use ----------------------------------------------------------------
 
     @property
-    def random_starts(self) -> int:
-        """How many random points a search can afford to descend from, beside the best it has."""
-        return 0
+    def in_batches(self) -> bool:
+        """Whether many points descend faster at once than one by one."""
+        return False
 
     @property
     def is_ill_conditioned(self) -> bool:
         """Whether parameters may trade off so much that each descent is one of SciPy's."""
         return False
 
-    @property
-    def smoothing(self) -> Sequence[float]:
-        """Widths over which maxima in the law are smoothed, the largest first; often none."""
-        return ()
-
-    def linearised(self, points: FloatArray, smooth: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Return the residuals and their derivatives, shapes (P, q) and (P, k, q).
-
-        Maxima in the law are smoothed over one of the widths in `smoothing`.
-        """
-        assert not smooth, "this space smooths nothing"
+    def linearised(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the residuals and their derivatives, shapes (P, q) and (P, k, q)."""
         return self.finite_residuals(points), self.slopes(points)
 
     def curvatures(self, A: FloatArray) -> FloatArray:

@@ -17,7 +17,6 @@ from cylcontact.fitting.inputs import INPUTS
 from cylcontact.fitting.noise import NOISES
 from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.fitting.reference import OBJECTIVES
-from cylcontact.fitting.search import CROSSOVERS
 from cylcontact.fitting.ties import require_valid
 from cylcontact.laws.housing_spec import HousingSpec
 from cylcontact.support.errors import InputError
@@ -74,29 +73,12 @@ class GeneticSpec(Spec):
     """The table [genetic]."""
 
     runs: int = Field(
-        16, ge=1, le=_MOST, description=f"the number of runs, an integer from 1 to {_MOST}"
+        4, ge=1, le=_MOST, description=f"the number of runs, an integer from 1 to {_MOST}"
     )
-    populations: tuple[int, ...] = Field(
-        (60, 120), strict=False, description="a list of population sizes, integers of at least 4"
+    population: int = Field(
+        120, ge=4, le=_MOST, description=f"the size of a population, an integer from 4 to {_MOST}"
     )
-    generations: int = Field(100, ge=1, description="the generations, an integer of at least 1")
-    crossovers: tuple[str, ...] = Field(
-        ("single_point", "uniform", "blend"),
-        strict=False,
-        description=f"a list from {', '.join(CROSSOVERS)}",
-    )
-
-    @model_validator(mode="after")
-    def _check(self) -> GeneticSpec:
-        if not self.populations or not 4 <= min(self.populations) <= max(self.populations) <= _MOST:
-            rule = f"must be a list of sizes from 4 to {_MOST}"
-            raise broken("populations", list(self.populations), rule, "e.g. [60, 120]")
-        unknown = [name for name in self.crossovers if name not in CROSSOVERS]
-        if unknown or not self.crossovers:
-            rule = "must be a list of known crossovers"
-            remedy = f"choose from {', '.join(CROSSOVERS)}"
-            raise broken("crossovers", list(self.crossovers), rule, remedy)
-        return self
+    generations: int = Field(300, ge=1, description="the generations, an integer of at least 1")
 
 
 class CampaignSpec(ParametersSpec):
@@ -174,6 +156,11 @@ def parameters_of(
                 raise InputError(source, f"{key}.{name}", None, rule, remedy)
     require_valid(spec.ties, model.names, source)
     parameters = tuple(_parameter(p, spec) for p in model.parameters)
+    for of_law, p in zip(model.parameters, parameters, strict=True):
+        if of_law.never_free and not p.fixed:
+            rule = f"is a number of the formula of the {model.law} law, which no fit may search"
+            remedy = f"fix it at a value, e.g. --fix {p.name}={of_law.nominal:g}"
+            raise InputError(source, p.name, None, rule, remedy)
     for p in parameters:
         if p.is_free and not math.isfinite(p.high - p.low):
             rule = "is required: a law of your own has no default bounds"

@@ -1,7 +1,7 @@
 """Ties: expressions such as "a/10" that set a parameter from others.
 
-They hold numbers, names of parameters, parentheses and + - * / **. An expression is parsed, not
-executed, and anything else is refused.
+They hold numbers, names of parameters, parentheses, + - * / ** and log(), the natural logarithm.
+An expression is parsed, not executed, and anything else is refused.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _UNARY: dict[type[ast.unaryop], Callable[[FloatArray], FloatArray]] = {
     ast.UAdd: operator.pos,
     ast.USub: operator.neg,
 }
-_ALLOWED = (ast.Constant, ast.Name, ast.Load, ast.UnaryOp, ast.BinOp, *_UNARY, *_BINARY)
+_ALLOWED = (ast.Constant, ast.Call, ast.Name, ast.Load, ast.UnaryOp, ast.BinOp, *_UNARY, *_BINARY)
 # Python's parser recurses, so a longer expression could exhaust its stack.
 _LONGEST = 200
 
@@ -55,10 +55,11 @@ def require_valid(ties: Mapping[str, str], names: Collection[str], source: str) 
             known = f"its parameters: {', '.join(names)}"
             raise InputError(source, key, expression, "is not a parameter of the law", known)
         if not _is_arithmetic(expression):
-            rule = "may hold only numbers, names of parameters, parentheses and + - * / **"
+            rule = "may hold only numbers, names of parameters, parentheses, log() and + - * / **"
             raise InputError(source, key, expression, rule, 'e.g. b = "a/10"')
-        nodes = ast.walk(_parsed(expression))
-        used = {node.id for node in nodes if isinstance(node, ast.Name)}
+        nodes = list(ast.walk(_parsed(expression)))
+        called = [node.func for node in nodes if isinstance(node, ast.Call)]
+        used = {node.id for node in nodes if isinstance(node, ast.Name) and node not in called}
         for other in sorted(used - set(others)):
             rule = f"names {other}, which is {'tied itself' if other in ties else 'no parameter'}"
             raise InputError(source, key, expression, rule, f"use {', '.join(others)}")
@@ -74,9 +75,17 @@ def _is_arithmetic(expression: str) -> bool:
     except (SyntaxError, ValueError):
         return False
     numbers: list[Any] = [node.value for node in nodes if isinstance(node, ast.Constant)]
-    return all(isinstance(node, _ALLOWED) for node in nodes) and all(
-        type(number) in (int, float) and math.isfinite(number) for number in numbers
+    return (
+        all(isinstance(node, _ALLOWED) for node in nodes)
+        and all(type(number) in (int, float) and math.isfinite(number) for number in numbers)
+        and all(_is_log(node) for node in nodes if isinstance(node, ast.Call))
     )
+
+
+def _is_log(node: ast.Call) -> bool:
+    """Return whether a call is log of one argument."""
+    is_named = isinstance(node.func, ast.Name) and node.func.id == "log"
+    return is_named and len(node.args) == 1 and not node.keywords
 
 
 @lru_cache(maxsize=256)
@@ -90,6 +99,8 @@ def _value(node: ast.expr, values: Mapping[str, ArrayLike]) -> FloatArray:
             return as_floats(number)
         case ast.Name(id=name):
             return as_floats(values[name])
+        case ast.Call(args=[argument]):
+            return as_floats(np.log(_value(argument, values)))
         case ast.UnaryOp(op=sign, operand=operand):
             return as_floats(_UNARY[type(sign)](_value(operand, values)))
         case ast.BinOp(left=left, op=sign, right=right):

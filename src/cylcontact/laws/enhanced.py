@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
-from numpy import log, maximum, nan
+from numpy import inf, log, nan
 
 from cylcontact.bodies.pair import Contact, CylinderPair
 from cylcontact.laws.formula import Formula, choose
@@ -14,6 +14,10 @@ from cylcontact.laws.law import Constants, constant
 from cylcontact.laws.power import IN_MM, Numbers, PowerShaped, power_formula
 from cylcontact.support.errors import InputError
 
+# E* in MPa of steel on steel, E = 207 GPa and ν = 0.3, and a load in N/mm: for the size of a jump.
+_E_STAR, _LOAD = 207e3 / (2 * (1 - 0.3**2)), 100.0
+# A smaller jump is not worth a note: the published branches meet to 1e-8.
+_LEAST_JUMP = 1e-4
 # Eq 6d defines Y for internal contact on [0.005, 10[ mm.
 INTERNAL_DR_MIN = 0.005
 INTERNAL_DR_MAX = 10.0
@@ -30,8 +34,19 @@ class InternalCoefficients(Constants):
     Y_slope: float = constant(-0.1, 0.1, "slope of Y over ΔR", 0.0151, unit="1/mm")
     Y_offset: float = constant(0.8, 1.6, "Y of the linear branch at ΔR = 0", 1.151)
     n_exponent: float = constant(-0.1, 0.1, "exponent of ΔR in n", -0.005)
+    Y_switch: float = constant(
+        INTERNAL_DR_MIN, INTERNAL_DR_MAX, "ΔR from which Y is linear", 0.34954, unit="mm"
+    )
     contact: ClassVar[Contact] = "internal"
     law = "Enhanced"
+
+    @property
+    def jump(self) -> float:
+        """The relative change of the penetration at Y_switch, of steel under 100 N/mm."""
+        values = asdict(self)
+        first = {**values, "Y_switch": inf}  # the logarithmic branch everywhere
+        (K1, n1), (K2, n2) = (internal(_E_STAR, self.Y_switch, **each) for each in (first, values))
+        return float((_LOAD / K2) ** (1 / n2) / (_LOAD / K1) ** (1 / n1) - 1)
 
 
 @dataclass(frozen=True)
@@ -57,23 +72,24 @@ PUBLISHED_DR: Mapping[Contact, tuple[float, float]] = {
 }
 
 
-def internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent) -> float:
-    """Return n = Y·ΔR^n_exponent (Eq 6c), with Y at ΔR in mm (Eq 6d) the larger of its branches.
+def internal_exponent(
+    dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent, Y_switch
+) -> float:
+    """Return n = Y·ΔR^n_exponent (Eq 6c), with Y at ΔR in mm by Eq 6d.
 
-    The published branches cross at the published switch point, 0.34954 mm, and the larger one
-    applies on either side. The maximum is therefore equivalent, and the switch point follows
-    the coefficients.
+    The published branches of Y meet at the switch, 0.34954 mm. Those of other coefficients may
+    leave a jump there.
     """
     logarithmic = Y_log_scale * log(1000 * dR) ** Y_log_exponent
-    Y = maximum(logarithmic, Y_slope * dR + Y_offset)
+    Y = choose(dR < Y_switch, logarithmic, Y_slope * dR + Y_offset)
     return Y * dR**n_exponent
 
 
 def internal(
-    E_star, dR, a, b, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent
+    E_star, dR, a, b, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent, Y_switch
 ) -> Numbers:
     """Return K = (a·ΔR + b)·E*/ΔR and n of Eq 6 for internal contact."""
-    n = internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent)
+    n = internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent, Y_switch)
     K_star = a * dR + b
     in_range = (dR >= INTERNAL_DR_MIN) & (dR < INTERNAL_DR_MAX)
     return Numbers(choose(in_range & (K_star > 0) & (n > 0), K_star * E_star / dR, nan), n)
@@ -87,8 +103,8 @@ def external(E_star, dR, a, b, n) -> Numbers:
 
 _EQUATION = "f = (a*dR + b)*E_star/dR*penetration^n"
 _WITH_Y = (
-    f"{_EQUATION} with n = Y*dR^n_exponent and "
-    "Y = max(Y_log_scale*ln(1000*dR)^Y_log_exponent, Y_slope*dR + Y_offset)"
+    f"{_EQUATION} with n = Y*dR^n_exponent; "
+    "Y = Y_log_scale*ln(1000*dR)^Y_log_exponent for dR < Y_switch, else Y_slope*dR + Y_offset"
 )
 _FORMULAS: Mapping[Contact, Formula] = {
     "internal": power_formula(internal, _WITH_Y, IN_MM),
@@ -142,6 +158,24 @@ class Enhanced(PowerShaped):
         rule, remedy = "the names must be those of one contact", f"internal: {internal}"
         names = sorted(values)
         raise InputError("Enhanced", "coefficients", names, rule, f"{remedy}; external: {external}")
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """The clearance in mm at which the branches of Y of fitted coefficients may not meet."""
+        own = self.coefficients
+        return (own.Y_switch,) if isinstance(own, InternalCoefficients) else ()
+
+    @property
+    def note(self) -> str:
+        """The jump between the branches of Y, if they do not meet."""
+        own = self.coefficients
+        if not isinstance(own, InternalCoefficients) or abs(own.jump) < _LEAST_JUMP:
+            return ""
+        return (
+            f"the branches of Y do not meet at dR = {own.Y_switch:g} mm: from there on the "
+            f"penetration of steel under {_LOAD:g} N/mm is {abs(100 * own.jump):.1f} % "
+            f"{'larger' if own.jump > 0 else 'smaller'}"
+        )
 
     def require_pair(self, pair: CylinderPair) -> None:
         """Raise `InputError` if the coefficients are not for the pair."""

@@ -196,6 +196,11 @@ class Law:
         return type(self).__name__
 
     @property
+    def note(self) -> str:
+        """What a user of these constants should know, in ASCII; "" for most."""
+        return ""
+
+    @property
     def needs(self) -> tuple[str, ...]:
         """What the law needs of a pair besides E* and ΔR."""
         return tuple(name for name in self.formula.of_pair if name not in ("E_star", "dR"))

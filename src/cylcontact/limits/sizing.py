@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -37,6 +37,9 @@ TARGETS = {
 }
 # Places where a target is looked at first, fewer where each needs a housing of its own.
 _SCAN, _FEW = 200, 25
+# A target is met with this relative deviation, or else a law jumps over it; and the relative
+# distance from a jump at which a law is looked at.
+_MET, _BESIDE = 1e-6, 1e-12
 _SOURCE = "find"
 # Places along half the contact where its pressure is compared.
 _ALONG = 721
@@ -155,12 +158,19 @@ def find(
         R_i = float(as_floats(pair.R_i))
         low, high = (low, R_i / 2) if pair.contact == "internal" else (R_i * (1 + 1e-6), 1e6 * R_i)
     search = _Search(unknown, key, pair, load, law, temperature, rim)
-    x = _root(search.value, target, low, high, _SCAN if search.housing is None else _FEW)
+    scan = np.geomspace(low, high, _SCAN if search.housing is None else _FEW)
+    if unknown == "clearance":  # both sides of a clearance at which the law jumps
+        jumps = [jump for jump in getattr(law, "jumps", ()) if low < jump < high]
+        scan = np.union1d(scan, np.outer(jumps, [1 - _BESIDE, 1 + _BESIDE]))
+    x = _root(search.value, target, scan)
     if isinstance(x, float):
         return x
+    of = TARGETS[key][unknown == "length"]
+    if isinstance(x, _Jump):
+        rule = f"is met by no {unknown}: at {x.at:g} {unit} the law jumps from {x.below:.4g} to "
+        raise InputError(_SOURCE, key, target, f"{rule}{x.above:.4g} {of}", "change the target")
     reach = f", which give {x[0]:.4g} to {x[1]:.4g}" if x is not None else ""
     rule = f"is met by no {unknown} from {low:g} to {high:g} {unit}"
-    of = TARGETS[key][unknown == "length"]
     rule += f"{reach} {of}".rstrip() if reach else f", where {law.name} has no value"
     raise InputError(_SOURCE, key, target, rule, "change the load, the materials or the target")
 
@@ -235,24 +245,38 @@ def _target(given: dict[str, float | None]) -> tuple[str, float]:
     return keys[0], float(require_positive(given[keys[0]], _SOURCE, keys[0], remedy))
 
 
+class _Jump(NamedTuple):
+    """Where a function jumps, and its values on both sides."""
+
+    at: float
+    below: float
+    above: float
+
+
 def _root(
-    value: Callable[[float], float], target: float, low: float, high: float, scan: int
-) -> float | tuple[float, float] | None:
+    value: Callable[[float], float], target: float, grid: FloatArray
+) -> float | _Jump | tuple[float, float] | None:
     """Return the largest x at which a function has a value; else what it reaches, if anything."""
     from scipy.optimize import brentq  # which takes longer to import than the package
 
-    grid = np.geomspace(low, high, scan)
     values = np.array([value(x) for x in grid.tolist()])
     known = np.isfinite(values)
     miss = np.sign(values[known] - target)
-    crossings = np.flatnonzero(miss[:-1] * miss[1:] <= 0)
-    if crossings.size == 0:
-        return (float(values[known].min()), float(values[known].max())) if known.any() else None
-    k = crossings[-1]  # of several that of the smallest f/(E*·ΔR): others are next to a law's end
-    start, end = (float(np.log(each)) for each in grid[known][[k, k + 1]])
-    return float(
-        np.exp(brentq(lambda log: value(np.exp(log)) / target - 1, start, end, xtol=1e-14))
-    )
+    jump = None
+    # Of several the last, of the smallest f/(E*·ΔR): others are next to a law's end.
+    for k in np.flatnonzero(miss[:-1] * miss[1:] <= 0)[::-1].tolist():
+        below, above = grid[known][[k, k + 1]].tolist()
+        if above / below > 1 + 3 * _BESIDE:
+            start, end = np.log([below, above]).tolist()
+            log = brentq(lambda log: value(np.exp(log)) / target - 1, start, end, xtol=1e-14)
+            x = float(np.exp(log))
+            if abs(value(x) / target - 1) < _MET:
+                return x
+            below, above = x * (1 - _MET), x * (1 + _MET)
+        jump = jump or _Jump(above, value(below), value(above))
+    if jump is not None:
+        return jump
+    return (float(values[known].min()), float(values[known].max())) if known.any() else None
 
 
 def _with(pair: CylinderPair, unknown: Unknown, x: float) -> CylinderPair:

@@ -14,6 +14,7 @@ from cylcontact.fitting.calibration import space_of
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.results import LawFit
 from cylcontact.reports.claims import Claim, claims_of
+from cylcontact.reports.figures import report_module
 from cylcontact.support.errors import InputError
 
 __all__ = ["write_page"]
@@ -66,6 +67,9 @@ def write_page(
             f"<h2>{contact.capitalize()} contact</h2>{_fits(found, names, missing)}"
             for contact, names in FITS.items()
         ]
+        if (root / "fitting/results/choices.csv").is_file():
+            listed = "".join(f"<li>{escape(each)}</li>" for each in _choices(root))
+            parts.append(f"<h2>What the paper leaves open</h2><ul>{listed}</ul>")
         drawn = sorted((figures or root / "build" / "figures").glob("*.txt"))
         if not drawn:
             missing.append("the figures: cylcontact figure")
@@ -122,6 +126,12 @@ def _fits(results: Path, names: Sequence[str], missing: list[str]) -> str:
         rows.append(f"<tr><td>{escape(name)}</td>{cells}</tr>")
     cells = "".join(f"<td>{value:.4f}</td>" for value in errors.values())
     return f'<div class="scroll"><table>{"".join(rows)}<tr><td>error</td>{cells}</tr></table></div>'
+
+
+def _choices(root: Path) -> list[str]:
+    """Return what the study of every choice says."""
+    said: list[str] = report_module(root, "choices").sentences(root)
+    return [*said, "Percentages count our list of choices; they are no probabilities."]
 
 
 def _figure(text: Path) -> str:
