@@ -147,6 +147,13 @@ def test_columns_that_are_not_understood_are_refused(columns, message):
     assert message in str(caught.value)
 
 
+def test_a_label_of_a_joint_is_carried_along():
+    frame = plain(2)
+    found = check_table(frame.assign(name=["first", "second"])).table
+    assert found["name"].tolist() == ["first", "second"]
+    pd.testing.assert_frame_equal(found.drop(columns="name"), check_table(frame).table)
+
+
 def test_what_a_file_is_decides_and_what_is_none_names_all_three(run):
     code, _, err = run("check", "datasets/slider_crank.toml")
     assert (code, err.count("\n")) == (2, 1)

@@ -47,6 +47,8 @@ _NUMBERS: dict[str, Mapping[str, float]] = {
 }
 _WORDS = ("contact", "plane", "material", "pin", "hole", "iso", "clamp", "layer", "rim")
 KNOWN = (*_NUMBERS, *_WORDS)
+# Columns for the reader of the table, which are carried along.
+_LABELS = ("name", "id", "part", "joint", "note")
 # What makes a row a joint of its own.
 _ALONE = ("iso", "R_o", "clamp", "layer", "temperature", "pin_temperature", "hole_temperature",
           "rim", "depth")  # fmt: skip
@@ -270,10 +272,13 @@ def _of_sheet(sheet: Sheet) -> _Columns:
     """Return the columns of a sheet."""
     import pandas as pd
 
-    unknown = [name for name in sheet.names if _which(name) is None]
+    unknown = [n for n in sheet.names if _which(n) is None and n.lower() not in _LABELS]
     if unknown or not sheet.names:
         rule = f"{', '.join(unknown) or 'a name'} is not known" if sheet.names else "has no names"
-        remedy = f"name columns {', '.join(KNOWN)}, with a unit as in load_kN, R_i_mm"
+        remedy = (
+            f"name columns {', '.join(KNOWN)}, with a unit as in load_kN, R_i_mm, or one of "
+            f"{', '.join(_LABELS)} for a text of yours"
+        )
         raise InputError(sheet.source, "columns", None, rule, remedy)
     frame = pd.DataFrame(dict(zip(sheet.names, sheet.columns, strict=True))).infer_objects()
     wrong: dict[int, InputError] = {}
