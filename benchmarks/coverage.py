@@ -47,17 +47,23 @@ class Kind:
     drift: float = 0.0
     load: float = 0.0
     load_is_stated: bool = False
+    # Whether clearance and modulus are not as stated, by 2 µm and 5 % (standard deviations).
+    inputs: bool = False
     # Options that leave an error out; None if there is nothing to leave out.
     incomplete: dict[str, Any] | None = field(default_factory=dict)
 
     def sample(self, rng: np.random.Generator) -> pd.DataFrame:
         """Return a table of readings."""
-        parts, like = [], self.readings
+        parts, like, pair = [], self.readings, PAIR
+        if self.inputs:
+            E, dR = 207e3 * (1 + 0.05 * rng.normal()), 0.03 + 0.002 * rng.normal()
+            steel = cc.Material("steel", E=E, nu=0.3)
+            pair = cc.CylinderPair.internal(R_i=10.0, R_j=10.0 - dR, material=steel, length=20.0)
         for number in range(self.series):
             load = np.geomspace(10.0, 1500.0, self.readings)
             if self.drift:  # else it looks like a change with the load
                 load = rng.permutation(load)
-            depth = LAW.penetration(load, PAIR)
+            depth = LAW.penetration(load, pair)
             along = np.linspace(0.0, 1.0, self.readings)
             zero = TRUTH["offset"] + self.offset * rng.normal() + self.drift * rng.normal() * along
             scatter = np.hypot(self.constant, self.proportional * depth)
@@ -80,16 +86,17 @@ GROUP = {"group": "specimen"}
 LOAD = {**BOTH, "load": 0.02}
 DRIFT = {"drift": True}
 IGNORED, SHARE = {"ignore": ["load_std_N_per_mm"]}, {"load_error": 0.02}
+KNOWN = {"uncertain": {"dR": "2 um", "E": "5%"}}
 KINDS = {
-    "proportional scatter": Kind(
-        1, 40, {"noise": "proportional"}, proportional=0.02, incomplete=None
-    ),
-    "constant scatter": Kind(1, 40, {"noise": "constant"}, constant=5e-5),
-    "both": Kind(1, 40, {"noise": "both"}, constant=5e-5, proportional=0.01),
+    "proportional scatter": Kind(1, 40, {}, proportional=0.02, incomplete=None),
+    "constant scatter": Kind(1, 40, {}, constant=5e-5, incomplete=None),
+    "both": Kind(1, 40, {}, constant=5e-5, proportional=0.01, incomplete=None),
+    "both, few readings": Kind(1, 8, {}, constant=5e-5, proportional=0.01, incomplete=None),
+    "clearance and modulus known only so well": Kind(1, 12, KNOWN, **BOTH, inputs=True),
     "10 series": Kind(10, 10, GROUP, **SERIES),
     "8 series": Kind(8, 12, GROUP, **SERIES),
     "8 series with a drift": Kind(8, 12, GROUP | DRIFT, **SERIES, drift=3e-4, incomplete=GROUP),
-    "one series with a drift": Kind(1, 40, DRIFT, **BOTH, drift=4e-4, incomplete={"noise": "both"}),
+    "one series with a drift": Kind(1, 40, DRIFT, **BOTH, drift=4e-4),
     "errors of the load, given": Kind(1, 40, {}, **LOAD, load_is_stated=True, incomplete=IGNORED),
     "errors of the load, a share": Kind(1, 40, SHARE, **LOAD, incomplete=None),
 }
@@ -135,6 +142,8 @@ def _as_options(options: dict[str, Any]) -> str:
     for name, value in options.items():
         option = f"--{name.replace('_', '-')}"
         values = value if isinstance(value, list) else [value]
+        if isinstance(value, dict):
+            values = [f'"{key}={size}"' for key, size in value.items()]
         texts += [option if each is True else f"{option} {each}" for each in values]
     return " ".join(texts)
 
@@ -144,13 +153,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.coverage", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="KIND", help=", ".join(KINDS))
     parser.add_argument("--sets", type=int, default=SETS, help="synthetic tables of each kind")
+    parser.add_argument("--write", action="store_true", help="write them, however few")
     parser.add_argument("--jobs", type=int, default=-1, help="worker processes")
     arguments = parser.parse_args()
     names, parts = arguments.names or list(KINDS), []
     for name in names:
         parts.append(coverage_of(name, arguments.sets, jobs=arguments.jobs))
         print(parts[-1].to_string(index=False, header=name == names[0]), flush=True)
-    if names == list(KINDS) and arguments.sets >= SETS:
+    if arguments.write or (names == list(KINDS) and arguments.sets >= SETS):
         with replacing(RESULT) as path:
             pd.concat(parts).to_csv(path, index=False, float_format="%.5g", lineterminator="\n")
 

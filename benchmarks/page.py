@@ -39,8 +39,8 @@ Every numerical result has an independent check: the [numbers of others](#number
 
 ## Numbers of others
 
-A dash means that no number could be found. `make references` prints these comparisons, and
-`datasets/references` holds them; to add one, fill in `template/rig.toml` there.
+A dash means that no number could be found. `python -m benchmarks.references` prints these
+comparisons, and `datasets/references` holds them; to add one, fill in `template/rig.toml` there.
 
 {references}
 
@@ -49,7 +49,7 @@ A dash means that no number could be found. `make references` prints these compa
 How often do the 95 % intervals of a fit to a table contain the true value? Each kind of data below
 is simulated {sets} times with errors of known size and fitted with the explicit law. The columns
 give the percentage of sets whose interval contains the true stiffness factor and the true offset;
-{sets} sets determine 95 % to ± 2 %.
+{sets} sets determine 95 % to ± {precision:.0f} %.
 
 ![Coverage for each kind of data, with the right options and without](pictures/coverage.png)
 
@@ -178,6 +178,7 @@ def page(results: dict[str, Any]) -> str:
     text = TEXT.format(
         references="\n".join(references.lines(sorted(references.FOLDER.glob("*.toml")))),
         sets=table["sets"].max(),
+        precision=200 * (0.95 * 0.05 / table["sets"].max()) ** 0.5,
         coverage="\n".join(_coverage(table)),
         aims="\n".join(aim.line(rows) for aim in AIMS),
         ratios="\n".join(_ratios(rows)),

@@ -585,7 +585,7 @@ def all_cases() -> pd.DataFrame:
 
 
 def cases(**only: float) -> pd.DataFrame:
-    """Return the cases of `make mechanism` for the paper's three laws."""
+    """Return the cases of `datasets/mechanism/cases.csv` for the paper's three laws."""
     table = all_cases()
     for column, value in only.items():
         table = table[table[column] == value]

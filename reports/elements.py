@@ -1,4 +1,4 @@
-"""Figs 4 to 6: our finite elements, which `make finite-element` solves, beside the laws."""
+"""Figs 4 to 6: our finite elements, which `cylcontact finite-element` solves, beside the laws."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def test_a_bench_is_completed_where_its_files_are_as_they_ship(tmp_path, run):
     assert tree(tmp_path) == before
 
 
-@pytest.mark.parametrize("command", [("figure", "fig12"), ("verify",)])
+@pytest.mark.parametrize("command", [("figure", "fig12"), ("verify", "--all")])
 def test_outside_of_a_bench_a_command_says_how_to_lay_one_out(tmp_path, monkeypatch, run, command):
     monkeypatch.chdir(tmp_path)
     code, _, err = run(*command)

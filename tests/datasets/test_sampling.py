@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material
-from cylcontact.datasets import Grid, Moments, reduce_grid, sampling
+from cylcontact.datasets import Grid, Moments, reduce_grid, sample, sampling
 from cylcontact.laws import LAWS, REFERENCES
 from tests.support.paper_equations import e_star, johnson, johnson_end
 from tests.support.spec_files import GRID, changed, write_toml
@@ -50,7 +50,7 @@ def by_hand(grid):
 @pytest.mark.parametrize("suffix", [".parquet", ".csv"])
 def test_tables_hold_the_law_where_it_is_defined(grid, suffix, tmp_path):
     path = tmp_path / f"samples{suffix}"
-    counts = grid.sample(path)
+    counts = sample(grid, path)
     frame = pd.read_parquet(path) if suffix == ".parquet" else pd.read_csv(path)
     rows = frame.to_numpy()
     expected, masked = by_hand(grid)
@@ -65,7 +65,7 @@ def test_tables_hold_the_law_where_it_is_defined(grid, suffix, tmp_path):
 def test_a_frame_holds_any_reference_law(reference):
     grid = Grid("internal", reference, *(np.array(axis) for axis in AXES))
     done = []
-    frame = grid.sample(progress=lambda *step: done.append(step))
+    frame = sample(grid, progress=lambda *step: done.append(step))
     assert list(frame.columns) == COLUMNS
     assert done[-1] == ("sampling", 4, 4)
     for row in frame.iloc[:: len(frame) // 7].itertuples():
@@ -97,10 +97,10 @@ def test_rows_of_one_modulus_are_as_many_samples_of_it():
 
 @pytest.mark.parametrize("block", [1, 7, 63, 1 << 30])
 def test_nothing_depends_on_the_block_size_or_the_jobs(grid, block, tmp_path, monkeypatch):
-    grid.sample(tmp_path / "one.csv")
+    sample(grid, tmp_path / "one.csv")
     whole, counts = reduce_grid(grid)
     monkeypatch.setattr(sampling, "BLOCK", block)
-    grid.sample(tmp_path / "two.csv")
+    sample(grid, tmp_path / "two.csv")
     assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
     (parts, same), (many, also) = reduce_grid(grid), reduce_grid(grid, jobs=3)
     assert counts == same == also
@@ -123,27 +123,27 @@ def test_what_cannot_be_written_leaves_nothing(grid, tmp_path, monkeypatch):
         (grid, ".csv", format_),
     ):
         with pytest.raises(InputError, match=said):
-            each.sample(tmp_path / name)
+            sample(each, tmp_path / name)
     with pytest.raises(InputError, match=masked):
         reduce_grid(MASKED, 2)
     with pytest.raises(InputError, match=masked):
-        MASKED.sample()
+        sample(MASKED)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(InputError, match=r"pip install 'cylcontact\[parquet\]'"):
-        grid.sample(tmp_path / "s.parquet")
+        sample(grid, tmp_path / "s.parquet")
     assert not any(path.is_file() for path in tmp_path.rglob("*"))
 
 
 # Prints how far the peak of memory rises, in MiB, over that of a small grid.
 PEAK = """
 import resource, sys
-from cylcontact.datasets import read_grid, reduce_grid
+from cylcontact.datasets import read_grid, reduce_grid, sample
 
 def peak():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 small, large, out = sys.argv[1:]
-work = (lambda grid: grid.sample(out)) if out else (lambda grid: reduce_grid(grid, 2)[1])
+work = (lambda grid: sample(grid, out)) if out else (lambda grid: reduce_grid(grid, 2)[1])
 work(read_grid(small))
 before = peak()
 counts = work(read_grid(large))

@@ -10,6 +10,7 @@ from scipy.optimize import minimize
 
 import cylcontact as cc
 from cylcontact import CylinderPair, laws
+from cylcontact.fitting.campaign import read_table
 from cylcontact.fitting.noise import (
     Covariance,
     Degrees,
@@ -17,6 +18,7 @@ from cylcontact.fitting.noise import (
     NoiseModel,
     estimate,
 )
+from cylcontact.fitting.readings import Optimum, fit_with_noise
 from tests.support.measured_files import CONSTANTS, STEEL
 from tests.support.noisy_series import LAW, PAIR, readings
 from tests.support.programs import require_package
@@ -471,3 +473,17 @@ def test_noise_other_than_assumed_is_found_and_what_is_advised_allows_for_it(nam
 def test_a_drift_along_one_sweep_cannot_be_told_from_the_law():
     assert "drift" not in found(ungrouped(readings(7, 1, 40, drift=4e-4)))
     assert "drift" not in found(by_load())  # nor where no time is given
+
+
+@pytest.mark.slow
+def test_chi_square_counts_the_fixed_effects_of_series():
+    """Of tables with given deviations that are true, p is even: its mean is ½ ± 1/√(12·60)."""
+    values = []
+    for seed in range(60):
+        frame = readings(seed, 4, 6, offset=2e-4).assign(penetration_std_um=0.05)
+        campaign = read_table(frame, "explicit", PAIR, group="group").campaign("explicit")
+        fit = fit_with_noise(campaign)
+        optimum = Optimum(fit, fit.minimise(np.array([1.0, 2e-4]))[0])
+        values.append(optimum.chi_square_p)
+    assert optimum.degrees == 24 - 2 - 3 - 3  # offsets and gains of four series sum to zero
+    assert np.mean(values) == pytest.approx(0.5, abs=0.1)

@@ -35,7 +35,7 @@ FIT = ("fit", "fitting/small.toml", "-j", "1")
 CASES = ("sweep", f"{ROOT}/datasets/slider_crank.toml", "-o", "cases.csv")
 # Commands that take some seconds, and what they write.
 SHORT = {
-    "fit": (FIT, "fitting/results/small.json"),
+    "fit": (FIT, "build/small.json"),
     "finite-element": (
         ("finite-element", "elements.toml", "-o", "elements.csv", "-j", "1"), "elements.csv"),
 }  # fmt: skip

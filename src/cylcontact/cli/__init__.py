@@ -31,11 +31,15 @@ __all__ = ["main"]
 _OBJECTS_BETWEEN_COLLECTIONS = 50_000
 # How numpy's warnings of numbers beyond all others begin. The commands tell what is not finite.
 _NOT_FINITE = "(overflow|underflow|invalid value|divide by zero) encountered"
+# What the script of `--install-completion` sets.
+_COMPLETING = "_CYLCONTACT_COMPLETE"
 atexit.register(gc.freeze)
 
 
 def main() -> None:
     """Run the command line; expected failures become one line and an exit code."""
+    if _COMPLETING in os.environ:  # the shell asks how a word may go on
+        app(prog_name="cylcontact")
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
     warnings.filterwarnings("ignore", _NOT_FINITE, RuntimeWarning)
     try:
@@ -84,7 +88,7 @@ def _run(arguments: Sequence[str]) -> int:
         raise InputError("command line", "", None, rule, remedy)
     command = typer.main.get_command(app)
     try:
-        with command.make_context("cylcontact", list(arguments)) as context:
+        with command.make_context("cylcontact", list(arguments) or ["--help"]) as context:
             command.invoke(context)
     except typer.Exit as stop:
         return stop.exit_code

@@ -14,12 +14,12 @@ def sample(
     out: Path = output("The .parquet or .csv file to write.", default=...),
 ) -> None:
     """Sample a reference law over a grid, in bounded memory."""
-    from cylcontact.datasets import read_grid
+    from cylcontact import datasets
 
     require_output(out)
-    grid = read_grid(spec)
+    grid = datasets.read_grid(spec)
     with progress_bars() as progress:
-        counts = grid.sample(out, progress)
+        counts = datasets.sample(grid, out, progress)
     say(
         f"{out}: {counts.samples:,} samples, {counts.masked:,} masked by the domain of "
         f"{grid.reference}"

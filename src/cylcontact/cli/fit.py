@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from cylcontact.cli.options import (
+    BUILD,
     FORCE,
     JOBS,
     NOISES,
@@ -167,7 +168,7 @@ PARAMETERS: Options = {
 def fit(
     sources: list[Path] = argument("A campaign, .toml, or tables.", metavar="CAMPAIGN|TABLE"),
     *,
-    out: Path | None = output("A .json; for a table a folder, results/NAME."),
+    out: Path | None = output("A .json, in build; for a table a folder, results/NAME."),
     runs: int | None = RUNS,
     seed: int | None = SEED,
     jobs: int = JOBS,
@@ -208,7 +209,7 @@ def fit(
             remedy = "set it in the campaign file"
             raise InputError(str(source), option_of(name), None, rule, remedy)
         planned = Campaign.read(source, runs=runs, seed=seed, **_tables(str(source), parameters))
-        folder, target = None, out or source.parent / "results" / f"{source.stem}.json"
+        folder, target = None, out or BUILD / f"{source.stem}.json"
     if pdf and folder is None:
         rule, remedy = "is for a fit to tables that has a folder", "leave it out"
         raise InputError("fit", "--pdf", None, rule, remedy)
@@ -414,16 +415,17 @@ def compare(
 
 
 def verify(
-    results: list[Path] | None = argument(
-        "Result files; all committed ones by default.", metavar="[RESULT]...", default=None
-    ),
+    results: list[Path] | None = argument("Result files.", metavar="[RESULT]...", default=None),
+    every: bool = option("All results in fitting/results; minutes.", "--all", default=False),
     jobs: int = JOBS,
     scheduler: Any = SCHEDULER,
 ) -> None:
     """Redo fits with their own settings; exit code 1 if one differs."""
     from cylcontact.fitting.comparison import verify as verify_one
 
-    paths = results or sorted(RESULTS.glob("*.json"))
+    rule, remedy = "names no result", "name some, or all in fitting/results with --all"
+    require(bool(results) or every, "verify", "", None, rule, remedy)
+    paths = [*(results or ()), *(sorted(RESULTS.glob("*.json")) if every else ())]
     remedy = "name some, or lay out a bench with: cylcontact init FOLDER"
     require(bool(paths), str(RESULTS), "", None, "has no results", remedy)
     failed = 0

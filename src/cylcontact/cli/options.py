@@ -20,6 +20,8 @@ from cylcontact.support.choices import listed
 from cylcontact.support.errors import InputError
 
 RESULTS = Path("fitting/results")
+# Where outputs go that nothing else names, so that an example changes no committed file.
+BUILD = Path("build")
 # Keys of tables of functions, which are slow to import; tests/cli/test_commands.py compares them.
 NOISES = ("constant", "proportional", "both")
 WIDTHS = ("column", "page")

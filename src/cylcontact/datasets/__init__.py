@@ -5,7 +5,7 @@ from types import ModuleType
 
 from cylcontact.datasets.grid import Grid, read_grid
 from cylcontact.datasets.moments import Moments, concatenate, merge
-from cylcontact.datasets.sampling import Counts, blocks, reduce_grid, write_samples
+from cylcontact.datasets.sampling import Counts, blocks, reduce_grid, sample, write_samples
 
 __all__ = [
     "Counts",
@@ -17,6 +17,7 @@ __all__ = [
     "merge",
     "read_grid",
     "reduce_grid",
+    "sample",
     "write_samples",
 ]
 

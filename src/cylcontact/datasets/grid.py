@@ -16,7 +16,6 @@ from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
 from cylcontact.laws import REFERENCES, ContactLaw, reference_law
 from cylcontact.support.arrays import FloatArray, IndexArray
 from cylcontact.support.errors import InputError
-from cylcontact.support.progress import Progress, silent
 
 _POSITIVE_AXES = ("E", "dR", "load")
 _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
@@ -158,43 +157,6 @@ class Grid:
     load: FloatArray
     source: str = "grid"
     columns: ClassVar[tuple[str, ...]] = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
-
-    def sample(self, path: Path | str | None = None, progress: Progress = silent) -> Any:
-        """Sample the reference law into a DataFrame, or in bounded memory into a file.
-
-        Parameters
-        ----------
-        path : path, optional
-            A .parquet or .csv file, which is created when it is complete.
-        progress : callable, optional
-            Called with "sampling", the number of clearances done, and that of all.
-
-        Returns
-        -------
-        DataFrame or Counts
-            The samples in the domain of the reference, with the columns E_GPa, nu, dR_mm,
-            load_N_per_mm and penetration_mm. With a path, the numbers of samples that were
-            written and masked.
-
-        Raises
-        ------
-        InputError
-            If every sample is masked, the file cannot be written, or Parquet's library is missing.
-
-        Examples
-        --------
-        >>> grid = Grid("internal", "johnson", np.array([207.0]), np.array([0.3]),
-        ...             np.array([0.05]), np.array([10.0, 100.0]))
-        >>> grid.sample().round(7)
-           E_GPa   nu  dR_mm  load_N_per_mm  penetration_mm
-        0  207.0  0.3   0.05           10.0        0.000220
-        1  207.0  0.3   0.05          100.0        0.001559
-        """
-        from cylcontact.datasets import sampling
-
-        if path is None:
-            return sampling.frame_of(self, progress)
-        return sampling.write_samples(self, path, progress)
 
     @property
     def law(self) -> ContactLaw:

@@ -196,6 +196,45 @@ def _at_clearance(grid: Grid, dR: float) -> Moments:
 # --- to tables ----------------------------------------------------------------------------------
 
 
+def sample(grid: Grid, path: Path | str | None = None, progress: Progress = silent) -> Any:
+    """Sample the reference law of a grid into a DataFrame, or in bounded memory into a file.
+
+    Parameters
+    ----------
+    grid : Grid
+        Where the law is sampled.
+    path : path, optional
+        A .parquet or .csv file, which is created when it is complete.
+    progress : callable, optional
+        Called with "sampling", the number of clearances done, and that of all.
+
+    Returns
+    -------
+    DataFrame or Counts
+        The samples in the domain of the reference, with the columns E_GPa, nu, dR_mm,
+        load_N_per_mm and penetration_mm. With a path, the numbers of samples that were
+        written and masked.
+
+    Raises
+    ------
+    InputError
+        If every sample is masked, the file cannot be written, or Parquet's library is missing.
+
+    Examples
+    --------
+    >>> from cylcontact.datasets import Grid
+    >>> grid = Grid("internal", "johnson", np.array([207.0]), np.array([0.3]),
+    ...             np.array([0.05]), np.array([10.0, 100.0]))
+    >>> sample(grid).round(7)
+       E_GPa   nu  dR_mm  load_N_per_mm  penetration_mm
+    0  207.0  0.3   0.05           10.0        0.000220
+    1  207.0  0.3   0.05          100.0        0.001559
+    """
+    if path is None:
+        return frame_of(grid, progress)
+    return write_samples(grid, path, progress)
+
+
 def frame_of(grid: Grid, progress: Progress = silent) -> pd.DataFrame:
     """Return the samples of a grid as a table, with the columns of the grid."""
     import pandas as pd  # slow to import, and a file needs none
@@ -222,8 +261,8 @@ def _columns(grid: Grid, progress: Progress) -> Iterator[list[FloatArray]]:
     for done, dR in enumerate(grid.dR, start=1):
         for block in blocks(grid, float(dR)):
             samples += block.load.size
-            clearance = [np.full(block.load.size, dR)] if isinstance(grid, Grid) else []
-            yield [*block.row_values, *clearance, block.load, block.penetration]
+            clearance = np.full(block.load.size, dR)
+            yield [*block.row_values, clearance, block.load, block.penetration]
         progress("sampling", done, grid.dR.size)
     require_samples(grid, samples)
 

@@ -2,11 +2,11 @@
 
 To first order n further readings of one new series add JᵀV⁻¹J to the inverse of the covariance of
 the parameters, with J the derivatives of the penetration and V its covariance by the fitted noise.
-Readings are first spread evenly over the candidates, and chosen one after the other; each of these
-two sets is exchanged reading by reading for other candidates until no exchange gains, and the
-better of the ends counts. What counts is the determinant of the covariance (D-optimality; Fedorov
-1972), or the variance of one parameter; what is known from elsewhere does not count. A candidate
-may be chosen more than once.
+Readings are first spread evenly over the candidates, chosen one after the other, and drawn at
+random; each of these sets is exchanged reading by reading for other candidates until no exchange
+gains, and the best of the ends is taken. What is minimised is the determinant of the covariance
+(D-optimality; Fedorov 1972), or the variance of one parameter; what is known from elsewhere does
+not count. A candidate may be chosen more than once.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 # The most readings to add, and the relative gain below which they narrow nothing.
 _MOST, _NARROWER = 1000, 1e-3
+# Random sets from which exchanges start as well.
+_RANDOM = 8
 # An exchange that gains less than this, relatively, is none.
 _GAIN = 1e-9
 
@@ -195,8 +197,9 @@ def _best_set(
     for _ in range(add):
         greedy.append(best(greedy))
     spread = np.linspace(0, len(candidates) - 1, add).round().astype(int).tolist()
-    ends = []
-    for chosen in (spread, greedy):
+    rng, ends = np.random.default_rng(0), []
+    random = rng.integers(len(candidates), size=(_RANDOM, add)).tolist()
+    for chosen in (spread, greedy, *random):
         reached, now = np.inf, of(chosen)
         while now < reached * (1 - _GAIN):
             reached = now

@@ -384,7 +384,7 @@ def read_table(path: Path | str) -> FiniteElementTable:
 
     import pandas as pd
 
-    remedy = "make finite-element writes it"
+    remedy = "cylcontact finite-element STUDY.toml -o FILE writes it"
     lines = read_text(path, remedy, remedy).splitlines(keepends=True)
     head = [line for line in lines if line.startswith("# ")]
     contents: dict[str, Any] = dict(line[2:].rstrip().partition(": ")[::2] for line in head)
