@@ -128,7 +128,7 @@ class Campaign:
 
     @property
     def key(self) -> str:
-        """A hash of `settings` and of the file of a user's own law, for the journal of the runs."""
+        """A hash of `settings` and of the file of the user's law, for the journal of the runs."""
         own = {"law": self.model.digest} if self.model.digest else {}
         return spec_hash(self.settings | own)
 

@@ -65,7 +65,7 @@ _NO_LOSS = 1e-6
 
 @dataclass(frozen=True)
 class NoiseModel:
-    """What a fit allows for; `MeasuredSpec` has the keys of a campaign.
+    """The noise that a fit allows for; `MeasuredSpec` has the keys of a campaign.
 
     noise: how the scatter of single readings grows, None if their deviations are given; over: the
     grouping of the rows into series, None for one; drift: whether readings drift along a series;

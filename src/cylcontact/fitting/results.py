@@ -93,7 +93,7 @@ class FitResult(Spec):
 
     @classmethod
     def read(cls, path: Path | str) -> Self:
-        """Read a result file of this kind; `read_result` reads either.
+        """Read a result file of this kind; `read_result` reads both kinds.
 
         Raises
         ------

@@ -241,7 +241,7 @@ def _rim_of(housing: Housing, rim: Rim | None) -> Rim:
 
 @dataclass(frozen=True)
 class BushNumbers:
-    """What one joint of the band does; NaN for what is not known.
+    """Results for one joint of the band; NaN if unknown.
 
     Attributes
     ----------

@@ -62,7 +62,7 @@ class Kernel:
 
 
 def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
-    """Return a law of the package or of the user's own at one pair as a kernel; refuse arrays.
+    """Return a law of the package or of the user at one pair as a kernel; refuse arrays.
 
     >>> from cylcontact import CylinderPair, Material, laws
     >>> pair = CylinderPair.internal(10.0, 9.5, Material("steel", E=207e3, nu=0.3))

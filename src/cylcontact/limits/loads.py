@@ -256,7 +256,7 @@ def seat_opens(pair: CylinderPair, housing: Housing, at_rest: AtRest) -> FloatAr
 def yield_warning(
     load: ArrayLike, pair: CylinderPair, housing: Housing | None = None
 ) -> str | None:
-    """Return a sentence if a load is above first yield by von Mises; None if none is.
+    """Return a warning if a load is above first yield by von Mises, else None.
 
     The loads are in N/mm, for several pairs a load for each; NaN is ignored. The result is also
     None if a radius or a yield stress is unknown.

@@ -184,9 +184,9 @@ class Housing:
     Raises
     ------
     InputError
-        If a radius is not one positive and finite number, or the clamp or a layer is none; when it
-        is used, if the rim is not outside the hole, or the ring is thinner than 5 % of the hole's
-        radius.
+        If a radius is not one positive and finite number, or the clamp or a layer is of a wrong
+        type; when it is used, if the rim is not outside the hole, or the ring is thinner than 5 %
+        of the hole's radius.
 
     Notes
     -----
@@ -265,7 +265,7 @@ class Housing:
 
     @classmethod
     def from_compliances(cls, g: ArrayLike | str | Path) -> Housing:
-        """Return a housing of known coefficients g_nm, as from one's own finite elements.
+        """Return a housing of known coefficients g_nm, for example from finite elements.
 
         Parameters
         ----------

@@ -47,7 +47,7 @@ Datum = Literal["johnson"] | float | Housing
 
 
 class ContactState(NamedTuple):
-    """What `Conformal.state` returns; the fields are those of the methods."""
+    """What `Conformal.state` returns; the fields have the names of the methods."""
 
     penetration: FloatArray  # mm
     stiffness: FloatArray  # N/mm²
@@ -176,7 +176,7 @@ class Conformal:
         return self._under_load(load, pair, (_PEAK, _pressure_unit(pair)))[0]
 
     def state(self, load: ArrayLike, pair: CylinderPair) -> ContactState:
-        """Return all that a load does, which for many joints takes no longer than one of them.
+        """Return all results under a load at once, in the time of one of them.
 
         Parameters
         ----------
