@@ -76,7 +76,7 @@ class Campaign:
     data : Grid or Measurements
         What the law is fitted to.
     data_settings : dict
-        The grid's file, or the whole table, as plain data.
+        The contents of the grid file, or the whole table, as plain data.
     noise : NoiseModel, optional
         What a fit to measurements assumes of their scatter.
     """

@@ -254,7 +254,7 @@ class Covariance:
         return float(2 * np.log(self.scale).sum() + shared)
 
     def white(self, values: FloatArray) -> FloatArray:
-        """Return values in mm, (..., N), times a root of V⁻¹, symmetric but for the scale."""
+        """Return values in mm, (..., N), times a root of V⁻¹, symmetric up to the scale."""
         u = values / self.scale
         for rows, Q, squares, axes in self._blocks:
             part, shrunk = u[..., rows], 1 - 1 / np.sqrt(1 + squares)
