@@ -1,4 +1,4 @@
-"""Do the intervals hold? Coverage over synthetic tables, fitted by `cylcontact.fit`.
+"""Coverage of the intervals over synthetic tables, fitted by `cylcontact.fit`.
 
     python -m benchmarks.coverage            # 400 of each kind, half an hour: writes
                                              # datasets/coverage.csv (then: benchmarks --page)

@@ -1,4 +1,4 @@
-"""The page Validation: numbers of others, coverage of the intervals, speed."""
+"""The page Validation: published benchmarks, coverage of the intervals, speed."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ RESULTS, PAGE = ROOT / "datasets" / "benchmarks.json", ROOT / "docs" / "validati
 COVERAGE = ROOT / "datasets" / "coverage.csv"
 TEXT = """# Validation
 
-Every numerical result has an independent check: the [numbers of others](#numbers-of-others), the
-[coverage](#do-the-intervals-hold) of the intervals, and in the tests
+Every numerical result has an independent check: the [published benchmarks](#published-benchmarks),
+the [coverage](#coverage-of-the-intervals) of the intervals, and in the tests
 
 | result | checked against |
 |---|---|
@@ -37,14 +37,14 @@ Every numerical result has an independent check: the [numbers of others](#number
 `make bench` writes this page. It takes ten minutes, apart from the coverage, which
 `python -m benchmarks.coverage` measures in half an hour.
 
-## Numbers of others
+## Published benchmarks
 
 A dash means that no number could be found. `python -m benchmarks.references` prints these
 comparisons, and `datasets/references` holds them; to add one, fill in `template/rig.toml` there.
 
 {references}
 
-## Do the intervals hold?
+## Coverage of the intervals
 
 How often do the 95 % intervals of a fit to a table contain the true value? Each kind of data below
 is simulated {sets} times with errors of known size and fitted with the explicit law. The columns

@@ -1,4 +1,4 @@
-"""Numbers of others beside ours: python -m benchmarks.references [FILE ...] prints them."""
+"""Published benchmarks beside ours: python -m benchmarks.references [FILE ...] prints them."""
 
 from __future__ import annotations
 

@@ -1,13 +1,26 @@
-"""griffe: show the signature of a dataclass as Python sees it, not how its fields are written."""
+"""griffe: show signatures and defaults as Python sees them."""
 
 import inspect
+import re
 from importlib import import_module
 
 import griffe
 
+# The values of a parameter, as numpydoc writes them.
+_CHOICES = re.compile(r"^( *\w+(?:, \w+)* : .*?)\{(.+?)\}", re.MULTILINE)
+
 
 class Signatures(griffe.Extension):
-    """Give each dataclass the parameters and defaults that Python sees."""
+    """Give each dataclass the parameters and defaults that Python sees.
+
+    griffe takes the first of `{"a", "b"}` for the default of a parameter; `"a" or "b"` it shows as
+    it is.
+    """
+
+    def on_object(self, *, obj, **_):
+        """Write choices with "or" in place of braces."""
+        if obj.docstring:
+            obj.docstring.value = _CHOICES.sub(_with_or, obj.docstring.value)
 
     def on_package(self, *, pkg, **_):
         """Look at every class of the package once all is loaded."""
@@ -15,6 +28,11 @@ class Signatures(griffe.Extension):
             for each in list(module.classes.values()):
                 if not each.is_alias and any("dataclass" in str(d.value) for d in each.decorators):
                     set_signature(each)
+
+
+def _with_or(found):
+    """Return a parameter and its choices with "or" between them."""
+    return found[1] + found[2].replace(", ", " or ")
 
 
 def modules_in(package):

@@ -283,8 +283,11 @@ def fig_choices() -> tuple[Figure, pd.DataFrame]:
     for number, contact in enumerate(("internal", "external")):
         rows, names = table[table["contact"] == contact], list(DIGITS[contact])
         (axes,) = parts[number]
-        for row, (label, ways) in enumerate(STRIPS.items()):
-            own = rows[rows["way"] == ways[-1 if contact == "external" else 0]]
+        strips = {
+            label: rows[rows["way"] == ways[-1 if contact == "external" else 0]]
+            for label, ways in STRIPS.items()
+        }
+        for row, (label, own) in enumerate(strips.items()):
             for k, name in enumerate(names):
                 ratio = own[name].to_numpy() / vars(PUBLISHED[contact])[name]
                 ratio = ratio[np.abs(ratio - 1) > 1e-12]  # the others are given
@@ -301,7 +304,7 @@ def fig_choices() -> tuple[Figure, pd.DataFrame]:
         axes.set(xlim=ENDS, ylim=(len(names) - 0.1, -0.3), xlabel="fitted over published (-)")
         words = [f"{name}\n{vars(PUBLISHED[contact])[name]:g}" for name in names]
         axes.set_yticks(np.arange(len(names)) + 0.3, words)
-        panel_title(axes, number, f"{contact} contact, {len(rows)} fits")
+        panel_title(axes, number, f"{contact} contact, {sum(map(len, strips.values()))} fits")
     legend_below(parts[0][0], 4)
     return figure, pd.concat(lines, ignore_index=True)
 

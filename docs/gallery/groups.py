@@ -1,6 +1,6 @@
 """Readings of several specimens.
 
-Nine specimens have an offset and a gain of their own. The left fit takes all readings as
+Nine specimens, each with an offset and a gain. The left fit takes all readings as
 independent, the right one allows for the specimens.
 """
 

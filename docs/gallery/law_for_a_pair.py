@@ -1,6 +1,6 @@
 """A law for a pair.
 
-Four laws of one steel pin in a bronze hole, over the load. The right picture shows their
+Four laws of one steel pin in a bronze hole, against the load. The right picture shows their
 difference from conformal contact, with first yield.
 """
 

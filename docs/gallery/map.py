@@ -1,7 +1,7 @@
-"""A map for your own material.
+"""A map for your material.
 
-The map shows where the published law agrees with conformal contact, over clearance and load. Your
-material needs a modulus, a Poisson's ratio and, for the line of first yield, a yield stress.
+The map shows where the published law agrees with conformal contact, against clearance and load.
+Your material needs a modulus, a Poisson's ratio and, for the line of first yield, a yield stress.
 """
 
 import matplotlib.pyplot as plt

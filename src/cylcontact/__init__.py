@@ -1,4 +1,4 @@
-"""Calibrate explicit contact laws for parallel cylinders, and see where each can be trusted."""
+"""Contact of parallel cylinders: laws, checks of joints, fits to measurements, export."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

@@ -20,10 +20,12 @@ PLACES = ("*.md", "docs/**/*.md", "*/README.md", "datasets/*/README.md", "benchm
 THEIRS = re.compile(
     r"(mine|my|your|own|table|rig|run|result|fit|first|second|pair|joint|motion|cases|out|new|NAME|x|"
     r"data|steel|readings|hinge|bearing|sweep|curve|law|study|choice|plan|file|materials|"
-    r"a|b|band|bearings|choices|residuals|-embedded|SPEC-embedded)(\b|_)"
+    r"a|b|answers|band|bearings|choices|joints|residuals|-embedded|SPEC-embedded|STUDY)(\b|_)"
 )
 # Options of other programs.
-OTHERS = {"--install", "--porcelain", "--rest", "--untracked-files"}
+OTHERS = {
+    *("--install", "--name", "--porcelain", "--rest", "--sys-prefix", "--untracked-files"),
+}
 
 
 def texts_of(kind):

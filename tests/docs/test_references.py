@@ -1,4 +1,4 @@
-"""Numbers of others beside ours, and the numbers themselves by hand."""
+"""Published benchmarks beside ours, and their numbers by hand."""
 
 import math
 

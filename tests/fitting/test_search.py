@@ -330,6 +330,6 @@ def test_few_runs_agree_even_after_a_tiny_search():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", GRIDS)
 def test_all_of_sixteen_runs_reach_the_best(name):
-    space, values = objectives(campaign_of(name))
+    space, values = objectives(campaign_of(name, runs=16))
     best = min(values.min(), best_of_descents(space, 2000))
     assert at_best(values, best) == 16

@@ -293,7 +293,7 @@ class CylinderPair(OfArrays):
             The fit, as "20H7/g6"; `cylcontact.bodies.iso286.IsoFit` says what is known.
         share : float or array_like
             Which pairs of the band: 0 is the tightest, 1 the loosest. Where hole and pin may be of
-            one size (H/h), the tightest has ΔR = 1 nm, as laws have a limit there and no value.
+            one size (H/h), the tightest has ΔR = 1 nm, because laws are undefined at ΔR = 0.
         material, pin, hole, length, plane
             As for `internal`.
 

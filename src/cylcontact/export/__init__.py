@@ -62,7 +62,7 @@ def export(
     Parameters
     ----------
     law : ContactLaw
-        A law of the package, of your own or scaled.
+        A law of the package, your own, or a scaled one.
     contact : {"internal", "external"} or None
         The contact; may be None if the law or its coefficients determine it, or if it makes no
         difference.
@@ -141,7 +141,7 @@ def export_named(
     Parameters
     ----------
     what : str
-        A law's name, e.g. "johnson", "module:function" of your own, or the path of a fit result.
+        A law's name, e.g. "johnson", "module:function" for your own, or the path of a fit result.
     contact : {"internal", "external"} or None
         The contact; a result knows its own.
     target : {"c", "fortran", "matlab"}

@@ -453,7 +453,7 @@ end function log1p""".lstrip()
         yield f"end {what} {f.name}"
 
     def returned(self, value: Node | None) -> Iterator[str]:
-        """Yield the answer and a return, but at the end of a function."""
+        """Yield the answer, and a return except at the end of a function."""
         if value is not None:
             yield self.assigned("answer", value) + self.end
         yield f"return{self.end}"

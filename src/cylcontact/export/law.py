@@ -47,7 +47,7 @@ _ROUNDING = 1e-9
 
 
 class _Elemental(Fortran):
-    """Functions that take arrays too, but those that take a table."""
+    """Functions that take arrays too, except those that take a table."""
 
     def function(self, f: Function) -> str:
         """Return a function."""

@@ -5,7 +5,7 @@ elastic ones are fitted to the law: the logarithm of the force is as close as ca
 the mean square, over forces spaced evenly by their logarithm. The damping is matched: an impact of
 a mass at a speed comes back with the joint's restitution.
 
-Units are m, N, s and kg, but for the parameters of Adams, which are in mm.
+Units are m, N, s and kg, except for the parameters of Adams, which are in mm.
 """
 
 from __future__ import annotations
@@ -319,8 +319,8 @@ def contact_parameters(
     Raises
     ------
     InputError
-        If the code is unknown, the range is none or exceeds the law, or mass or speed are not
-        positive.
+        If the code is unknown, the range is empty or exceeds the domain of the law, or mass or
+        speed are not positive.
 
     Notes
     -----

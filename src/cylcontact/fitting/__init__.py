@@ -1,4 +1,4 @@
-"""Fits of a law: to another law on a grid, or to readings, and what the coefficients are worth."""
+"""Fits of a law to another law on a grid or to measurements, with uncertainties."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING

@@ -76,7 +76,7 @@ class Campaign:
     data : Grid or Measurements
         What the law is fitted to.
     data_settings : dict
-        The grid's file, or the whole table, as plain data.
+        The contents of the grid file, or the whole table, as plain data.
     noise : NoiseModel, optional
         What a fit to measurements assumes of their scatter.
     """
@@ -128,7 +128,7 @@ class Campaign:
 
     @property
     def key(self) -> str:
-        """A hash of `settings` and of the file of a user's own law, for the journal of the runs."""
+        """A hash of `settings` and of the file of the user's law, for the journal of the runs."""
         own = {"law": self.model.digest} if self.model.digest else {}
         return spec_hash(self.settings | own)
 

@@ -276,7 +276,8 @@ def in_sequence(
     K_star = np.exp(np.nanmean(np.log(only.K_star_given(n)), axis=1))
     a, b = _line(dR[below], K_star, relative)
     s, j, inside = _samples(cases.grid._replace(dR=dR[above]))
-    t = s + np.log(dR[above] / (a * dR[above] + b))[:, None, None]
+    with np.errstate(invalid="ignore"):  # a line that turns negative has no n
+        t = s + np.log(dR[above] / (a * dR[above] + b))[:, None, None]
     t, j = (np.where(inside, x, 0.0) for x in (t, j))
     tj = (t * j).sum(axis=(1, 2))
     best = tj / (j * j).sum(axis=(1, 2)) if of_load else (t * t).sum(axis=(1, 2)) / tj

@@ -370,7 +370,7 @@ def _require_some(
 def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Campaign:
     """Return the campaign of a law with offset and, in an unknown housing, compliance free.
 
-    The housing is only for laws that know it, and a law of one's own has a stiffness like others.
+    The housing is only for laws that take one; your own law is scaled in stiffness like others.
     """
     changes: dict[str, object] = {} if starts is None else {"starts": starts}
     if not takes_housing(law):
@@ -453,7 +453,7 @@ def choose(
     laws : str or sequence of str, optional
         The laws to compare; by default all for the contact.
     fixed : mapping of str to float, optional
-        Values of offset or compliance, or of parameters that all these laws have, that are known.
+        Known values: of offset, compliance, or a parameter that all these laws share.
     jobs : int or Cluster, optional
         Worker processes; the result does not depend on them.
     **settings

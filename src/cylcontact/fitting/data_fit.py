@@ -79,12 +79,12 @@ class DataFit(FitResult):
         Raises
         ------
         InputError
-            If it was read from a file and has a law of your own: `with_law` names that again.
+            If it was read from a file and its law is your own function: call `with_law` first.
         """
         return self._optimum(None)
 
     def with_law(self, law: str) -> Self:
-        """Return the result with its law, a function of your own, run again.
+        """Attach your own function again after loading a result.
 
         The current folder is searched first.
 
@@ -100,7 +100,7 @@ class DataFit(FitResult):
         return self.with_optimum(self._optimum(law))
 
     def with_optimum(self, optimum: Optimum) -> Self:
-        """Return the result, which remembers the fit that it is of, with a law of your own too."""
+        """Return the result with the fit that it came from attached."""
         self.__dict__["optimum"] = optimum
         return self
 
@@ -184,7 +184,7 @@ class DataFit(FitResult):
 
         Examples
         --------
-        It is largest at the fit, but for coefficients at a bound:
+        It is largest at the fit, except for coefficients at a bound:
 
         >>> import pandas as pd
         >>> import cylcontact as cc
@@ -445,7 +445,7 @@ class DataFit(FitResult):
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to draw; by default a figure of its own.
+            Axes to draw into; by default a new figure.
         """
         from cylcontact.fitting import pictures
 
@@ -519,7 +519,7 @@ class DataFit(FitResult):
 
     @property
     def status(self) -> str:
-        """In a line whether the fit can be taken as it is."""
+        """One line: starts that agree, coefficients at a bound or ill determined."""
         verdicts = Counter(estimate.verdict for estimate in self.estimates.values())
         parts = [
             f"{basins(self.runs, self.round_off)[0][1]} of {len(self.runs)} starts agree",

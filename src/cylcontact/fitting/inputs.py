@@ -1,4 +1,4 @@
-"""Inputs known only so well: clearance, moduli, length, load cell, constants of a law or a rig.
+"""Uncertain inputs: clearance, moduli, length, load cell, constants of a law or a rig.
 
 `uncertain` gives each a standard uncertainty (GUM): that of a tolerance ±t is t/√3, that of a
 certificate's U with k = 2 is U/2. The input is then fitted beside the other parameters, with what

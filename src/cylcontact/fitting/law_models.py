@@ -129,7 +129,7 @@ def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
 
 
 def user_model(law: str, contact: Contact, source: str, *folders: Path) -> LawModel:
-    """Return the model of a function of the user's own, from the first folder that has its file."""
+    """Return the model of the user's function, from the first folder that has its file."""
     try:
         user = UserFunction.named(law, *folders)
         constants = user.formula.constants

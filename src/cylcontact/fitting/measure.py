@@ -193,7 +193,7 @@ def fit(
         of whatever differs from row to row: dR_um, E_GPa, material, …. Several tables are fitted
         together, each in its own units; group="file" takes each as a series.
     law : str
-        Its name, or module:function for one of your own.
+        Its name, or module:function for your own.
     pair : CylinderPair, optional
         The two cylinders, if they are the same in all rows.
     contact : {"internal", "external"}, optional
@@ -204,7 +204,7 @@ def fit(
         Parameters to search beside the usual ones, with their default bounds: the constants of a
         law's shape, or the compliance of the rig.
     fixed : mapping of str to float, optional
-        Parameters to hold at a value.
+        Known values of parameters, which are not searched.
     bounds : mapping of str to (low, high), optional
         Parameters to search between two values.
     ties : mapping of str to str, optional

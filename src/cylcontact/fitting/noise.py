@@ -65,7 +65,7 @@ _NO_LOSS = 1e-6
 
 @dataclass(frozen=True)
 class NoiseModel:
-    """What a fit allows for; `MeasuredSpec` has the keys of a campaign.
+    """The noise that a fit allows for; `MeasuredSpec` has the keys of a campaign.
 
     noise: how the scatter of single readings grows, None if their deviations are given; over: the
     grouping of the rows into series, None for one; drift: whether readings drift along a series;
@@ -254,7 +254,7 @@ class Covariance:
         return float(2 * np.log(self.scale).sum() + shared)
 
     def white(self, values: FloatArray) -> FloatArray:
-        """Return values in mm, (..., N), times a root of V⁻¹, symmetric but for the scale."""
+        """Return values in mm, (..., N), times a root of V⁻¹, symmetric up to the scale."""
         u = values / self.scale
         for rows, Q, squares, axes in self._blocks:
             part, shrunk = u[..., rows], 1 - 1 / np.sqrt(1 + squares)

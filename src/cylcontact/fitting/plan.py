@@ -39,7 +39,7 @@ _GAIN = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Further readings, and what they promise.
+    """Further readings, and the intervals expected with them.
 
     Attributes
     ----------

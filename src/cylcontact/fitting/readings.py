@@ -354,7 +354,7 @@ def _require_defined(campaign: Campaign, fit: Fit) -> None:
 
 
 def require_increasing(fit: Fit, point: FloatArray) -> None:
-    """Refuse a function of the user's own that is no contact law at some free parameters."""
+    """Refuse the user's function if it is not a contact law at some free parameters."""
     law, data = fit.model.build(fit.coefficients(point)), fit.data
     while isinstance(law, RigCompliance | CorrectedInputs):
         law = law.base

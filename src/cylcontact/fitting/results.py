@@ -93,7 +93,7 @@ class FitResult(Spec):
 
     @classmethod
     def read(cls, path: Path | str) -> Self:
-        """Read a result file of this kind; `read_result` reads either.
+        """Read a result file of this kind; `read_result` reads both kinds.
 
         Raises
         ------
@@ -167,13 +167,13 @@ class FitResult(Spec):
         Raises
         ------
         InputError
-            If the law is a Python function of your own.
+            If the law is your own Python function.
         """
         housing = self.settings["campaign"].get("housing")
         return fitted_law(self.law, self.contact, self.coefficients, housing, source or self.name)
 
     def repeatable(self) -> dict[str, Any]:
-        """Return what the same seed reproduces: everything but times and provenance."""
+        """Return what the same seed reproduces: everything except times and provenance."""
         data = self.model_dump(exclude={"provenance"})
         for run in data["runs"]:
             del run["seconds"]
@@ -194,7 +194,7 @@ class FitResult(Spec):
 
     @property
     def status(self) -> str:
-        """In a line whether the fit can be taken as it is; empty for a fit to a law."""
+        """One line on whether the fit can be trusted; empty for a fit to a law."""
         return ""
 
     @property
@@ -287,7 +287,7 @@ class FitResult(Spec):
         name : str
             A coefficient that was searched.
         ax : matplotlib.axes.Axes, optional
-            Where to draw; by default a figure of its own.
+            Axes to draw into; by default a new figure.
         """
         from cylcontact.plots.arguments import axes_for
         from cylcontact.plots.style import ACCENT, QUIET
@@ -355,7 +355,7 @@ class LawFit(FitResult):
 
 
 def contents_of(path: Path | str) -> dict[str, Any]:
-    """Return the contents of a result file but for its format, which has to be the present one."""
+    """Return the contents of a result file without its format, which must be the present one."""
     source = str(path)
     text = read_text(path, "name a result, a JSON file")
     try:

@@ -66,7 +66,7 @@ def require_valid(ties: Mapping[str, str], names: Collection[str], source: str) 
 
 
 def _is_arithmetic(expression: str) -> bool:
-    """Return whether an expression can be parsed and holds nothing but arithmetic."""
+    """Return whether an expression can be parsed and holds only arithmetic."""
     if len(expression) > _LONGEST:
         return False
     try:

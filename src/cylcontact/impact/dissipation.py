@@ -85,8 +85,8 @@ def dissipative_load(
     -------
     array of float
         In the unit of `elastic_load`, of the broadcast shape; NaN where an input is NaN. It is
-        clipped at zero, because contact does not pull. An isolated impact never comes to that, but
-        other forces may pull the bodies apart.
+        clipped at zero, because contact does not pull: never in an isolated impact, only where
+        other forces pull the bodies apart.
 
     Raises
     ------

@@ -241,7 +241,7 @@ def _rim_of(housing: Housing, rim: Rim | None) -> Rim:
 
 @dataclass(frozen=True)
 class BushNumbers:
-    """What one joint of the band does; NaN for what is not known.
+    """Results for one joint of the band; NaN if unknown.
 
     Attributes
     ----------
@@ -448,7 +448,7 @@ def check_bush(
     temperature : float or (float, float)
         Of the joint, or of the pin and of all other parts, in °C.
     rim : "free", "held" or Material, optional
-        What the outer rim does when the bush is pressed in and when it is warm. It is free by
+        What the outer rim does when the bush is pressed in or warms up. It is free by
         default where the housing is clamped on a sector, and has to be given for a whole rim.
 
     Returns

@@ -37,7 +37,7 @@ _STUDIED = 1.3, 4.0
 
 @dataclass(frozen=True)
 class Numbers:
-    """What one pair does under the load; NaN for what is not known.
+    """Results for one pair under the load; NaN if unknown.
 
     Attributes
     ----------

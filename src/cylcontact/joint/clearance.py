@@ -286,7 +286,7 @@ class ClearanceJoint:
 
     @property
     def housing(self) -> Housing | None:
-        """The housing that the law knows, if any."""
+        """The housing, if the law has one."""
         datum = getattr(self.law, "datum", None)
         return datum if isinstance(datum, Housing) else None
 

@@ -182,7 +182,7 @@ class Clevis:
 
 @dataclass(frozen=True)
 class ClevisNumbers:
-    """What one clevis of the band does; NaN for what is not known.
+    """Results for one clevis of the band; NaN if unknown.
 
     Attributes
     ----------

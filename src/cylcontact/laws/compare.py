@@ -50,7 +50,7 @@ def comparison(
     load : float
         Load per unit length in N/mm.
     own : ContactLaw, optional
-        A law of one's own, in the last row.
+        Your own law, in the last row.
     housing : Housing, optional
         For the laws that take one.
     depth : float, optional

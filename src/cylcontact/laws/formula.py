@@ -42,7 +42,7 @@ def by_differences(load: Callable[..., Any], penetration: Any, *numbers: Any) ->
     return (load(more, *numbers) - load(less, *numbers)) / (more - less)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Formula:
     """The functions that state a law."""
 

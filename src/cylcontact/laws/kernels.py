@@ -7,7 +7,7 @@ are plain data, so one compiled integrator serves every law:
 
 A law of one formula (`cylcontact.laws.formula`) is compiled as it stands, and is right to a few
 units in the last place. Conformal contact is its own curve (`cylcontact.laws.conformal.curve`).
-Every other law, such as a function of one's own, becomes a table: a cubic in ln f over ln δ, with
+Every other law, such as your own function, becomes a table: a cubic in ln f over ln δ, with
 nodes added until the load is right to `TABLE_ERROR`.
 
 This module imports numba, which is slow: import it where it is needed.
@@ -62,7 +62,7 @@ class Kernel:
 
 
 def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
-    """Return a law of the package or of the user's own at one pair as a kernel; refuse arrays.
+    """Return a law of the package or of the user at one pair as a kernel; refuse arrays.
 
     >>> from cylcontact import CylinderPair, Material, laws
     >>> pair = CylinderPair.internal(10.0, 9.5, Material("steel", E=207e3, nu=0.3))

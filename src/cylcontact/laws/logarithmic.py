@@ -10,8 +10,8 @@ beyond it the penetration would decrease with the load. In q = f/f_max and p = Î
 and w from Lambert's function.
 
 The literature disagrees on several of them; `RELATIVES` says of each which reading it takes. All
-but Johnson's are derived for bodies of equal elastic constants; for other pairs they use the E* of
-the pair.
+except Johnson's are derived for bodies of equal elastic constants; for other pairs they use the E*
+of the pair.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Laws of the user's own: a Python function in a file, named as module:function.
+"""The user's laws: a Python function in a file, named as module:function.
 
 The function is `load(penetration, E_star, dR, K=1.0, n=1.1)`: the penetration in mm, what it asks
 of the pair (`cylcontact.laws.formula.OF_PAIR`) and constants. It returns the load in N/mm, which
@@ -35,7 +35,7 @@ _NAMING = "name it as module:function; the campaign's folder is searched first, 
 
 @dataclass(frozen=True)
 class UserFunction:
-    """A function of the user's own, imported when it is first called in a process."""
+    """The user's function, imported when it is first called in a process."""
 
     spec: str  # "module:function"
     # The folder of the module's file; empty if Python's path has the module, None if a result names
@@ -77,7 +77,7 @@ class UserFunction:
 
 @dataclass(frozen=True)
 class UserLaw(Law):
-    """A contact law from a function of the user's own."""
+    """A contact law from the user's function."""
 
     user: UserFunction
     values: Mapping[str, float] = field(default_factory=dict)

@@ -15,8 +15,8 @@ in closed form.
 
 The pin's load is balanced by an even body force, whatever the datum of the penetration.
 
-**Where first yield is sought.** In the whole pin and the whole housing, but for what is beyond the
-middle of its wall and nearer than the wall's thickness to an end of a clamped sector: these ends
+**Where first yield is sought.** In the whole pin and the whole housing, except where a point of the
+outer half of its wall is nearer than the wall's thickness to an end of a clamped sector: these ends
 are singular, and no elastic stress says when they yield. Thin eyes that are pulled yield on the
 bore beside the contact, by bending and hoop tension, or under small loads on the rim above it.
 """

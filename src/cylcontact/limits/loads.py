@@ -256,7 +256,7 @@ def seat_opens(pair: CylinderPair, housing: Housing, at_rest: AtRest) -> FloatAr
 def yield_warning(
     load: ArrayLike, pair: CylinderPair, housing: Housing | None = None
 ) -> str | None:
-    """Return a sentence if a load is above first yield by von Mises; None if none is.
+    """Return a warning if a load is above first yield by von Mises, else None.
 
     The loads are in N/mm, for several pairs a load for each; NaN is ignored. The result is also
     None if a radius or a yield stress is unknown.
@@ -310,12 +310,11 @@ def stress_at_johnson_limit(pair: CylinderPair) -> FloatArray:
 
 
 def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the ΔR in mm at which the paper's yield load equals the largest of Johnson's law.
+    """Return the ΔR in mm below which Johnson's law ends before Hertz's pressure reaches yield.
 
-    The yield load is that of the criterion "Hertz". Below this ΔR Johnson's law ends before the
-    material yields by that criterion. The stress of Fig 9 equals the yield stress where
-    (2/e)·E*·ΔR = σ_Y·√(R_i·R_j). With R_j = R_i − ΔR (internal) this is a quadratic in ΔR, solved
-    in closed form.
+    At this ΔR the yield load by the criterion "Hertz" is the largest load of Johnson's law. The
+    stress of Fig 9 equals the yield stress where (2/e)·E*·ΔR = σ_Y·√(R_i·R_j). With
+    R_j = R_i − ΔR (internal) this is a quadratic in ΔR, solved in closed form.
 
     Parameters
     ----------

@@ -71,7 +71,7 @@ class FirstYield:
         Below the surface in mm, on the axis of the contact; 0 at the surface.
     criterion : {"von Mises", "Tresca", "Hertz"}
     angle : float or array
-        From the line of the load in degrees; 0 but in a housing.
+        From the load line in degrees; 0 except in a housing.
     """
 
     load: FloatArray
@@ -279,7 +279,7 @@ def _first_arc(
 
 
 def _depth(angle: FloatArray, table: _Table) -> FloatArray:
-    """Return the depth over R·sin ε: interpolated, but the nearest value next to a jump."""
+    """Return the depth over R·sin ε: interpolated; next to a jump, the nearest value."""
     cell = np.clip(np.searchsorted(table.angle, angle) - 1, 0, table.angle.size - 2)
     ends = np.stack([table.depth[cell], table.depth[cell + 1]])
     start, end = table.angle[cell], table.angle[cell + 1]

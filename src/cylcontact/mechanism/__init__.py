@@ -1,4 +1,4 @@
-"""The slider-crank of Section 4 of the paper, with a clearance joint between rod and slider."""
+"""Clearance joints, planar and spatial, and the slider-crank of the paper (its Section 4)."""
 
 from cylcontact.joint import (
     ClearanceJoint,

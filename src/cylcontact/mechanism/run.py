@@ -1,6 +1,6 @@
 """Runs: a slider-crank integrated revolution by revolution.
 
-The integrator restarts at the end of every revolution, so that a revolution depends on nothing but
+The integrator restarts at the end of every revolution, so that a revolution depends only on
 the state at its start.
 """
 
@@ -38,7 +38,7 @@ _STEPS_PER_REVOLUTION, _STEPS_PER_SECOND, _MANY_STEPS = 2000, 4e5, 3e7
 
 
 class RunError(InputError):
-    """A run cannot go on."""
+    """The integration failed."""
 
 
 class LawDomainError(RunError):

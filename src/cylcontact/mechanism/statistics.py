@@ -179,7 +179,7 @@ class Statistics:
 
     @property
     def carried(self) -> float:
-        """δ̇⁽⁻⁾ in m/s of a contact that lasts through the last revolution, NaN without one.
+        """δ̇⁽⁻⁾ in m/s of a contact that lasts through the last revolution; NaN without one.
 
         This rate of the last first touch sets the damping from then on, and decides the motion.
         """

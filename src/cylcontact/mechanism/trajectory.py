@@ -243,8 +243,10 @@ class Trajectory:
         """Work of the driver since the start in J, shape (n,)."""
         return self.steps.values[:, DRIVE]
 
-    normal_dissipation = _ledger("normal_dissipation", "Lost by the normal force in J, (n,).")
-    friction_dissipation = _ledger("friction_dissipation", "Lost by friction in J, shape (n,).")
+    normal_dissipation = _ledger(
+        "normal_dissipation", "Energy lost by the normal force in J, (n,)."
+    )
+    friction_dissipation = _ledger("friction_dissipation", "Energy lost by friction in J, (n,).")
 
     @cached_property
     def energy(self) -> FloatArray:

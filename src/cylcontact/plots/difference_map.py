@@ -85,9 +85,8 @@ def plot_map(
     labels : bool, optional
         Whether to label the contours; a small map is read by its colours.
     ax : matplotlib.axes.Axes, optional
-        Where to draw. By default the axes of a new figure in the journal's style, made without
-        pyplot, with a key of the line and the hatching below; in axes of yours call `ax.legend()`.
-        Contour labels avoid what the axes have already.
+        Axes to draw into; by default a new figure with a key of the line and the hatching. In your
+        own axes call `ax.legend()`; contour labels avoid what is already there.
 
     Returns
     -------

@@ -51,9 +51,8 @@ def plot_laws(
         Draw the difference from this law at equal load in percent (Eq 9); a label of `laws`, or
         any law. By default draw penetrations in µm.
     ax : matplotlib.axes.Axes, optional
-        Where to draw. By default the axes of a new figure in the journal's style, made without
-        pyplot, with a legend; in axes of yours the lines follow your own cycle of colours, and
-        `ax.legend()` names them.
+        Axes to draw into; by default a new figure with a legend. Lines in your own axes follow
+        their cycle of colours, and `ax.legend()` names them.
     **line
         Settings of the lines for `Axes.plot`, such as `linewidth`.
 

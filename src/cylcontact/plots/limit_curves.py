@@ -35,7 +35,7 @@ def plot_limits(
     ax: Axes | None = None,
     **line: Any,
 ) -> Axes:
-    """Draw the load at first yield and the largest load of Johnson's law over the clearance.
+    """Draw the load at first yield and the largest load of Johnson's law against the clearance.
 
     For a pin in a hole. Fig 7 draws first yield, Fig 8 the largest load of Johnson's law, and Fig 9
     Hertz's peak pressure (Eq 7) at that load.
@@ -57,9 +57,8 @@ def plot_limits(
     pressure : bool, optional
         Whether to draw Hertz's peak pressure (Eq 7) in MPa at these loads, rather than the loads.
     ax : matplotlib.axes.Axes, optional
-        Where to draw. By default the axes of a new figure in the journal's style, made without
-        pyplot, with a legend; in axes of yours the lines follow your own cycle of colours, and
-        `ax.legend()` names them.
+        Axes to draw into; by default a new figure with a legend. Lines in your own axes follow
+        their cycle of colours, and `ax.legend()` names them.
     **line
         Settings of the lines for `Axes.plot`, such as `label` and `color`.
 

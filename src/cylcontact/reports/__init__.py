@@ -1,4 +1,4 @@
-"""Reports: figures with their numbers, claims, an HTML page, and the check of a joint."""
+"""Reports: figures with their numbers, the claims of the paper, and an HTML page."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

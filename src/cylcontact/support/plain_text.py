@@ -63,7 +63,7 @@ def item(sentence: str, mark: str = "- ", width: int = WIDTH) -> str:
 
 
 def visible(text: str, keep: str = "") -> str:
-    r"""Escape the characters that are not seen, but those to `keep`: they may act on a terminal.
+    r"""Escape invisible characters except those to `keep`: they may act on a terminal.
 
     Examples
     --------

@@ -220,7 +220,7 @@ class Bodies:
         q: FloatArray,
         end: FloatArray | float,
     ) -> Arc:
-        """Return the arc q ≥ `end` where a function that increases with q vanishes, but for slopes.
+        """Return the arc q ≥ `end` where an increasing function of q vanishes, without its slopes.
 
         `miss` gives it and its slope by ln b², both times S. Where a step of Newton's method leaves
         the bracket, its middle in ln q takes its place.

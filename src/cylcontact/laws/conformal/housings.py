@@ -114,7 +114,7 @@ class Sector:
 
     @classmethod
     def lug(cls, shank: float = 1.0) -> Sector:
-        """Return the pulled sector that stands for the shank of a lug, which its pin pulls.
+        """Return the sector that models the shank of a lug pulled by its pin.
 
         It is the widest one with which first yield is nowhere above that of the lug, a round eye
         on a straight shank, by finite elements (datasets/finite_element/lug.csv) for R_o/R from 1.3
@@ -162,10 +162,11 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Housing:
-    """A datum: the pin's centre against the clamped rim of the housing, less the clearance.
+    """The body around the hole. Penetrations are then measured from its clamped rim.
 
-    The housing is a ring between the hole and R_o, clamped on its whole rim as a bush that is
-    pressed into a rigid frame, or on a sector of it as an eye on its shank.
+    The penetration is how far the pin's centre moves against the rim, less the clearance. The
+    housing is a ring between the hole and R_o, clamped on its whole rim, like a bush pressed into
+    a rigid frame, or on a sector of it, like an eye on its shank.
 
     Parameters
     ----------
@@ -183,9 +184,9 @@ class Housing:
     Raises
     ------
     InputError
-        If a radius is not one positive and finite number, or the clamp or a layer is none; when it
-        is used, if the rim is not outside the hole, or the ring is thinner than 5 % of the hole's
-        radius.
+        If a radius is not one positive and finite number, or the clamp or a layer is of a wrong
+        type; when it is used, if the rim is not outside the hole, or the ring is thinner than 5 %
+        of the hole's radius.
 
     Notes
     -----
@@ -264,16 +265,19 @@ class Housing:
 
     @classmethod
     def from_compliances(cls, g: ArrayLike | str | Path) -> Housing:
-        """Return a housing of known coefficients g_nm, as from one's own finite elements.
+        """Return a housing of known coefficients g_nm, for example from finite elements.
 
         Parameters
         ----------
         g : array_like, shape (N,) or (N, N), or path
-            With n and m from 0. Press p = (f/R)·cos ms on the bore, subtract the radial
-            displacement of the infinite plate from that of the bore, and expand it times πE*/(2f)
-            in cos nθ: the amplitudes over π, over 2π for m = 0, are g_nm. For n = m = 1 that of
-            the plate is w_i·π/(2(κ_i + 1)). One row is the diagonal, which is all that a whole rim
-            has. A file has numbers with commas between them, a line for each n.
+            Coefficients with n and m from 0. Under the pressure p = (f/R)·cos mθ let u be the
+            radial displacement of the bore, and u_plate that of the bore of an infinite plate. With
+
+                πE*/(2f)·(u − u_plate) = Σ_n A_nm·cos nθ
+
+            g_nm = A_nm/π, and A_nm/(2π) for m = 0. The part of the plate in A_11 is
+            w_i·π/(2(κ_i + 1)). One row is the diagonal, which is all that a whole rim has. A file
+            has numbers with commas between them, a line for each n.
 
         Returns
         -------

@@ -47,7 +47,7 @@ Datum = Literal["johnson"] | float | Housing
 
 
 class ContactState(NamedTuple):
-    """What `Conformal.state` returns; the fields are those of the methods."""
+    """What `Conformal.state` returns; the fields have the names of the methods."""
 
     penetration: FloatArray  # mm
     stiffness: FloatArray  # N/mm²
@@ -169,14 +169,14 @@ class Conformal:
     def peak_pressure(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the largest pressure in MPa under `load` in N/mm.
 
-        It is on the line of the load, but in thin eyes, which press on the pin from both sides.
-        The radii must be known. The theory makes no difference between them; R here is √(R_i·R_j),
-        so that small loads give exactly Hertz's pressure.
+        It lies on the load line, except in thin eyes, which press on the pin from both sides. The
+        radii must be known. The theory does not distinguish them; here R = √(R_i·R_j), so that
+        small loads give exactly Hertz's pressure.
         """
         return self._under_load(load, pair, (_PEAK, _pressure_unit(pair)))[0]
 
     def state(self, load: ArrayLike, pair: CylinderPair) -> ContactState:
-        """Return all that a load does, which for many joints takes no longer than one of them.
+        """Return all results under a load at once, in the time of one of them.
 
         Parameters
         ----------
@@ -219,11 +219,11 @@ class Conformal:
         return ContactState(*self._under_load(load, pair, *asked))
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf, but the load in N/mm at which the law ends in some housings."""
+        """Return the largest load in N/mm; inf except in some thin housings."""
         return self._end(_Quantity(lambda curve, _: curve.end[0]), pair, _load_unit(pair))
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf, but the penetration in mm at `max_load` where there is one."""
+        """Return the penetration in mm at `max_load`; inf except in some thin housings."""
         return self._end(_Quantity(lambda curve, _: curve.end[1]), pair, as_floats(pair.dR))
 
     def curve(self, pair: CylinderPair) -> Curve:
