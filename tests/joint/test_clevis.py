@@ -254,9 +254,3 @@ def test_what_a_file_of_a_clevis_is_refused_for(run, tmp_path, old):
     code, _, err = run(*shlex.split(f"check {tmp_path / 'clevis.toml'}"))
     assert code == 2
     assert message in err
-
-
-def test_a_file_of_neither_kind_is_refused(run):
-    code, _, err = run("check", str(ROOT / "datasets/joint.toml"))
-    assert code == 2
-    assert "is neither a joint with a bush" in err

@@ -375,7 +375,7 @@ class DataFit(FitResult):
         >>> result = cc.fit(data, "explicit", pair)
         >>> print(result.interval(lambda law: 1e3 * law.penetration(500.0, pair)).round(3))
            value  standard_error    low   high
-        0  4.993           0.016  4.954  5.031
+        0  4.993           0.016  4.954  5.045
         """
         import pandas as pd
 

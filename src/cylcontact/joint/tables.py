@@ -191,7 +191,7 @@ def check_table(
     ...                       "material": ["bronze", "bronze"]})
     >>> check = check_table(frame)
     >>> print(check.answered, check.refused, check.table["peak_pressure_MPa"].round(2).tolist())
-    1 1 [54.07, nan]
+    1 1 [52.91, nan]
     """
     rows = _read(data)
     own = None if materials is None else Path(materials)
