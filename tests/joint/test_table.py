@@ -8,6 +8,7 @@ import cylcontact as cc
 from cylcontact import InputError, laws
 from cylcontact.joint.check import NUMBERS
 from cylcontact.joint.tables import check_table
+from tests.support.programs import require_package
 
 BRONZE = cc.Material.named("bronze")
 STEEL = cc.Material.named("high-strength steel")
@@ -55,6 +56,7 @@ def test_many_rows_are_those_alone():
 
 
 def test_a_table_is_read_in_its_units_from_every_kind_of_file(tmp_path):
+    require_package("pyarrow")
     frame = plain(6)
     wanted = check_table(frame).table[list(NUMBERS)]
     own = frame.rename(columns={"R_i_mm": "R i [m]", "load_kN": "Load (N)"})
