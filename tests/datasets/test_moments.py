@@ -44,7 +44,8 @@ ENDS = {
 def test_the_objective_is_that_of_the_samples_one_by_one(grid, data):
     candidate = data.draw(st.tuples(*(st.floats(*ends) for ends in ENDS[grid.contact])))
     model = MODELS["enhanced", grid.contact]
-    law = laws.Enhanced(dict(zip(model.names, candidate, strict=True)))
+    switch = (0.34954,) if "Y_switch" in model.names else ()  # a printed number, never searched
+    law = laws.Enhanced(dict(zip(model.names, (*candidate, *switch), strict=True)))
     squares, count = 0.0, 0
     for E, nu, dR, load in product(grid.E, grid.nu, grid.dR, grid.load):
         pair = CylinderPair.from_dR(grid.contact, float(dR), Material("", E * 1e3, nu))
