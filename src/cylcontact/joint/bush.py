@@ -373,10 +373,11 @@ class BushCheck:
         return pd.DataFrame({name: asdict(numbers) for name, numbers in self.band.items()})
 
     def __str__(self) -> str:
-        return "\n".join([*_described(self), "", str(TextTable(*_cells(self))), *_summary(self)])
+        parts = [*_described(self), "", str(TextTable(*cells(self))), "", *summary(self)]
+        return "\n".join([*parts, "", f"not included  {NOT_INCLUDED}"])
 
     def _repr_html_(self) -> str:
-        return TextTable(*_cells(self), _described(self)[0])._repr_html_()
+        return TextTable(*cells(self), _described(self)[0])._repr_html_()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the joint and its numbers under plain names, for JSON; None for the unknown."""
@@ -409,9 +410,10 @@ class BushCheck:
 
     def save(self, path: Path | str) -> Path:
         """Write the answer on one page, .html, .pdf or .png."""
-        from cylcontact.joint.text_page import write_text_page
+        from cylcontact.joint.bush_page import page_of
+        from cylcontact.joint.page import write_page
 
-        return write_text_page(self, "Check of a joint with a bush", path)
+        return write_page(page_of(self), path)
 
 
 def check_bush(
@@ -708,7 +710,7 @@ def _described(check: BushCheck) -> list[str]:
     ]
 
 
-def _cells(check: BushCheck) -> tuple[list[str], list[list[str]]]:
+def cells(check: BushCheck) -> tuple[list[str], list[list[str]]]:
     """Return the headings and the rows of the answer."""
     rows = []
     for name, key in _ROWS.items():
@@ -721,12 +723,9 @@ def _cells(check: BushCheck) -> tuple[list[str], list[list[str]]]:
     return ["", *check.band], rows
 
 
-def _summary(check: BushCheck) -> list[str]:
+def summary(check: BushCheck) -> list[str]:
     """Return close-in factor, temperatures of the seat and factors in words."""
-    lines = [
-        "",
-        f"close-in of the bore  {check.close_in:.3g} of the interference",
-    ]
+    lines = [f"close-in of the bore  {check.close_in:.3g} of the interference"]
     if np.isfinite(check.loose_at):
         side = "below" if check.loose_at < 20 else "above"
         lines.append(f"the seat is loose     {side} {check.loose_at:.0f} °C")
@@ -746,7 +745,7 @@ def _summary(check: BushCheck) -> list[str]:
             f"first yield of the {body:<8}{_text(load)} N/mm ({name}, {seat}{place}), "
             f"factor {load / check.load:.3g}"
         )
-    return [*lines, "", f"not included  {NOT_INCLUDED}"]
+    return lines
 
 
 def _why_unknown(check: BushCheck, body: str) -> str:

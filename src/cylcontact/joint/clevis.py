@@ -26,7 +26,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -279,10 +279,11 @@ class ClevisCheck:
         return pd.DataFrame({name: _flat(numbers) for name, numbers in self.band.items()})
 
     def __str__(self) -> str:
-        return "\n".join([*_described(self), "", str(TextTable(*_cells(self))), *_summary(self)])
+        parts = [*_described(self), "", str(TextTable(*cells(self))), "", *summary(self)]
+        return "\n".join([*parts, "", f"not included  {NOT_INCLUDED}"])
 
     def _repr_html_(self) -> str:
-        return TextTable(*_cells(self), _described(self)[0])._repr_html_()
+        return TextTable(*cells(self), _described(self)[0])._repr_html_()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the clevis and its numbers under plain names, for JSON; None for the unknown."""
@@ -327,17 +328,16 @@ class ClevisCheck:
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
         """
-        from cylcontact.joint.clevis_picture import draw_line_load
+        from cylcontact.joint.clevis_page import draw_line_load
 
         return draw_line_load(self, ax)
 
     def save(self, path: Path | str) -> Path:
         """Write the answer on one page, .html, .pdf or .png, with a sketch and the line load."""
-        from cylcontact.joint.clevis_picture import draw_clevis, draw_line_load
-        from cylcontact.joint.text_page import write_text_page
+        from cylcontact.joint.clevis_page import page_of
+        from cylcontact.joint.page import write_page
 
-        pictures = partial(draw_clevis, self), partial(draw_line_load, self)
-        return write_text_page(self, "Check of a clevis", path, pictures)
+        return write_page(page_of(self), path)
 
 
 def check_clevis(clevis: Clevis, force: float) -> ClevisCheck:
@@ -697,9 +697,9 @@ def _described(check: ClevisCheck) -> list[str]:
     lines = [
         f"{clevis.pin.title} pin {shown(clevis.diameter)}, {clevis.pin_length:g} mm long, "
         f"gaps of {clevis.gap:g} mm",
-        f"eye {eye.thickness:g} mm of {eye.material.title}, hole {shown(eye.hole)}, {_around(eye)}",
+        f"eye {eye.thickness:g} mm of {eye.material.title}, hole {shown(eye.hole)}, {around(eye)}",
         f"cheeks {cheek.thickness:g} mm of {cheek.material.title}, hole {shown(cheek.hole)}, "
-        f"{_around(cheek)}",
+        f"{around(cheek)}",
         f"under {check.force:,.6g} N on the eye",
     ]
     nominal = check.force / eye.thickness, check.force / 2 / cheek.thickness
@@ -712,14 +712,14 @@ def _described(check: ClevisCheck) -> list[str]:
     return lines
 
 
-def _around(plate: Plate) -> str:
+def around(plate: Plate) -> str:
     """Return the housing of a plate in words."""
     if plate.housing is None:
         return "clamped at four radii of the pin"
     return f"in {str(plate.housing).partition(' (as ')[0]}"
 
 
-def _cells(check: ClevisCheck) -> tuple[list[str], list[list[str]]]:
+def cells(check: ClevisCheck) -> tuple[list[str], list[list[str]]]:
     """Return the headings and the rows of the answer."""
     columns = [_flat(numbers) for numbers in check.band.values()]
     rows = []
@@ -730,11 +730,11 @@ def _cells(check: ClevisCheck) -> tuple[list[str], list[list[str]]]:
     return ["", *check.band], rows
 
 
-def _summary(check: ClevisCheck) -> list[str]:
-    """Return the designers' rules beside the moment, and what is not included."""
+def summary(check: ClevisCheck) -> list[str]:
+    """Return the designers' rules beside the moment, and the factor of the pin."""
     needed, clevis = check.needed_moment, check.clevis
     raised = ", raised by a tenth as it may be low in a lug" if _is_soft(clevis) else ""
-    lines = ["", f"moment of the pin   {_text(needed)} N mm{raised}"]
+    lines = [f"moment of the pin   {_text(needed)} N mm{raised}"]
     for name, moment in check.rules.items():
         verdict = "safe" if moment >= needed else "UNSAFE"
         lines.append(f"  {name:<32}{_text(moment)} N mm, {moment / needed:.2f} of it: {verdict}")
@@ -745,12 +745,8 @@ def _summary(check: ClevisCheck) -> list[str]:
         lines.append("factor of the pin   the yield stress is not given")
     else:
         lines.append(f"factor of the pin   {check.factor:.3g} to yield, at 1.06·32M/(πd³)")
-    lines += [
-        "eye and cheeks      no factor: a sharp edge has no yield load, and a largest line load is "
-        "no number",
-        "",
-        f"not included  {NOT_INCLUDED}",
-    ]
+    lines.append("eye and cheeks      no factor: a sharp edge has no yield load, and a largest "
+                 "line load is no number")  # fmt: skip
     return lines
 
 

@@ -1,13 +1,16 @@
-"""Pictures of a clevis: a sketch to scale, and the line load along the pin."""
+"""The page of a clevis: a sketch to scale, the line load along the pin, the answer."""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.patches import FancyArrowPatch, Rectangle
 
 from cylcontact.joint.bush import shown
+from cylcontact.joint.clevis import NOT_INCLUDED, around, cells, summary
+from cylcontact.joint.page import Page, Source, numbers_of_material
 from cylcontact.plots.sketch import OUTLINE
 from cylcontact.plots.style import ACCENT
 
@@ -20,6 +23,46 @@ _COLOURS = {"joint": "C0", "tightest": "C0", "middle": "C1", "loosest": "C2"}
 _PIN, _EYE, _CHEEK = "0.78", "0.9", "0.82"
 # Of an edge so much is not drawn, in R.
 _EDGE = 0.02
+
+
+def page_of(check: ClevisCheck) -> Page:
+    """Return the page of a check."""
+    clevis = check.clevis
+    title = f"{clevis.pin.title} pin Ø{shown(clevis.diameter)} in an eye between two cheeks"
+    sections = {
+        "Bending of the pin": [" ".join(line.split()) for line in summary(check)],
+        "Assumptions": [
+            "Linear elasticity; the pin is a beam on the exact contact law, fitted to finite "
+            "elements in three dimensions.",
+        ],
+        "Not included": [NOT_INCLUDED],
+    }
+    return Page(
+        "Check of a clevis", title, partial(draw_clevis, check), partial(draw_line_load, check),
+        _inputs(check), *cells(check), [], check.warnings, sections,
+    )  # fmt: skip
+
+
+def _inputs(check: ClevisCheck) -> list[Source]:
+    """Return what the answer is computed from."""
+    clevis = check.clevis
+    rows = [
+        ("pin", *numbers_of_material(clevis.pin)),
+        ("", f"Ø{shown(clevis.diameter)}, {clevis.pin_length:g} mm long", "given"),
+    ]
+    for name, plate in clevis.plates.items():
+        title = "cheek, one of 2" if name == "cheek" else name
+        rows += [
+            (title, *numbers_of_material(plate.material)),
+            ("", f"{plate.thickness:g} mm, hole Ø{shown(plate.hole)}, {around(plate)}", "given"),
+        ]
+        if plate.housing is not None:
+            rows += [
+                (f"  from {radius:g} mm", *numbers_of_material(body))
+                for body, radius in plate.housing.layers
+            ]
+    return [*rows, ("gap", f"{clevis.gap:g} mm", "given"),
+            ("load", f"{check.force:,.6g} N on the eye", "given")]  # fmt: skip
 
 
 def draw_clevis(check: ClevisCheck, axes: Axes) -> None:
