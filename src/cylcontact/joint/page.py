@@ -14,14 +14,15 @@ import numpy as np
 from cylcontact.bodies.material import Material, shipped_materials
 from cylcontact.files.provenance import spec_hash
 from cylcontact.files.writing import replacing, require_suffix
-from cylcontact.joint.check import cells, described, not_included, words
+from cylcontact.joint.answer import cells, described, not_included, words
 from cylcontact.joint.picture import draw_check, title_of
 from cylcontact.joint.sketch import draw_sketch
 from cylcontact.plots.figure import StyledFigure, new_figure
 from cylcontact.plots.style import figure_style
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
-    from cylcontact.joint.check import JointCheck
+    from cylcontact.joint.answer import Answer
 
 SUFFIXES = (".html", ".pdf", ".png")
 # A sheet of A4 with its margins, in mm, and the dots per inch of a picture of it.
@@ -43,7 +44,7 @@ footer { margin-top: 2rem; color: #666; font-size: 12px; }
 """
 
 
-def inputs(check: JointCheck) -> list[tuple[str, str, str]]:
+def inputs(check: Answer) -> list[tuple[str, str, str]]:
     """Return what the answer is computed from: its name, its value, and where that is from."""
     joint, pair = check.joint, check.joint.drawn
     first, second = ("hole", "pin") if pair.contact == "internal" else ("roller i", "roller j")
@@ -91,7 +92,7 @@ def _material(body: Material) -> tuple[str, str]:
     return ", ".join([*([body.name] if body.name else []), *numbers]), source
 
 
-def assumptions(check: JointCheck) -> list[str]:
+def assumptions(check: Answer) -> list[str]:
     """Return what the answer rests on."""
     joint = check.joint
     lines = [
@@ -113,13 +114,13 @@ def assumptions(check: JointCheck) -> list[str]:
     return [line for line in lines if line]
 
 
-def _fingerprint(check: JointCheck) -> str:
+def _fingerprint(check: Answer) -> str:
     """Return the version of the program, and a hash of the inputs."""
     data = {"rows": [list(row) for row in inputs(check)]}
     return f"cylcontact {version('cylcontact')}, inputs {spec_hash(data)}"
 
 
-def write_page(check: JointCheck, path: Path | str) -> Path:
+def write_page(check: Answer, path: Path | str) -> Path:
     """Write the page of a check as .html, .pdf or .png, by the suffix of the path."""
     suffix = require_suffix(path, *SUFFIXES)
     with replacing(path) as temporary, figure_style():
@@ -137,7 +138,7 @@ def write_page(check: JointCheck, path: Path | str) -> Path:
 # --- a sheet of paper ---------------------------------------------------------------------------
 
 
-def _sheet(check: JointCheck) -> StyledFigure:
+def _sheet(check: Answer) -> StyledFigure:
     """Return a sheet of A4."""
     figure = new_figure("page", _HEIGHT)
     figure.set_size_inches(_WIDTH / 25.4, _HEIGHT / 25.4)
@@ -203,7 +204,7 @@ def _line(figure: StyledFigure, start: float, end: float, y: float) -> Any:
 # --- a page of HTML -----------------------------------------------------------------------------
 
 
-def _html(check: JointCheck) -> str:
+def _html(check: Answer) -> str:
     """Return a page of HTML with its pictures."""
     joint = check.joint
     sketch, picture = new_figure("column", 75.0), new_figure("column", 75.0)
@@ -226,7 +227,7 @@ def _html(check: JointCheck) -> str:
             f'<div class="side"><figure>{_svg(sketch)}</figure><div><h2>Inputs</h2>'
             f'<table class="inputs"><tr><td></td><td>value</td><td>source</td></tr>{rows}</table>'
             "</div></div>",
-            f"<h2>Answer</h2>{check._repr_html_()}",
+            f"<h2>Answer</h2>{TextTable(*cells(check), described(joint)[0])._repr_html_()}",
             *(f"<p>{escape(line)}</p>" for line in words(check)),
             f'<div class="side"><figure>{_svg(picture)}</figure><div><h2>Assumptions</h2>'
             f"<ul>{assumed}</ul><h2>Not included</h2>"
