@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cylcontact.bodies.material import Material
-from cylcontact.joint.check import cells, not_included, words
+from cylcontact.joint.answer import cells, not_included, words
 from cylcontact.joint.page import Page, Source, numbers_of_material
 from cylcontact.joint.picture import draw_check, title_of
 from cylcontact.joint.sketch import draw_sketch
 
 if TYPE_CHECKING:
-    from cylcontact.joint.check import JointCheck
+    from cylcontact.joint.answer import Answer
 
 
-def page_of(check: JointCheck) -> Page:
+def page_of(check: Answer) -> Page:
     """Return the page of a check."""
     sections = {"Assumptions": assumptions(check)}
     sections["Not included"] = [", ".join(not_included(check.joint))]
@@ -28,7 +28,7 @@ def page_of(check: JointCheck) -> Page:
     )  # fmt: skip
 
 
-def inputs(check: JointCheck) -> list[Source]:
+def inputs(check: Answer) -> list[Source]:
     """Return what the answer is computed from: its name, its value, and where that is from."""
     joint, pair = check.joint, check.joint.drawn
     first, second = ("hole", "pin") if pair.contact == "internal" else ("roller i", "roller j")
@@ -65,7 +65,7 @@ def inputs(check: JointCheck) -> list[Source]:
     return [*rows, ("load", f"{load:,.6g} N/mm{total}", "given"), ("plane", pair.plane, "given")]
 
 
-def assumptions(check: JointCheck) -> list[str]:
+def assumptions(check: Answer) -> list[str]:
     """Return what the answer rests on."""
     joint = check.joint
     lines = [

@@ -14,7 +14,7 @@ from cylcontact.plots.style import ACCENT
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from cylcontact.joint.check import JointCheck
+    from cylcontact.joint.answer import Answer
     from cylcontact.joint.loaded import LoadedJoint
 
 # Over the radius of the hole: the clearance that is drawn, and the plate around a hole.
@@ -31,7 +31,7 @@ _CONTACT: dict[str, Any] = {
 _LARGEST = 2.2
 
 
-def draw_sketch(check: JointCheck, axes: Axes) -> None:
+def draw_sketch(check: Answer, axes: Axes) -> None:
     """Draw the joint of a check, the load downwards."""
     axes.set_aspect("equal")
     axes.set_axis_off()
@@ -46,7 +46,7 @@ def _toward(distance: float, degrees: float) -> tuple[float, float]:
     return polar(distance, degrees - 90.0)
 
 
-def _draw_pin(check: JointCheck, axes: Axes) -> None:
+def _draw_pin(check: Answer, axes: Axes) -> None:
     """Draw the pin of a check in its hole and its housing, with the contact."""
     joint, numbers = check.joint, check.numbers
     R_i, R_j = (float(each) for each in joint.drawn.radii("a sketch"))
@@ -155,7 +155,7 @@ def _point_at(
     axes.text(*text_at, f" {text} ", ha=align, va="center", zorder=9)
 
 
-def _draw_rollers(check: JointCheck, axes: Axes) -> None:
+def _draw_rollers(check: Answer, axes: Axes) -> None:
     """Draw two rollers, or one on a plane, the first above."""
     joint: LoadedJoint = check.joint
     R_i, R_j = (float(each) for each in joint.drawn.radii("a sketch"))
