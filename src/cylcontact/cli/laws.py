@@ -68,7 +68,8 @@ def compare(
 
     With an ISO fit there is a table for each pair, from the tightest to the loosest.
     """
-    from cylcontact.joint.check import checked, described
+    from cylcontact.joint.answer import described
+    from cylcontact.joint.check import checked
     from cylcontact.laws.compare import comparison, comparison_text
 
     joint, law = joint_of(pair, around, "laws compare"), None

@@ -20,7 +20,8 @@ from cylcontact.files.numbers import quantity
 from cylcontact.files.reading import require_file
 from cylcontact.files.sheet import Sheet, read_sheet
 from cylcontact.files.units import FORCES, LENGTHS, QUANTITIES, load_in_N_per_mm, unit_after
-from cylcontact.joint.check import NUMBERS, checked, has_yield_stresses
+from cylcontact.joint.answer import NUMBERS, has_yield_stresses
+from cylcontact.joint.check import checked
 from cylcontact.joint.words import (
     SIZES,
     joint_from_words,
