@@ -27,8 +27,8 @@ WITH_CODE = [
     if page != README and any(b.language in ("python", "bash") for b in blocks(page))
 ]
 SLOW = {
-    "science.md", "calibration.md", "extend.md", "mechanism.md", "fit-my-data.md", "errors-of-readings.md",
-    "choose-a-law.md", "export.md", "reproduce-the-paper.md",
+    "science.md", "calibration.md", "extend.md", "mechanism.md", "fit-my-data.md",
+    "errors-of-readings.md", "choose-a-law.md", "export.md", "reproduce-the-paper.md",
     "from-a-drawing.md", "housing.md", "a-pin-that-tilts.md",
 }  # fmt: skip
 each_page = pytest.mark.parametrize(
