@@ -279,9 +279,11 @@ POLYMERS = ("PEEK", "PTFE", "POM", "PA 6")
 def require_known_at(body: Material, warmer: float) -> None:
     """Refuse a polymer of the table away from room temperature, where its numbers do not hold."""
     if warmer and body.name in POLYMERS and body == shipped_materials()[body.name].material:
-        rule = "is a polymer, whose modulus and yield stress in the table are those at 20 °C"
-        remedy = "give its numbers at that temperature, e.g. '2.5 GPa, 0.38, 60 MPa, 47e-6/K'"
-        raise InputError("temperature", "material", body.name, rule, remedy)
+        rule = (
+            f"{body.name} is a polymer, whose modulus and yield stress in the table hold at 20 °C"
+        )
+        remedy = "in place of its name give its numbers then, '2.5 GPa, 0.38, 60 MPa, 47e-6/K'"
+        raise InputError("a joint", "temperature", None, rule, remedy)
 
 
 def _plain(name: str) -> str:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -73,6 +73,16 @@ class Plan:
         read = "".join(f"{item(line, '')}\n" for line in self.read)
         warning = f"\n{item(self.warning, '! ')}" if self.warning else ""
         return f"{read}{title}{warning}\n\n{readings}\n\n{intervals}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what the text says as plain data, for JSON."""
+        return {
+            "parameter": self.parameter or None,
+            "readings": self.readings.to_dict("records"),
+            "intervals": self.intervals.reset_index().to_dict("records"),
+            "read": list(self.read),
+            "warning": self.warning or None,
+        }
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw what one reading at each candidate gains, a line for each clearance."""

@@ -125,9 +125,10 @@ class JointCheck(Answer):
         path : str or Path
             The file, .html, .pdf or .png.
         """
+        from cylcontact.joint.check_page import page_of
         from cylcontact.joint.page import write_page
 
-        return write_page(self, path)
+        return write_page(page_of(self), path)
 
 
 def check_joint(

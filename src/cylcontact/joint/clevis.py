@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from cylcontact.joint.page import Page, Source
+
 __all__ = ["ClevisCheck", "ClevisNumbers", "check_clevis"]
 
 # Means of the line load are over these lengths from an edge, in R.
@@ -125,7 +127,8 @@ class ClevisCheck:
         return pd.DataFrame({name: _flat(numbers) for name, numbers in self.band.items()})
 
     def __str__(self) -> str:
-        return "\n".join([*_described(self), "", str(TextTable(*_cells(self))), *_summary(self)])
+        parts = [*_described(self), "", str(TextTable(*_cells(self))), "", *_summary(self)]
+        return "\n".join([*parts, "", f"not included  {NOT_INCLUDED}"])
 
     def _repr_html_(self) -> str:
         return TextTable(*_cells(self), _described(self)[0])._repr_html_()
@@ -179,12 +182,9 @@ class ClevisCheck:
 
     def save(self, path: Path | str) -> Path:
         """Write the answer on one page, .html, .pdf or .png, with a sketch and the line load."""
-        from cylcontact.joint.clevis_picture import draw_clevis, draw_line_load
-        from cylcontact.joint.text_page import write_text_page
+        from cylcontact.joint.page import write_page
 
-        drawn = self.clevis, self.force, self.states
-        pictures = partial(draw_clevis, *drawn), partial(draw_line_load, *drawn)
-        return write_text_page(self, "Check of a clevis", path, pictures)
+        return write_page(_page(self), path)
 
 
 def check_clevis(clevis: Clevis, force: float) -> ClevisCheck:
@@ -368,10 +368,10 @@ def _cells(check: ClevisCheck) -> tuple[list[str], list[list[str]]]:
 
 
 def _summary(check: ClevisCheck) -> list[str]:
-    """Return the designers' rules beside the moment, and what is not included."""
+    """Return the designers' rules beside the moment, and the factor of the pin."""
     needed, clevis = check.needed_moment, check.clevis
     raised = ", raised by a tenth as it may be low in a lug" if _is_soft(clevis) else ""
-    lines = ["", f"moment of the pin   {_text(needed)} N mm{raised}"]
+    lines = [f"moment of the pin   {_text(needed)} N mm{raised}"]
     for name, moment in check.rules.items():
         verdict = "safe" if moment >= needed else "UNSAFE"
         lines.append(f"  {name:<32}{_text(moment)} N mm, {moment / needed:.2f} of it: {verdict}")
@@ -382,12 +382,8 @@ def _summary(check: ClevisCheck) -> list[str]:
         lines.append("factor of the pin   the yield stress is not given")
     else:
         lines.append(f"factor of the pin   {check.factor:.3g} to yield, at 1.06·32M/(πd³)")
-    lines += [
-        "eye and cheeks      no factor: a sharp edge has no yield load, and a largest line load is "
-        "no number",
-        "",
-        f"not included  {NOT_INCLUDED}",
-    ]
+    lines.append("eye and cheeks      no factor: a sharp edge has no yield load, and a largest "
+                 "line load is no number")  # fmt: skip
     return lines
 
 
@@ -417,6 +413,54 @@ def _warnings(check: ClevisCheck) -> list[str]:
     if check.factor < 1:
         found.append("the pin yields in bending; this answer is elastic")
     return found
+
+
+# --- the page -----------------------------------------------------------------------------------
+
+
+def _page(check: ClevisCheck) -> Page:
+    """Return the page of a check."""
+    from cylcontact.joint.clevis_picture import draw_clevis, draw_line_load
+    from cylcontact.joint.page import Page
+
+    clevis, drawn = check.clevis, (check.clevis, check.force, check.states)
+    title = f"{clevis.pin.title} pin Ø{shown(clevis.diameter)} in an eye between two cheeks"
+    sections = {
+        "Bending of the pin": [" ".join(line.split()) for line in _summary(check)],
+        "Assumptions": [
+            "Linear elasticity; the pin is a beam on the exact contact law, fitted to finite "
+            "elements in three dimensions.",
+        ],
+        "Not included": [NOT_INCLUDED],
+    }
+    return Page(
+        "Check of a clevis", title, partial(draw_clevis, *drawn), partial(draw_line_load, *drawn),
+        _inputs(check), *_cells(check), [], check.warnings, sections,
+    )  # fmt: skip
+
+
+def _inputs(check: ClevisCheck) -> list[Source]:
+    """Return what the answer is computed from."""
+    from cylcontact.joint.page import numbers_of_material
+
+    clevis = check.clevis
+    rows = [
+        ("pin", *numbers_of_material(clevis.pin)),
+        ("", f"Ø{shown(clevis.diameter)}, {clevis.pin_length:g} mm long", "given"),
+    ]
+    for name, plate in clevis.plates.items():
+        title = "cheek, one of 2" if name == "cheek" else name
+        rows += [
+            (title, *numbers_of_material(plate.material)),
+            ("", f"{plate.thickness:g} mm, hole Ø{shown(plate.hole)}, {_around(plate)}", "given"),
+        ]
+        if plate.housing is not None:
+            rows += [
+                (f"  from {radius:g} mm", *numbers_of_material(body))
+                for body, radius in plate.housing.layers
+            ]
+    return [*rows, ("gap", f"{clevis.gap:g} mm", "given"),
+            ("load", f"{check.force:,.6g} N on the eye", "given")]  # fmt: skip
 
 
 def _text(value: float) -> str:
