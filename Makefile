@@ -20,8 +20,9 @@ REFITS := $(patsubst %,build/%.json,recovered-internal recovered-external intern
 # Figures 17 to 19 compile the mechanism, so they come first.
 FIGURES := $(foreach number,17 18 19 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(number)) fig_choices
 
-# Another user's Python packages must not leak into the environment.
-unexport PYTHONHOME PYTHONPATH
+# Another user's Python packages must not leak into the environment. Without compiled files on disk,
+# each process would compile numpy, scipy and the tests anew.
+unexport PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
 .PHONY: all figures docs explore notebooks test clean extras test-all lint format fits bench lock committed help FORCE

@@ -20,6 +20,7 @@ widths = {}
 for axes, options in zip(panels, ({}, {"group": "specimen"}), strict=True):
     result = cc.fit(table, "explicit", pair, **options)
     result.plot(ax=axes)
+    axes.legend(loc="lower right", fontsize="small", ncols=2 if options else 1)
     axes.set_title("readings taken as independent" if not options else "with nine specimens")
     interval = result.estimates["stiffness_factor"]
     widths[axes.get_title()] = {"low": interval.low, "high": interval.high}

@@ -20,7 +20,7 @@ PLACES = ("*.md", "docs/**/*.md", "*/README.md", "datasets/*/README.md", "benchm
 THEIRS = re.compile(
     r"(mine|my|your|own|table|rig|run|result|fit|first|second|pair|joint|motion|cases|out|new|NAME|x|"
     r"data|steel|readings|hinge|bearing|sweep|curve|law|study|choice|plan|file|materials|"
-    r"a|b|answers|band|bearings|choices|joints|residuals|-embedded|SPEC-embedded|STUDY)(\b|_)"
+    r"a|b|answers|band|bearings|choices|joints|residuals|-embedded|SETUP-embedded|STUDY)(\b|_)"
 )
 # Options of other programs.
 OTHERS = {

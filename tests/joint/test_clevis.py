@@ -10,7 +10,8 @@ import pandas as pd
 import pytest
 
 from cylcontact import InputError, Material
-from cylcontact.joint.clevis import EDGES, Clevis, Plate, check_clevis
+from cylcontact.joint.clevis import EDGES, check_clevis
+from cylcontact.joint.clevis_beam import Clevis, Plate
 from cylcontact.laws import Housing, Sector
 from tests.support.clevis_elements import ClevisOfElements, Joint
 

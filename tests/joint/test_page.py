@@ -6,7 +6,7 @@ import pytest
 
 import cylcontact as cc
 from cylcontact import InputError, laws
-from cylcontact.joint.page import inputs
+from cylcontact.joint.check_page import inputs
 
 STEEL, BRONZE = map(cc.Material.named, ("high-strength steel", "bronze"))
 PAIR = cc.CylinderPair.internal(10.0, 9.95, pin=STEEL, hole=BRONZE, length=12.0)
@@ -29,7 +29,13 @@ def test_a_page_has_inputs_answer_warning_and_what_is_not_included(tmp_path):
 @pytest.mark.parametrize("suffix", ["pdf", "png"])
 def test_a_page_is_one_sheet_of_any_joint(tmp_path, suffix):
     flat = cc.CylinderPair.external(15.0, float("inf"), BRONZE)
+    bush = cc.joint.Bush(BRONZE, seat=(26.0, 26.03), bore=20.04)
+    plates = cc.joint.Plate(20.0, STEEL, 15.02), cc.joint.Plate(10.0, STEEL, 15.02)
     for name, check in {
+        "bush": cc.joint.check_bush(
+            bush, STEEL, 19.97, STEEL, laws.Housing(26.0), 50.0, rim="free"
+        ),
+        "clevis": cc.joint.check_clevis(cc.joint.Clevis(STEEL, 15.0, *plates, gap=1.0), 10e3),
         "eye": cc.check_joint(PAIR, 500.0, housing=EYE),
         "layers": cc.check_joint(PAIR, 500.0, housing=laws.Housing(20.0, layers=[(STEEL, 13.0)])),
         "plane": cc.check_joint(flat, 50.0),

@@ -6,7 +6,7 @@ import pytest
 
 import cylcontact as cc
 from cylcontact import InputError, laws
-from cylcontact.joint.check import NUMBERS
+from cylcontact.joint.answer import NUMBERS
 from cylcontact.joint.tables import check_table
 from tests.support.programs import require_package
 

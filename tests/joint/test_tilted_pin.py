@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from benchmarks import tilted_pin
+from benchmarks.tilted_pin import mesh_change
 from cylcontact.files.spec import read_toml
 from cylcontact.joint.spatial import EDGES, SpatialJoint
-from tests.support import tilted_pin
-from tests.support.tilted_pin import mesh_change
 
 NU = tilted_pin.NU
 WHOLE = np.array([0.0, 1.0])

@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,19 @@ def test_no_module_imports_from_a_later_package(path):
     own = ORDER.index(part_of(path))
     later = [part for part in imported_parts(path) if part in ORDER and ORDER.index(part) > own]
     assert not later
+
+
+def imported_modules(path):
+    """The modules of the package that a module imports, in functions and for types too."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("cylcontact"):
+            for name in [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]:
+                yield PACKAGE.parent / f"{name.replace('.', '/')}.py"
+
+
+def test_no_modules_import_each_other_by_any_way_round():
+    graph = {path: set(imported_modules(path)) & set(MODULES) for path in MODULES}
+    assert list(TopologicalSorter(graph).static_order())
 
 
 def test_no_module_is_loose_at_the_root():

@@ -1,6 +1,6 @@
 """A clevis in three dimensions: pin, eye and cheek as bodies of revolution in frictionless contact.
 
-As in `tests.support.tilted_pin`, finite elements in (r, z) for each harmonic cos mφ give the
+As in `benchmarks.tilted_pin`, finite elements in (r, z) for each harmonic cos mφ give the
 compliance of bands of the walls, and cells (band × angle) touch without friction. The plates are
 clamped at four radii of the pin, and the pin is free: its displacement and that of the eye follow
 from the forces. The eye pushes the pin at φ = 180°, the cheeks hold it at φ = 0. All bodies have
@@ -22,7 +22,7 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse.linalg import splu
 
-from tests.support.tilted_pin import HARMONICS, graded, mass, stiffness
+from benchmarks.tilted_pin import HARMONICS, graded, mass, stiffness
 
 OUTER, SOFT = 4.0, 1e-7
 

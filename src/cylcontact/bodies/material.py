@@ -262,7 +262,7 @@ def find_material(
     source: str,
     key: str,
     table: str,
-    others: str = ", or name a table of your own with --materials",
+    others: str = ", or name your table with --materials",
 ) -> MaterialRow:
     """Return the row of a material, whether its name is in small or capital letters."""
     row = rows.get(name) or {_plain(known): row for known, row in rows.items()}.get(_plain(name))
@@ -279,9 +279,11 @@ POLYMERS = ("PEEK", "PTFE", "POM", "PA 6")
 def require_known_at(body: Material, warmer: float) -> None:
     """Refuse a polymer of the table away from room temperature, where its numbers do not hold."""
     if warmer and body.name in POLYMERS and body == shipped_materials()[body.name].material:
-        rule = "is a polymer, whose modulus and yield stress in the table are those at 20 °C"
-        remedy = "give its numbers at that temperature, e.g. '2.5 GPa, 0.38, 60 MPa, 47e-6/K'"
-        raise InputError("temperature", "material", body.name, rule, remedy)
+        rule = (
+            f"{body.name} is a polymer, whose modulus and yield stress in the table hold at 20 °C"
+        )
+        remedy = "in place of its name give its numbers then, '2.5 GPa, 0.38, 60 MPa, 47e-6/K'"
+        raise InputError("a joint", "temperature", None, rule, remedy)
 
 
 def _plain(name: str) -> str:
@@ -339,7 +341,7 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
         row = _row(source, cells, {name: cells[k] for name, cells in values.items()})
         name = row.material.name
         if _plain(name) in map(_plain, rows):
-            rule, remedy = "is used twice", "give each material a name of its own"
+            rule, remedy = "is used twice", "give each material another name"
             raise InputError(source, "name", name, rule, remedy)
         rows[name] = row
     return rows

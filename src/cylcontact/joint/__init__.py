@@ -14,7 +14,8 @@ if TYPE_CHECKING:
         joint_from,
         read_joint,
     )
-    from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
+    from cylcontact.joint.clevis import ClevisCheck, check_clevis
+    from cylcontact.joint.clevis_beam import Clevis, Plate
     from cylcontact.joint.loaded import LoadedJoint
     from cylcontact.joint.many import ClearanceJoints
     from cylcontact.joint.spatial import SpatialJoint, SpatialState, SpatialWrench
@@ -54,7 +55,8 @@ _NAMES = {
         *("ClearanceJoint", "JointJacobian", "JointState", "JointWrench"),
         *("joint_from", "read_joint"),
     ),
-    "clevis": ("Clevis", "ClevisCheck", "Plate", "check_clevis"),
+    "clevis": ("ClevisCheck", "check_clevis"),
+    "clevis_beam": ("Clevis", "Plate"),
     "loaded": ("LoadedJoint",),
     "tables": ("TableCheck", "check_table"),
     "many": ("ClearanceJoints",),

@@ -12,6 +12,7 @@ import itertools
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -32,6 +33,8 @@ from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from cylcontact.joint.page import Page, Source
 
 __all__ = ["Bush", "BushCheck", "BushNumbers", "check_bush"]
 
@@ -125,7 +128,7 @@ class Bush:
         seat = self.seat
         if isinstance(seat, str):
             hole, slash, outer = seat.partition("/")
-            rule, remedy = "is no fit", 'write hole and bush, "26H7/s6"'
+            rule, remedy = "is not an ISO fit", 'write hole and bush, "26H7/s6"'
             require(bool(slash), _SOURCE, "seat", seat, rule, remedy)
             nominal = hole.strip().rstrip("0123456789").rstrip("ABCDEFGHIJKLMNOPQRSTUVXYZ")
             seat = (hole.strip(), f"{nominal}{outer.strip()}")
@@ -373,7 +376,8 @@ class BushCheck:
         return pd.DataFrame({name: asdict(numbers) for name, numbers in self.band.items()})
 
     def __str__(self) -> str:
-        return "\n".join([*_described(self), "", str(TextTable(*_cells(self))), *_summary(self)])
+        parts = [*_described(self), "", str(TextTable(*_cells(self))), "", *_summary(self)]
+        return "\n".join([*parts, "", f"not included  {NOT_INCLUDED}"])
 
     def _repr_html_(self) -> str:
         return TextTable(*_cells(self), _described(self)[0])._repr_html_()
@@ -409,9 +413,9 @@ class BushCheck:
 
     def save(self, path: Path | str) -> Path:
         """Write the answer on one page, .html, .pdf or .png."""
-        from cylcontact.joint.text_page import write_text_page
+        from cylcontact.joint.page import write_page
 
-        return write_text_page(self, "Check of a joint with a bush", path)
+        return write_page(_page(self), path)
 
 
 def check_bush(
@@ -723,10 +727,7 @@ def _cells(check: BushCheck) -> tuple[list[str], list[list[str]]]:
 
 def _summary(check: BushCheck) -> list[str]:
     """Return close-in factor, temperatures of the seat and factors in words."""
-    lines = [
-        "",
-        f"close-in of the bore  {check.close_in:.3g} of the interference",
-    ]
+    lines = [f"close-in of the bore  {check.close_in:.3g} of the interference"]
     if np.isfinite(check.loose_at):
         side = "below" if check.loose_at < 20 else "above"
         lines.append(f"the seat is loose     {side} {check.loose_at:.0f} °C")
@@ -746,7 +747,7 @@ def _summary(check: BushCheck) -> list[str]:
             f"first yield of the {body:<8}{_text(load)} N/mm ({name}, {seat}{place}), "
             f"factor {load / check.load:.3g}"
         )
-    return [*lines, "", f"not included  {NOT_INCLUDED}"]
+    return lines
 
 
 def _why_unknown(check: BushCheck, body: str) -> str:
@@ -816,6 +817,63 @@ def _about_yield(check: BushCheck) -> list[str]:
     if 0 < factor < 1:
         found.append(f"the load is above first yield of the {body} ({column}); laws are elastic")
     return found
+
+
+# --- the page -----------------------------------------------------------------------------------
+
+
+def _page(check: BushCheck) -> Page:
+    """Return the page of a check."""
+    from cylcontact.joint.page import Page
+    from cylcontact.joint.sketch import draw_pin
+
+    numbers = check.band.get("joint") or check.band["middle"]
+    pin = sum(limits_of(check.pin_diameter, "pin")) / 4
+    seat = sum(check.bush.sizes.hole) / 4
+    shape = Housing(check.housing.R_o, check.housing.clamp, [(check.hole, seat)])
+    title = f"{check.pin.title} pin in a {str(check.bush).partition(' (')[0]}"
+    sketch = partial(
+        draw_pin, R_i=numbers.bore_mm / 2, R_j=pin, housing=shape,
+        gap=f"bush after pressing, ΔR = {numbers.clearance_um:.4g} µm",
+    )  # fmt: skip
+    sections = {"Assumptions": _assumptions(check), "Not included": [NOT_INCLUDED]}
+    words = [" ".join(line.split()) for line in _summary(check)]
+    return Page(
+        "Check of a joint with a bush", title, sketch, None, _inputs(check), *_cells(check), words,
+        check.warnings, sections,
+    )  # fmt: skip
+
+
+def _inputs(check: BushCheck) -> list[Source]:
+    """Return what the answer is computed from."""
+    from cylcontact.joint.page import numbers_of_material
+
+    bush, (warm_pin, warm) = check.bush, check.temperature
+    inner = f"bore {shown(bush.bore)}" if bush.wall is None else f"wall {shown(bush.wall)}"
+    seat = bush.seat if isinstance(bush.seat, str) else " / ".join(map(shown, bush.seat))
+    wrapped = ", rolled of strip" if bush.wrapped else ""
+    rim = check.rim.title if isinstance(check.rim, Material) else check.rim
+    total = f" ({check.load * check.length:,.6g} N on {check.length:g} mm)" if check.length else ""
+    return [
+        ("bush", *numbers_of_material(bush.material)),
+        ("", f"{inner} before pressing, seat {seat}{wrapped}", "given"),
+        ("pin", *numbers_of_material(check.pin)),
+        ("", f"diameter {shown(check.pin_diameter)}", "given"),
+        ("around it", *numbers_of_material(check.hole)),
+        ("", f"{str(check.housing).partition(' (as ')[0]}; rim at rest: {rim}", "given"),
+        ("temperature", f"pin {warm_pin:g} °C, other parts {warm:g} °C", "given"),
+        ("load", f"{check.load:,.6g} N/mm{total}", "given"),
+        ("plane", check.plane, "given"),
+    ]
+
+
+def _assumptions(check: BushCheck) -> list[str]:
+    """Return what the answer rests on."""
+    return [
+        f"Linear elasticity, plane {check.plane} under the load; at rest the ends are free.",
+        "The seat slides or sticks: each yield is the lower one of both.",
+        "Diameters are normally distributed, with the limits at ±3σ.",
+    ]
 
 
 def _text(value: float, digits: int = 4) -> str:

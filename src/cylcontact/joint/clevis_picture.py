@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from cylcontact.plots.style import ACCENT
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from cylcontact.joint.clevis import ClevisCheck
+    from cylcontact.joint.clevis_beam import Clevis, State
 
 _COLOURS = {"joint": "C0", "tightest": "C0", "middle": "C1", "loosest": "C2"}
 _PIN, _EYE, _CHEEK = "0.78", "0.9", "0.82"
@@ -22,10 +23,9 @@ _PIN, _EYE, _CHEEK = "0.78", "0.9", "0.82"
 _EDGE = 0.02
 
 
-def draw_clevis(check: ClevisCheck, axes: Axes) -> None:
+def draw_clevis(clevis: Clevis, force: float, states: Mapping[str, State], axes: Axes) -> None:
     """Draw the clevis to scale, cut along the pin, the force on the eye upwards."""
-    clevis = check.clevis
-    R = next(iter(check.band.values())).pin_mm / 2
+    R = next(iter(states.values())).R
     half, cheek = clevis.eye.thickness / 2, clevis.cheek.thickness
     start, end = half + clevis.gap, clevis.pin_length / 2
     tall = {
@@ -51,7 +51,7 @@ def draw_clevis(check: ClevisCheck, axes: Axes) -> None:
         x = side * (start + cheek / 2)
         ends = (x, -tall["cheek"]), (x, -tall["cheek"] - 0.8 * R)
         axes.add_patch(FancyArrowPatch(*ends, **arrow))
-    axes.text(0, reach + 1.0 * R, f"{check.force / 1e3:g} kN", ha="center", fontsize=7)
+    axes.text(0, reach + 1.0 * R, f"{force / 1e3:g} kN", ha="center", fontsize=7)
     axes.text(0, 0, f"Ø{shown(clevis.diameter)}", ha="center", va="center", fontsize=7)
     for x, text in ((0, half * 2), (start + cheek / 2, cheek)):
         axes.text(x, -0.6 * (R + reach), f"{text:g}", ha="center", va="center", fontsize=7)
@@ -60,26 +60,26 @@ def draw_clevis(check: ClevisCheck, axes: Axes) -> None:
     axes.set_axis_off()
 
 
-def draw_line_load(check: ClevisCheck, ax: Axes | None = None) -> Axes:
+def draw_line_load(
+    clevis: Clevis, force: float, states: Mapping[str, State], ax: Axes | None = None
+) -> Axes:
     """Draw the line load along the pin beside the uniform one."""
     import matplotlib.pyplot as plt
 
     if ax is None:
         _, ax = plt.subplots(layout="constrained")
-    clevis = check.clevis
     half = clevis.eye.thickness / 2
     start = half + clevis.gap
-    for name, state in check.states.items():
-        R = check.band[name].pin_mm / 2
+    for name, state in states.items():
         for part, sign, edge in ((state.in_eye, 1.0, half), (~state.in_eye, -1.0, start)):
-            shown = part & (np.abs(state.z - edge) > _EDGE * R)
+            shown = part & (np.abs(state.z - edge) > _EDGE * state.R)
             order = np.argsort(state.z[shown])
             z, f = state.z[shown][order], sign * state.line_load[shown][order]
-            label = name if sign > 0 and len(check.states) > 1 else None
+            label = name if sign > 0 and len(states) > 1 else None
             for mirror in (1, -1):
                 ax.plot(mirror * z, f, color=_COLOURS[name], marker="", linestyle="-",
                         label=label if mirror > 0 else None)  # fmt: skip
-    uniform = check.force / clevis.eye.thickness, -check.force / 2 / clevis.cheek.thickness
+    uniform = force / clevis.eye.thickness, -force / 2 / clevis.cheek.thickness
     style: dict[str, Any] = {"color": "0.5", "linestyle": "--", "marker": ""}
     ax.plot([-half, half], [uniform[0]] * 2, label="uniform", **style)
     for side in (-1, 1):
@@ -87,6 +87,6 @@ def draw_line_load(check: ClevisCheck, ax: Axes | None = None) -> Axes:
         ax.plot(ends, [uniform[1]] * 2, **style)
     ax.axhline(0, color="black", linewidth=0.6, linestyle="-", marker="")
     ax.set(xlabel="along the pin (mm)", ylabel="line load on the pin (N/mm)")
-    ax.set_title(f"{check.force / 1e3:g} kN on the eye", fontsize="small")
+    ax.set_title(f"{force / 1e3:g} kN on the eye", fontsize="small")
     ax.legend(fontsize="small")
     return ax

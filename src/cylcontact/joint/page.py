@@ -1,31 +1,33 @@
-"""One page of a checked joint, to sign and file: sketch, inputs, answer, picture, assumptions."""
+"""One page of an answer, to sign and file: sketch, inputs, answer, picture, assumptions."""
 
 from __future__ import annotations
 
 import io
 import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from matplotlib.lines import Line2D
 
 from cylcontact.bodies.material import Material, shipped_materials
 from cylcontact.files.provenance import spec_hash
 from cylcontact.files.writing import replacing, require_suffix
-from cylcontact.joint.check import cells, described, not_included, words
-from cylcontact.joint.picture import draw_check, title_of
-from cylcontact.joint.sketch import draw_sketch
 from cylcontact.plots.figure import StyledFigure, new_figure
 from cylcontact.plots.style import figure_style
+from cylcontact.support.text_tables import TextTable
 
 if TYPE_CHECKING:
-    from cylcontact.joint.check import JointCheck
+    from matplotlib.axes import Axes
 
 SUFFIXES = (".html", ".pdf", ".png")
 # A sheet of A4 with its margins, in mm, and the dots per inch of a picture of it.
 _WIDTH, _HEIGHT, _DPI = 190.0, 272.0, 200
+# Columns of an answer beside which the sections stand.
+_FEW = 3
 # A blank at which no line breaks.
 _FIXED = "\u00a0"
 _STYLE = """
@@ -43,40 +45,52 @@ footer { margin-top: 2rem; color: #666; font-size: 12px; }
 """
 
 
-def inputs(check: JointCheck) -> list[tuple[str, str, str]]:
-    """Return what the answer is computed from: its name, its value, and where that is from."""
-    joint, pair = check.joint, check.joint.drawn
-    first, second = ("hole", "pin") if pair.contact == "internal" else ("roller i", "roller j")
-    R_i, R_j = (float(radius) for radius in pair.radii("a page"))
-    rows = [(first, *_material(pair.material_i)), (second, *_material(pair.material_j))]
-    from_fit = f"middle of {joint.iso.code}" if joint.iso else "given"
-    rows += [
-        ("R_i", f"{R_i:.6g} mm", from_fit),
-        ("R_j", "a plane" if np.isinf(R_j) else f"{R_j:.6g} mm", from_fit),
-    ]
-    if joint.iso is not None:
-        rows.append(("fit", str(joint.iso).partition(": ")[2], "ISO 286-1"))
-    elif pair.contact == "internal":
-        rows.append(("ΔR", f"{float(pair.dR):.6g} mm, {2 * float(pair.dR):.6g} mm on the diameter",
-                     "R_i − R_j"))  # fmt: skip
-    if joint.housing is not None:
-        rows.append(("housing", str(joint.housing), "given"))
-        rows += [
-            (f"layer from {radius:g} mm", *_material(body)) for body, radius in joint.housing.layers
-        ]
-    if joint.temperature is not None:
-        pin, hole = joint.temperature
-        rim = joint.rim.title if isinstance(joint.rim, Material) else joint.rim
-        rows.append(("temperature", f"pin {pin:g} °C, hole {hole:g} °C"
-                     + (f", rim: {rim}" if rim else ""), "given"))  # fmt: skip
-    if joint.depth is not None:
-        rows.append(("depth of the plane", f"{joint.depth:g} mm", "given"))
-    load, length = float(joint.load), pair.length
-    total = f" ({load * length:,.6g} N on {length:g} mm)" if length else ""
-    return [*rows, ("load", f"{load:,.6g} N/mm{total}", "given"), ("plane", pair.plane, "given")]
+# What is left to be written by hand.
+_TO_FILL = ("joint, drawing no.", "checked by", "approved by", "date")
+
+Draw = Callable[["Axes"], Any]
+Source = tuple[str, str, str]
 
 
-def _material(body: Material) -> tuple[str, str]:
+@dataclass(frozen=True)
+class Page:
+    """What a page shows.
+
+    Attributes
+    ----------
+    kind, title : str
+        What was checked, in general and here.
+    sketch, picture : callable
+        Draw into axes; a page may have no picture.
+    inputs : sequence of (str, str, str)
+        What the answer is computed from: its name, its value, and where that is from.
+    headings, rows : sequence
+        The numbers of the answer, with a name for each column unless there is only one.
+    words, warnings : sequence of str
+        What the numbers do not say.
+    sections : dict
+        Headings and their lines: what is assumed, what is not included.
+    """
+
+    kind: str
+    title: str
+    sketch: Draw
+    picture: Draw | None
+    inputs: Sequence[Source]
+    headings: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    words: Sequence[str]
+    warnings: Sequence[str]
+    sections: Mapping[str, Sequence[str]]
+
+    @property
+    def fingerprint(self) -> str:
+        """The version of the program, and a hash of the inputs."""
+        data = {"rows": [list(row) for row in self.inputs]}
+        return f"cylcontact {version('cylcontact')}, inputs {spec_hash(data)}"
+
+
+def numbers_of_material(body: Material) -> tuple[str, str]:
     """Return the numbers of a material, and where they are from."""
     parts = [f"E = {float(body.E) / 1e3:.4g} GPa", f"ν = {float(body.nu):.3g}"]
     if body.yield_stress is not None:
@@ -91,42 +105,14 @@ def _material(body: Material) -> tuple[str, str]:
     return ", ".join([*([body.name] if body.name else []), *numbers]), source
 
 
-def assumptions(check: JointCheck) -> list[str]:
-    """Return what the answer rests on."""
-    joint = check.joint
-    lines = [
-        f"Linear elasticity in plane {joint.drawn.plane}, the load spread evenly over the length.",
-        "First yield by von Mises, from the stresses inside both bodies.",
-    ]
-    if joint.drawn.contact == "external":
-        lines.append("Pressure of Hertz; penetration by Johnson's law.")
-        return lines
-    if joint.housing is None:
-        lines.append("The hole is in an infinite plate; penetration by Johnson's reference point.")
-    else:
-        lines.append("Penetration of the pin's centre against the clamped part of the rim.")
-        lines.append("Layers are bonded to each other." if joint.housing.layers else "")
-    if joint.iso is not None:
-        lines.append("Produced diameters are normally distributed, with the limits at ±3σ.")
-    if joint.temperature is not None:
-        lines.append("Radii are those at 20 °C; parts are free along their axis.")
-    return [line for line in lines if line]
-
-
-def _fingerprint(check: JointCheck) -> str:
-    """Return the version of the program, and a hash of the inputs."""
-    data = {"rows": [list(row) for row in inputs(check)]}
-    return f"cylcontact {version('cylcontact')}, inputs {spec_hash(data)}"
-
-
-def write_page(check: JointCheck, path: Path | str) -> Path:
-    """Write the page of a check as .html, .pdf or .png, by the suffix of the path."""
+def write_page(page: Page, path: Path | str) -> Path:
+    """Write a page as .html, .pdf or .png, by the suffix of the path."""
     suffix = require_suffix(path, *SUFFIXES)
     with replacing(path) as temporary, figure_style():
         if suffix == ".html":
-            temporary.write_text(_html(check), encoding="utf-8")
+            temporary.write_text(_html(page), encoding="utf-8")
         else:
-            sheet = _sheet(check)
+            sheet = _sheet(page)
             details: dict[str, Any] = {"metadata": {"CreationDate": None}}
             if suffix == ".png":
                 details = {"dpi": _DPI}
@@ -137,108 +123,134 @@ def write_page(check: JointCheck, path: Path | str) -> Path:
 # --- a sheet of paper ---------------------------------------------------------------------------
 
 
-def _sheet(check: JointCheck) -> StyledFigure:
-    """Return a sheet of A4."""
-    figure = new_figure("page", _HEIGHT)
-    figure.set_size_inches(_WIDTH / 25.4, _HEIGHT / 25.4)
-    figure.set_layout_engine("none")
-    joint = check.joint
+class _Sheet:
+    """A sheet of A4, written at places in mm from its lower left corner."""
 
-    def write(x: float, y: float, text: str, **more: Any) -> None:
-        figure.text(x / _WIDTH, y / _HEIGHT, text, **{"va": "top", "ha": "left"} | more)
+    def __init__(self) -> None:
+        self.figure = new_figure("page", _HEIGHT)
+        self.figure.set_size_inches(_WIDTH / 25.4, _HEIGHT / 25.4)
+        self.figure.set_layout_engine("none")
 
-    def lines(x: float, y: float, rows: list[str], size: float = 7.0, **more: Any) -> float:
-        write(x, y, "\n".join(rows), fontsize=size, linespacing=1.35, **more)
-        return y - 0.3528 * 1.35 * 1.22 * size * len(rows) - 3
+    def write(self, x: float, y: float, text: str, **more: Any) -> None:
+        self.figure.text(x / _WIDTH, y / _HEIGHT, text, **{"va": "top", "ha": "left"} | more)
 
-    def heading(x: float, y: float, text: str) -> float:
-        write(x, y, text, fontsize=9)
+    def lines(
+        self, x: float, y: float, rows: Sequence[str], size: float = 7.0, **more: Any
+    ) -> float:
+        """Write lines, and return where the next ones begin."""
+        self.write(x, y, "\n".join(rows), fontsize=size, linespacing=1.35, **more)
+        return y - 0.3528 * 1.35 * 1.22 * size * len(rows) - 3 * bool(rows)
+
+    def heading(self, x: float, y: float, text: str) -> float:
+        self.write(x, y, text, fontsize=9)
         return y - 6
 
-    write(8, _HEIGHT - 8, "Check of a joint", fontsize=14)
-    write(8, _HEIGHT - 16, title_of(joint), fontsize=9.5)
-    sketch = figure.add_axes((4 / _WIDTH, 178 / _HEIGHT, 88 / _WIDTH, 72 / _HEIGHT))
-    draw_sketch(check, sketch)
-    y = heading(96, _HEIGHT - 24, "Inputs")
-    for name, value, source in inputs(check):
+    def axes(self, x: float, y: float, width: float, height: float) -> Axes:
+        box = (x / _WIDTH, y / _HEIGHT, width / _WIDTH, height / _HEIGHT)
+        return self.figure.add_axes(box)
+
+    def answer(self, page: Page, y: float, width: int) -> float:
+        """Write the numbers and the words; return where the next part begins."""
+        for row in [page.headings, *page.rows] if len(page.headings) > 2 else page.rows:
+            self.write(8, y, row[0], fontsize=7)
+            for k, cell in enumerate(row[1:]):
+                self.write(84 + 17.5 * k, y, cell, fontsize=7, ha="right")
+            y -= 4.1
+        said = [part for line in page.words if line for part in textwrap.wrap(line, width)]
+        return self.lines(8, y - 1, said)
+
+    def sections(self, page: Page, x: float, y: float) -> float:
+        """Write the sections, as wide as the sheet is there; return where the next part begins."""
+        for name, rows in page.sections.items():
+            y = self.heading(x, y, name)
+            for line in rows:
+                y = self.lines(x, y, textwrap.wrap(line, int((188 - x) / 1.42))) + 2
+            y -= 2
+        return y
+
+    def foot(self, page: Page) -> None:
+        """Write what is to be signed, and where the page is from."""
+        for x, name in zip((8, 54, 100, 146), _TO_FILL, strict=True):
+            line = [x / _WIDTH, (x + 36) / _WIDTH], [16 / _HEIGHT] * 2
+            self.figure.add_artist(
+                Line2D(*line, transform=self.figure.transFigure, color="black", linewidth=0.6,
+                       linestyle="-", marker="")
+            )  # fmt: skip
+            self.write(x, 15, name, fontsize=6.5)
+        self.write(8, 7, page.fingerprint, fontsize=6.5, color="0.4")
+
+
+def _sheet(page: Page) -> StyledFigure:
+    """Return a sheet of A4."""
+    sheet = _Sheet()
+    sheet.write(8, _HEIGHT - 8, page.kind, fontsize=14)
+    sheet.write(8, _HEIGHT - 16, page.title, fontsize=9.5)
+    page.sketch(sheet.axes(4, 178, 88, 72))
+    y = sheet.heading(96, _HEIGHT - 24, "Inputs")
+    for name, value, source in page.inputs:
         wrapped = textwrap.wrap(value, 46)
         wrapped[-1] += f"   [{source}]" if source != "given" else ""
-        write(96, y, name, fontsize=7)
-        y = lines(118, y, wrapped) + 1.2
-    y = heading(8, min(y - 4, 172), "Answer")
-    columns, rows = cells(check)
-    for row in [columns, *rows] if check.iso else rows:
-        write(8, y, row[0], fontsize=7)
-        for k, cell in enumerate(row[1:]):
-            write(84 + 20 * k, y, cell, fontsize=7, ha="right")
-        y -= 4.1
-    y = lines(8, y - 1, [line for line in words(check) if line], 7.0)
-    for warning in check.warnings:
-        y = lines(8, y, textwrap.wrap(f"Warning: {warning}", 130), 7.5, color="#B00000") + 1
-    bottom = 28.0
-    high = min(70.0, y - bottom - 12)
-    plot = figure.add_axes((20 / _WIDTH, (y - high - 6) / _HEIGHT, 82 / _WIDTH, high / _HEIGHT))
-    draw_check(check, plot)
-    plot.set_title("")
-    below = heading(112, y, "Assumptions")
-    for line in assumptions(check):
-        below = lines(112, below, textwrap.wrap(f"– {line}", 52, subsequent_indent="  ")) + 2
-    below = heading(112, below - 2, "Not included")
-    lines(112, below, textwrap.wrap(", ".join(not_included(joint)), 52))
-    for x, name in ((8, "checked by"), (76, "approved by"), (144, "date")):
-        figure.add_artist(_line(figure, x, x + 42, 16))
-        write(x, 15, name, fontsize=6.5)
-    write(8, 7, _fingerprint(check), fontsize=6.5, color="0.4")
-    return figure
-
-
-def _line(figure: StyledFigure, start: float, end: float, y: float) -> Any:
-    from matplotlib.lines import Line2D
-
-    x = [start / _WIDTH, end / _WIDTH]
-    return Line2D(x, [y / _HEIGHT] * 2, transform=figure.transFigure, color="black",
-                  linewidth=0.6, linestyle="-", marker="")  # fmt: skip
+        sheet.write(96, y, name, fontsize=7)
+        y = sheet.lines(118, y, wrapped) + 1.2
+    y = min(y - 4, 172)
+    # Beside an answer of few columns there is room for the sections; below one column they leave
+    # the sheet to warnings and picture.
+    columns = len(page.headings) - 1
+    beside, alone = page.picture is not None and columns <= _FEW, columns == 1
+    side = 8.0 if page.picture is None else 112.0 if alone or not beside else 130.0
+    below = sheet.answer(page, sheet.heading(8, y, "Answer"), 72 if beside else 130)
+    end = sheet.sections(page, side, y) if beside else below
+    y = min(below, end) if alone else below
+    for warning in page.warnings:
+        rows = textwrap.wrap(f"Warning: {warning}", 78 if beside and not alone else 125)
+        y = sheet.lines(8, y, rows, 7.5, color="#B00000") + 1
+    if page.picture is not None:
+        high, wide = min(70.0, y - 40.0), 150.0 if beside and alone else 92.0 if beside else 82.0
+        page.picture(plot := sheet.axes(20, y - high - 6, wide, high))
+        plot.set_title("")
+    if not beside:
+        sheet.sections(page, side, y)
+    sheet.foot(page)
+    return sheet.figure
 
 
 # --- a page of HTML -----------------------------------------------------------------------------
 
 
-def _html(check: JointCheck) -> str:
+def _html(page: Page) -> str:
     """Return a page of HTML with its pictures."""
-    joint = check.joint
-    sketch, picture = new_figure("column", 75.0), new_figure("column", 75.0)
-    draw_sketch(check, sketch.subplots())
-    draw_check(check, picture.subplots())
-    rows = "".join(
-        f"<tr><td>{escape(name)}</td><td>{escape(value)}</td><td>{escape(source)}</td></tr>"
-        for name, value, source in inputs(check)
+    inputs = "".join(
+        f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in page.inputs
     )
-    warnings = "".join(f'<p class="warning">Warning: {escape(w)}</p>' for w in check.warnings)
-    assumed = "".join(f"<li>{escape(line)}</li>" for line in assumptions(check))
-    said = "<br>".join(map(escape, described(joint)))
+    warnings = "".join(f'<p class="warning">Warning: {escape(w)}</p>' for w in page.warnings)
+    sections = "".join(
+        f"<h2>{escape(name)}</h2>" + "".join(f"<p>{escape(line)}</p>" for line in lines)
+        for name, lines in page.sections.items()
+    )
+    picture = f"<figure>{_svg(page.picture)}</figure>" if page.picture else ""
+    to_fill = " ".join(f"{name} {'_' * 18}" for name in _TO_FILL)
     return "\n".join(
         [
             '<!doctype html><html lang="en"><meta charset="utf-8">'
-            f"<title>{escape(title_of(joint))}</title>"
+            f"<title>{escape(page.title)}</title>"
             f'<meta name="viewport" content="width=device-width"><style>{_STYLE}</style>',
-            f"<h1>Check of a joint</h1><p><b>{escape(title_of(joint))}</b><br>{said}</p>",
+            f"<h1>{escape(page.kind)}</h1><p><b>{escape(page.title)}</b></p>",
             warnings,
-            f'<div class="side"><figure>{_svg(sketch)}</figure><div><h2>Inputs</h2>'
-            f'<table class="inputs"><tr><td></td><td>value</td><td>source</td></tr>{rows}</table>'
-            "</div></div>",
-            f"<h2>Answer</h2>{check._repr_html_()}",
-            *(f"<p>{escape(line)}</p>" for line in words(check)),
-            f'<div class="side"><figure>{_svg(picture)}</figure><div><h2>Assumptions</h2>'
-            f"<ul>{assumed}</ul><h2>Not included</h2>"
-            f"<p>{escape(', '.join(not_included(joint)))}</p></div></div>",
-            f"<p>checked by {'_' * 22} approved by {'_' * 22} date {'_' * 12}</p>",
-            f"<footer>{escape(_fingerprint(check))}</footer></html>",
+            f'<div class="side"><figure>{_svg(page.sketch)}</figure><div><h2>Inputs</h2>'
+            '<table class="inputs"><tr><td></td><td>value</td><td>source</td></tr>'
+            f"{inputs}</table></div></div>",
+            f"<h2>Answer</h2>{TextTable([*page.headings], [*map(list, page.rows)])._repr_html_()}",
+            *(f"<p>{escape(line)}</p>" for line in page.words if line),
+            f'<div class="side">{picture}<div>{sections}</div></div>',
+            f"<p>{to_fill}</p>",
+            f"<footer>{escape(page.fingerprint)}</footer></html>",
         ]
     )
 
 
-def _svg(figure: StyledFigure) -> str:
+def _svg(draw: Draw) -> str:
     """Return a picture as SVG, to stand inside a page."""
-    text = io.StringIO()
+    figure, text = new_figure("column", 75.0), io.StringIO()
+    draw(figure.subplots())
     figure.savefig(text, format="svg", metadata={"Date": None})
     return text.getvalue()[text.getvalue().index("<svg") :]

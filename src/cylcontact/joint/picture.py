@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from cylcontact.bodies.pair import CylinderPair
-    from cylcontact.joint.check import JointCheck
+    from cylcontact.joint.answer import Answer
     from cylcontact.joint.loaded import LoadedJoint
 
 _POINTS = 161
@@ -27,7 +27,7 @@ _DECADE = 10.0
 _DRAWN = ("joint", "tightest", "middle", "loosest")
 
 
-def draw_check(check: JointCheck, ax: Axes | None = None) -> Axes:
+def draw_check(check: Answer, ax: Axes | None = None) -> Axes:
     """Draw the penetration of each pair up to its first yield, and the joint at work.
 
     Of a plane of unknown depth it is the largest pressure. Each line ends where its pair yields;

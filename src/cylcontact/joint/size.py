@@ -10,7 +10,8 @@ import numpy as np
 
 from cylcontact.bodies.material import scaled
 from cylcontact.bodies.pair import CylinderPair
-from cylcontact.joint.check import JointCheck, checked, described
+from cylcontact.joint.answer import described
+from cylcontact.joint.check import JointCheck, checked
 from cylcontact.joint.loaded import LoadedJoint, law_of, warmed
 from cylcontact.limits.sizing import TARGETS, UNKNOWNS, Unknown, find
 from cylcontact.support.arrays import as_floats, require

@@ -14,7 +14,7 @@ from cylcontact.plots.style import ACCENT
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from cylcontact.joint.check import JointCheck
+    from cylcontact.joint.answer import Answer
     from cylcontact.joint.loaded import LoadedJoint
 
 # Over the radius of the hole: the clearance that is drawn, and the plate around a hole.
@@ -31,7 +31,7 @@ _CONTACT: dict[str, Any] = {
 _LARGEST = 2.2
 
 
-def draw_sketch(check: JointCheck, axes: Axes) -> None:
+def draw_sketch(check: Answer, axes: Axes) -> None:
     """Draw the joint of a check, the load downwards."""
     axes.set_aspect("equal")
     axes.set_axis_off()
@@ -46,21 +46,28 @@ def _toward(distance: float, degrees: float) -> tuple[float, float]:
     return polar(distance, degrees - 90.0)
 
 
-def _draw_pin(check: JointCheck, axes: Axes) -> None:
-    """Draw a pin in its hole and its housing."""
-    joint = check.joint
+def _draw_pin(check: Answer, axes: Axes) -> None:
+    """Draw the pin of a check in its hole and its housing, with the contact."""
+    joint, numbers = check.joint, check.numbers
     R_i, R_j = (float(each) for each in joint.drawn.radii("a sketch"))
-    outer = _draw_around(joint.housing, R_i, axes)
-    axes.add_patch(Circle((0, 0), 1.0, facecolor="white", zorder=3, **OUTLINE))
-    middle = (0.0, -_GAP)
-    axes.add_patch(Circle(middle, 1 - _GAP, facecolor=_PIN, zorder=4, **OUTLINE))
-    numbers = check.numbers
+    gap = "clearance of the fit" if joint.iso else f"ΔR = {1e3 * float(joint.drawn.dR):.4g} µm"
+    draw_pin(axes, R_i, R_j, joint.housing, gap)
     if not np.isnan(angle := numbers.contact_angle_deg):
         arc = [_toward(1.0, each) for each in np.linspace(-angle, angle, 121)]
         axes.plot(*zip(*arc, strict=True), **_CONTACT)
         for side in {-numbers.peak_at_deg, numbers.peak_at_deg}:
             axes.plot(*_toward(1.0, side), "o", color=ACCENT, markerfacecolor="white",
                       markersize=4, zorder=7)  # fmt: skip
+
+
+def draw_pin(axes: Axes, R_i: float, R_j: float, housing: Housing | None, gap: str) -> None:
+    """Draw a pin in its hole and its housing, the load downwards; `gap` names the clearance."""
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    outer = _draw_around(housing, R_i, axes)
+    axes.add_patch(Circle((0, 0), 1.0, facecolor="white", zorder=3, **OUTLINE))
+    middle = (0.0, -_GAP)
+    axes.add_patch(Circle(middle, 1 - _GAP, facecolor=_PIN, zorder=4, **OUTLINE))
     axes.annotate("", xy=(0, -0.72), xytext=middle, arrowprops=_LOAD, zorder=8)
     axes.text(0.14, -0.42, "load", color=ACCENT, zorder=9, ha="left", va="center", fontsize=6.5)
     cross(axes, middle, zorder=8)
@@ -68,12 +75,11 @@ def _draw_pin(check: JointCheck, axes: Axes) -> None:
     far = outer + 0.18 * outer
     _point_at(axes, _toward(1.0, 300), _toward(far, 300), f"$R_i$ = {R_i:.6g}")
     side, top = 1.12 * outer, 1.12 * outer
-    if joint.housing is not None:
-        _point_at(axes, _toward(outer, 60), _toward(far, 60), f"$R_o$ = {joint.housing.R_o:.6g}")
-        shank = getattr(joint.housing.clamp, "shank", None)
+    if housing is not None:
+        _point_at(axes, _toward(outer, 60), _toward(far, 60), f"$R_o$ = {housing.R_o:.6g}")
+        shank = getattr(housing.clamp, "shank", None)
         top, side = (top, side) if shank is None else (1.65 * outer, max(1.0, shank) * side)
     axes.set(xlim=(-1.75 * side, 1.75 * side), ylim=(-1.2 * outer, top))
-    gap = "clearance of the fit" if joint.iso else f"ΔR = {1e3 * float(joint.drawn.dR):.4g} µm"
     axes.text(0, -1.16 * outer, f"{gap}, drawn larger; lengths in mm", ha="center", va="top",
               fontsize=6.5)  # fmt: skip
 
@@ -149,7 +155,7 @@ def _point_at(
     axes.text(*text_at, f" {text} ", ha=align, va="center", zorder=9)
 
 
-def _draw_rollers(check: JointCheck, axes: Axes) -> None:
+def _draw_rollers(check: Answer, axes: Axes) -> None:
     """Draw two rollers, or one on a plane, the first above."""
     joint: LoadedJoint = check.joint
     R_i, R_j = (float(each) for each in joint.drawn.radii("a sketch"))

@@ -12,7 +12,8 @@ from cylcontact.bodies.material_spec import MaterialSpec
 from cylcontact.files.spec import Spec, broken, parse_spec, read_toml
 from cylcontact.files.units import load_in_N_per_mm
 from cylcontact.joint.bush import Bush, BushCheck, check_bush
-from cylcontact.joint.clevis import Clevis, ClevisCheck, Plate, check_clevis
+from cylcontact.joint.clevis import ClevisCheck, check_clevis
+from cylcontact.joint.clevis_beam import Clevis, Plate
 from cylcontact.laws.housing_spec import HousingSpec
 from cylcontact.limits.rings import Rim
 from cylcontact.support.errors import InputError, require

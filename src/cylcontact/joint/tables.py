@@ -20,7 +20,8 @@ from cylcontact.files.numbers import quantity
 from cylcontact.files.reading import require_file
 from cylcontact.files.sheet import Sheet, read_sheet
 from cylcontact.files.units import FORCES, LENGTHS, QUANTITIES, load_in_N_per_mm, unit_after
-from cylcontact.joint.check import NUMBERS, checked, has_yield_stresses
+from cylcontact.joint.answer import NUMBERS, has_yield_stresses
+from cylcontact.joint.check import checked
 from cylcontact.joint.words import (
     SIZES,
     joint_from_words,
@@ -277,7 +278,7 @@ def _of_sheet(sheet: Sheet) -> _Columns:
         rule = f"{', '.join(unknown) or 'a name'} is not known" if sheet.names else "has no names"
         remedy = (
             f"name columns {', '.join(KNOWN)}, with a unit as in load_kN, R_i_mm, or one of "
-            f"{', '.join(_LABELS)} for a text of yours"
+            f"{', '.join(_LABELS)} for your own text"
         )
         raise InputError(sheet.source, "columns", None, rule, remedy)
     frame = pd.DataFrame(dict(zip(sheet.names, sheet.columns, strict=True))).infer_objects()

@@ -11,7 +11,7 @@ units of E*·ΔR/R. The bush has four times the radius of its hole and is clampe
 uniform and linear along the axis balance the pin. The law of the slices is that of the same
 elements in plane strain: only slicing is judged.
 
-    python -m tests.support.tilted_pin
+    python -m benchmarks.tilted_pin
 
 solves all cases, in about a minute, and writes datasets/tilted_pin.csv.
 """
