@@ -431,7 +431,7 @@ def verify(
     rule, remedy = "names no result", "name some, or all in fitting/results with --all"
     require(bool(results) or every, "verify", "", None, rule, remedy)
     paths = [*(results or ()), *(sorted(RESULTS.glob("*.json")) if every else ())]
-    remedy = "name some, or lay out a bench with: cylcontact init FOLDER"
+    remedy = "name some, or make a project folder with: cylcontact init FOLDER"
     require(bool(paths), str(RESULTS), "", None, "has no results", remedy)
     failed, rows = 0, []
     for path in paths:

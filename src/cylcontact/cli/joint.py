@@ -62,7 +62,7 @@ TARGETS: Options = {
 _BUSH = option(
     "A pressed bush: MATERIAL, BORE before pressing, HOLE/BUSH; --hole is around it.",
     metavar="BUSH",
-    parser=reader(bush_words, f"is no bush; {EXAMPLE}"),
+    parser=reader(bush_words, f"is not a bush; {EXAMPLE}"),
     rich_help_panel="The housing of the hole",
 )
 # With a bush the pin may have a class of ISO 286.
@@ -70,7 +70,7 @@ _CHECKED: Options = dict(JOINT) | {
     "pin_diameter": (
         str | None,
         option("Diameter of the pin; with --bush also a class, 20f7.", "--pin-diameter",
-               metavar="MM", parser=reader(diameter_words, "is no diameter; give mm, or 20f7"),
+               metavar="MM", parser=reader(diameter_words, "is not a diameter; give mm, or 20f7"),
                rich_help_panel="The pair of cylinders"),
     ),
 }  # fmt: skip

@@ -238,17 +238,17 @@ def _or_all(jobs: int | None) -> int:
     return jobs or (len(affinity(0)) if affinity else os.cpu_count() or 1)
 
 
-def _cluster(address: str | None) -> Any:
+def _cluster(address: str) -> Any:
     from cylcontact.support.parallel import Cluster
 
-    return None if address is None else Cluster(address)
+    return Cluster(address)
 
 
 RESULTS_FOLDER = option(
     "The folder of fit results.", callback=_existing_folder, default=RESULTS, metavar="FOLDER"
 )
 JOBS = count(1, "Worker processes; all cores by default.", "--jobs", "-j", callback=_or_all)
-SCHEDULER = option("A Dask cluster, e.g. tcp://host:8786.", metavar="ADDRESS", callback=_cluster)
+SCHEDULER = option("A Dask cluster, e.g. tcp://host:8786.", metavar="ADDRESS", parser=_cluster)
 MATERIALS = option("Your own materials; datasets/materials.csv by default.", metavar="TABLE")
 FORCE = flag("Replace a default output that came from other inputs.", "--force")
 RESUME = flag("Continue after an interruption.", "--resume")

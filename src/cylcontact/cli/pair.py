@@ -38,13 +38,16 @@ def _modulus(text: str) -> float:
 
 _NAMED = reader(
     material_words,
-    "is no material; write its name, or E, ν, yield stress, expansion: "
+    "is not a material; write its name, or E, ν, yield stress, expansion: "
     "'207 GPa, 0.3, 350 MPa, 12e-6/K'",
 )
 _RADIUS = reader(radius_words, "is not a length; give mm, or e.g. '40 um'")
-_CLAMP = reader(clamp_words, "is no clamp; write rim, lug, pushed:60 or pulled:60, with your angle")
+_CLAMP = reader(
+    clamp_words, "is not a clamp; write rim, lug, pushed:60 or pulled:60, with your angle"
+)
 _LAYER = reader(
-    layer_words, "is no material with an inner radius; write e.g. bronze:12, or '110 GPa, 0.3:12'"
+    layer_words,
+    "is not a material with an inner radius; write e.g. bronze:12, or '110 GPa, 0.3:12'",
 )
 # By their names as constants of a table, where they have one.
 PAIR: Options = {

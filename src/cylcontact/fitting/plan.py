@@ -117,7 +117,7 @@ class Plan:
         self.plot(figure.subplots())
         caption = (
             "By how much one further reading narrows the interval of "
-            f"{self.parameter or 'all parameters together'}, over the load, and the "
+            f"{self.parameter or 'all parameters together'}, against the load, and the "
             f"{self.readings['number'].sum()} readings that together narrow it most."
         )
         return Drawing(figure, self.candidates, caption)
@@ -133,7 +133,7 @@ def plan(
 ) -> Plan:
     """Return the best further readings; `DataFit.plan` describes the arguments."""
     if optimum.unidentifiable:
-        rule, remedy = "are not identifiable one by one", "fix one of them, and fit again"
+        rule, remedy = "cannot be identified separately", "fix one of them, and fit again"
         raise InputError("plan", "parameters", optimum.unidentifiable, rule, remedy)
     names = optimum.fit.names
     if parameter is not None and parameter not in names:

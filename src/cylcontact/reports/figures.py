@@ -241,7 +241,8 @@ def _recipe(root: Path, name: str, arguments: Mapping[str, str]) -> Recipe:
     takes = list(inspect.signature(known[name]).parameters)
     for key, value in arguments.items():
         if key not in takes:
-            rule = f"takes {', '.join(takes)}" if takes else "takes no arguments"
+            what = f"it takes {', '.join(takes)}" if takes else "it takes none"
+            rule = f"is not an argument of this figure; {what}"
             raise InputError(name, key, value, rule, "leave it out")
     return known[name]
 
