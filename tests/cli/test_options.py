@@ -166,7 +166,7 @@ def test_the_options_of_a_run_are_the_keys_of_its_file(run):
     code, said, _ = run("sweep", CRANK, *shlex.split(words), "--json", "-j", 1)
     (row,) = json.loads(said)["rows"]
     assert code == 0
-    for each in wanted["means"]:
+    for each in answer["means"]:
         assert row[each["quantity"]] == pytest.approx(each["mean"], rel=1e-12)
 
 
