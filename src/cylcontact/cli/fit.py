@@ -17,6 +17,7 @@ from cylcontact.cli.options import (
     FORCE,
     JOBS,
     JSON,
+    LENGTH,
     NOISES,
     QUIET,
     RESULTS,
@@ -318,7 +319,7 @@ def plan(
     add: int = count(1, "Readings to add.", default=5),
     parameter: str | None = option("The parameter to narrow; all by default.", metavar="NAME"),
     clearances: list[float] | None = several(
-        "Clearances that can be taken.", "--radial-clearances", metavar="MM"
+        "Clearances that can be taken.", "--radial-clearances", of=LENGTH, metavar="MM"
     ),
     out: Path | None = output("A folder for the picture and its table.", metavar="FOLDER"),
     as_json: bool = JSON,
