@@ -37,7 +37,7 @@ __all__ = [
     "reports",
     "sizing",
 ]
-__version__ = "1.0.0rc2"
+__version__ = "1.0.0"
 
 # Where the names are that are no modules. All are loaded on first use, so that a command which
 # needs no numbers begins at once.
