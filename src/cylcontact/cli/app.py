@@ -29,7 +29,7 @@ app = typer.Typer(
 def _common(
     version: bool = flag("Show the version.", "--version", callback=_version, is_eager=True),
 ) -> None:
-    """Contact of parallel cylinders: fit laws, check joints, export them, reproduce the paper."""
+    """Contact of parallel cylinders: laws, checks of joints, fits to measurements, export."""
 
 
 # The groups of `cylcontact --help`: each command with the examples that its own help ends with.
