@@ -19,6 +19,7 @@ def _version(wanted: bool) -> None:
 
 app = typer.Typer(
     cls=Group,
+    epilog="Start with: cylcontact check --material bronze --Ri 10 --Rj 9.95 --load 300",
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -20,6 +20,7 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.pair import JOINT, named_option, own_materials
 from cylcontact.cli.terminal import progress_bars, say
+from cylcontact.files.reading import require_file
 from cylcontact.files.writing import json_text
 from cylcontact.joint.bush_words import EXAMPLE, bush_words, diameter_words
 from cylcontact.joint.words import blaming, joint_from_words, temperature_words
@@ -106,6 +107,8 @@ def check(
 
     The joint is a pin in a hole, two rollers, or a roller on a plane.
     """
+    if file is not None:
+        require_file(file)
     if file is not None and is_table(file):
         _check_table(file, bush, out, as_json, quiet, pair | around)
         return
