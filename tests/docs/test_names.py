@@ -32,7 +32,7 @@ def texts_of(kind):
     """Yield a name and a text of pages, of docstrings and messages, or of notebooks."""
     if kind == "pages":
         for page in sorted({page for place in PLACES for page in ROOT.glob(place)}):
-            if page.name != "CHANGELOG.md":
+            if page.name != "CHANGELOG.md" and page.relative_to(ROOT) in committed():
                 yield str(page.relative_to(ROOT)), page.read_text(encoding="utf-8")
     elif kind == "notebooks":
         for path in sorted((ROOT / "notebooks").glob("*.ipynb")):
