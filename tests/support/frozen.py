@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pandas as pd
 
-
 ROOT = Path(__file__).parents[2]
 FOLDER = Path(__file__).parents[1] / "golden"
 
