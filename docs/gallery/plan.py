@@ -17,7 +17,7 @@ pair = cc.CylinderPair.internal(
 )
 result = cc.fit(table, "explicit", pair, group="specimen")
 plan = result.plan(np.geomspace(5, 1500, 40), add=5, parameter="stiffness_factor")
-figure, axes = plt.subplots(figsize=(5.0, 2.81), layout="constrained")
+figure, axes = plt.subplots(figsize=(5.0, 3.8), layout="constrained")
 plan.plot(ax=axes)
 axes.legend(loc="upper left")
 figure.savefig("plan.png", dpi=144)
