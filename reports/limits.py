@@ -1,4 +1,4 @@
-"""Figs 7 to 9: where a pin in a hole yields, and where Johnson's law ends, over the clearance."""
+"""Figs 7 to 9: where a pin in a hole yields and Johnson's law ends, against the clearance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figs 10 to 14: how far a law's penetration is from another's, over clearance and load."""
+"""Figs 10 to 14: how far a law's penetration is from another's, against clearance and load."""
 
 from __future__ import annotations
 

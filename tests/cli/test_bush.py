@@ -69,7 +69,7 @@ REFUSED = {
     LINE.replace("--R-o 26", "--R-o 13"): "--R-o = 13.0: must have its rim outside the seat",
     LINE.replace("s6", "g6"): "--bush = '26H7/g6': has no interference",
     LINE.replace("bronze", "bronce"): "--bush = 'bronce': is not in the tables",
-    LINE.replace(", 26H7/s6", ""): "is no bush; write MATERIAL, BORE, HOLE/BUSH",
+    LINE.replace(", 26H7/s6", ""): "is not a bush; write MATERIAL, BORE, HOLE/BUSH",
     f"check {BODIES} --Ri 10 --pin-diameter 20f7": "--pin-diameter = '20f7': is a class",
     f"check {ROOT / 'datasets/bush.toml'} --load 3": "--load: is in the file already",
     f"check {ROOT / 'datasets/bush.toml'} --bush 'bronze, 20E6, 26H7/s6'": "--bush: is in the file",
@@ -84,7 +84,7 @@ def test_what_is_refused_beside_a_bush(run, line):
 
 
 CHANGES = {
-    'seat = "26H7/s6"': ('seat = "26H7"', "bush: seat = '26H7': is no fit"),
+    'seat = "26H7/s6"': ('seat = "26H7"', "bush: seat = '26H7': is not an ISO fit"),
     'bore = "20E6"': ("depth = 3", "bush.depth"),
     'diameter = "20f7"': ('diameter = "20z7"', "pin = '20z7': has a pin z"),
     "R_o = 26.0": ("R_o = 26.0\nlayers = [{R_i = 20.0, material = 'bronze'}]", "are beside a bush"),

@@ -164,7 +164,7 @@ BAD_INPUT = [
     (("fit", "fitting/excluded.toml"), "excluded.toml: bounds = {'K_star': [-2.0, -1.0], 'n'"),
     (("verify", "nan.json"), "objective.value = nan: must be a finite number; give a value that"),
     (("verify",), "verify: names no result; name some, or all in fitting/results with --all"),
-    (("verify", "--all"), "fitting/results: has no results; name some, or lay out a bench with"),
+    (("verify", "--all"), "fitting/results: has no results; name some, or make a project folder"),
     # files of another kind
     (("fit", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a campaign; name a"),
     (("fit", "good.json", "--runs", "2"), "good.json: is a fit result; print it with: cylcontact"),

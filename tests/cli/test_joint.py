@@ -250,9 +250,9 @@ BOTH = "--material bronze"
 PIN = f"{BOTH} --Ri 10 --radial-clearance .05"
 REFUSED = [
     f"{PIN} --clamp pulled:60 | check: --R-o: is required",
-    f"{BOTH} --R-o 20 --clamp side:60 | '--clamp': 'side:60' is no clamp; write rim, lug",
+    f"{BOTH} --R-o 20 --clamp side:60 | '--clamp': 'side:60' is not a clamp; write rim, lug",
     f"{BOTH} --R-o 20 --clamp lug:0.4 | check: --clamp = 0.4: must be at least 0.5",
-    "--R-o 20 --layer bronze | '--layer': 'bronze' is no material with an inner radius",
+    "--R-o 20 --layer bronze | '--layer': 'bronze' is not a material with an inner radius",
     f"{PIN} --R-o 9 | check: --R-o = 9.0: must be larger than the hole",
     f"{BOTH} --iso 20H5/n6 | check: --iso = '20H5/n6': leaves no clearance at any pair",
     f"{BOTH} --iso 20H7/g6 --radial-clearance .1 | = 0.1: is given by --iso 20H7/g6",
@@ -270,7 +270,7 @@ REFUSED = [
     f"{BOTH} --contact external --Ri 15 --Rj inf --depth .1 | must be at least ten half-widths",
     f"{PIN} --plane flat | --plane = 'flat': must be strain or stress",
     "--pin ceramics --Ri 10 --Rj 9 | check: --hole: is missing; give e.g. --material",
-    "--pin PTFE --hole 2e5, | '--hole': '2e5,' is no material; write its",
+    "--pin PTFE --hole 2e5, | '--hole': '2e5,' is not a material; write its",
     "--pin PTFE --hole 210,.3 | '--hole': '210,.3': a bare number is in MPa; did you",
     "--pin ceramics --hole soap | --hole = 'soap': is not in the tables of materials; choose",
     f"{BOTH} --pin bronze --Ri 10 --Rj 9 | --material: is of both bodies, and --pin is of one",

@@ -92,6 +92,7 @@ class TestContact:
             peaks.append(case.peak_pressure)
         assert np.ptp(peaks) < 1e-4 * peaks[0]
 
+    @pytest.mark.slow
     def test_cells_of_ones_own_size(self):
         fine, graded = (
             solve(setup, 0.1, [20.0])[0]
@@ -103,7 +104,7 @@ class TestContact:
 class TestHertz:
     def test_pressure_converges_with_the_mesh(self):
         hertz = float(limits.hertz_stress(20.0, SETUP.pair(1.0)))
-        cases = [solve(changed(SETUP, cells=cells), 1.0, [20.0])[0] for cells in (4, 8, 16)]
+        cases = [solve(changed(SETUP, cells=cells), 1.0, [20.0])[0] for cells in (4, 16)]
         errors = [abs(case.peak_pressure / hertz - 1) for case in cases]
         assert errors == sorted(errors, reverse=True)
         assert errors[-1] < 0.0005
@@ -191,8 +192,17 @@ class TestIncompressible:
 
 
 class TestTwoMaterials:
-    @pytest.mark.parametrize("name", ["steel in aluminium", "PEEK in steel", "steel in steel"])
-    @pytest.mark.parametrize("phi", [0.1, 1.0])
+    @pytest.mark.parametrize(
+        ("name", "phi"),
+        [
+            ("steel in aluminium", 1.0),
+            *(
+                pytest.param(*case, marks=pytest.mark.slow)
+                for case in (("steel in aluminium", 0.1), ("PEEK in steel", 0.1),
+                             ("PEEK in steel", 1.0))
+            ),
+        ],
+    )  # fmt: skip
     def test_the_closed_stresses_behind_first_yield(self, name, phi):
         case, load, pair = at(joint(*PAIRS[name]), phi)
         b = np.tan(np.radians(laws.Conformal().contact_angle(load, pair)) / 2)
@@ -220,13 +230,14 @@ class TestCalculix:
         [
             (COARSE, 0.01, 100.0, 0.002),
             pytest.param(COARSE, 1.0, 20.0, 0.002, marks=pytest.mark.slow),
-            (changed(COARSE, plane="stress", load_on="disc", clamp="rim"), 0.01, 40.0, 0.002),
-            (joint(STEEL, ALUMINIUM, outer_ratio=10.0), DR, 1e2, 0.003),
             *(
-                pytest.param(
-                    joint(*pair, outer_ratio=10.0), DR, 6e-3, 0.003, marks=pytest.mark.slow
-                )
-                for pair in ((RUBBER, STEEL), (STEEL, RUBBER))
+                pytest.param(*case, marks=pytest.mark.slow)
+                for case in [
+                    (changed(COARSE, plane="stress", load_on="disc", clamp="rim"), 0.01, 40, 0.002),
+                    (joint(STEEL, ALUMINIUM, outer_ratio=10.0), DR, 100.0, 0.003),
+                    (joint(RUBBER, STEEL, outer_ratio=10.0), DR, 6e-3, 0.003),
+                    (joint(STEEL, RUBBER, outer_ratio=10.0), DR, 6e-3, 0.003),
+                ]
             ),
         ],
     )

@@ -106,18 +106,20 @@ class TestCommittedTables:
 
     def test_a_fresh_run_gives_the_same_numbers(self):
         rows = rows_of("recommended-embedded")
-        for dR in (0.005, 0.1):
-            cases = solve(base_of("recommended"), dR, [20.0, 40.0, 100.0])
-            actual = [case.penetration for case in cases]
-            committed = rows.loc[rows["dR_mm"] == dR, "penetration_mm"].to_numpy()
-            assert actual == pytest.approx(committed, rel=1e-6)
+        cases = solve(base_of("recommended"), 0.1, [20.0, 40.0, 100.0])
+        committed = rows.loc[rows["dR_mm"] == 0.1, "penetration_mm"].to_numpy()
+        assert [case.penetration for case in cases] == pytest.approx(committed, rel=1e-6)
 
     def test_calculix_gives_the_same(self):
         one, other = (rows_of(f"recommended-{name}") for name in ("embedded", "calculix"))
         assert len(one) == len(other) == 39
         ratio = other["penetration_mm"] / one["penetration_mm"]
         assert np.abs(ratio - 1).max() < 0.002
+
+    @pytest.mark.slow
+    def test_a_fresh_run_of_calculix_gives_the_committed_row(self):
         require_program("ccx")
+        other = rows_of("recommended-calculix")
         row = other[(other["dR_mm"] == 0.005) & (other["load_N_per_mm"] == 100)].iloc[0]
         penetration, _ = run_case(base_of("recommended"), 0.005, 100.0, [20.0, 40.0, 100.0])
         assert penetration == pytest.approx(row["penetration_mm"], rel=1e-5)

@@ -318,7 +318,7 @@ def test_several_files_are_read_as_one_table(three):
     assert is_truth(data)
     assert [data.line(k) for k in (0, 3, 8)] == ["a.csv:2", "b.csv:2", "c.txt:4"]
     assert data.groups("rows")[0][3] == "line b.csv:2"  # not one with line 2 of a.csv
-    assert "3 files (--group file takes each as a series of its own)" in data.read[-1]
+    assert "3 files (--group file takes each as a series)" in data.read[-1]
     names, of_row = read(three, group="file").groups("group")
     assert names == ["a.csv", "b.csv", "c.txt"]
     assert of_row.tolist() == [0] * 3 + [1] * 3 + [2] * (ROWS - 6)

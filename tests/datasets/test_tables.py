@@ -127,7 +127,7 @@ BAD_FILES = [
     ("force;x\ntf;µm\n1;2\n", None, "'force'|has a unit that is not known|convert its numbers"),
     ("F [N];x\nkN;µm\n1;2\n", None, "'F [N]'|has 'kN' below its name|correct one"),
     ("F [N];load_N\n1;2\n", None, "'load_N'|same quantity as F [N]|--ignore load_N"),
-    ("F [N];F [N]\n1;2\n", None, "same quantity as F [N]|a name of its own"),
+    ("F [N];F [N]\n1;2\n", None, "same quantity as F [N]|another name"),
     (
         "F [N];x\n1;2\n",
         None,

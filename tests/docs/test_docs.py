@@ -28,8 +28,8 @@ WITH_CODE = [
 ]
 SLOW = {
     "science.md", "calibration.md", "extend.md", "mechanism.md", "fit-my-data.md",
-    "choose-a-law.md", "export.md", "reproduce-the-paper.md",
-    "from-a-drawing.md", "housing.md", "a-pin-that-tilts.md",
+    "errors-of-readings.md", "choose-a-law.md", "export.md", "reproduce-the-paper.md",
+    "from-a-drawing.md", "housing.md", "plots.md", "a-pin-that-tilts.md",
 }  # fmt: skip
 each_page = pytest.mark.parametrize(
     "page",

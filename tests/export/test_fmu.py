@@ -131,7 +131,12 @@ def assert_same(element, joint, state, moves, tolerance):
 
 @pytest.mark.parametrize(
     ("law", "units"),
-    [("conformal", "SI"), ("explicit", "mm"), ("johnson", "SI"), ("enhanced", "mm")],
+    [
+        pytest.param("conformal", "SI", marks=pytest.mark.slow),
+        ("explicit", "mm"),
+        ("johnson", "SI"),
+        pytest.param("enhanced", "mm", marks=pytest.mark.slow),
+    ],
 )
 def test_outputs_are_those_of_the_library_also_with_other_parameters(tmp_path, law, units):
     """Clearance, with the law and first yield by it, friction and restitution."""

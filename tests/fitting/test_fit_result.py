@@ -330,7 +330,7 @@ def test_a_function_of_ones_own_is_drawn_in_memory_and_has_no_law_of_the_package
     bounds = {"K_star": (0.1, 30.0), "n": (0.9, 1.6)}
     result = cc.fit(frame, "mine:load", PAIR, bounds=bounds, starts=3)
     assert result.plot().has_data()
-    with pytest.raises(InputError, match="is a Python function of your own"):
+    with pytest.raises(InputError, match="is your own Python function"):
         result.to_law()
 
 

@@ -81,7 +81,7 @@ ON_TABLE = [
     (FIXED, "parameters", None, "are all fixed", "free at least one"),
     ({"ignore": ["colour"]}, "ignore", "colour", "is not a column of the table", ""),
     ({"loads": "299:", "free": ["c"]}, "data", "3 rows", "not more than the 3 free", "fix param"),
-    (OWN_LAW, "bounds.n", None, "is required: a law of your own", "add n = [low, high]"),
+    (OWN_LAW, "bounds.n", None, "is required: your own law has no", "add n = [low, high]"),
 ]
 CAMPAIGNS = [("grid", *case) for case in ON_GRID] + [("table", *case) for case in ON_TABLE]
 

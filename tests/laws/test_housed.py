@@ -33,10 +33,10 @@ def test_the_check_of_a_joint_takes_a_housing(run, options, housing):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ("--R-o 20 --layer bronze", "'--layer': 'bronze' is no material with an inner radius"),
+        ("--R-o 20 --layer bronze", "'--layer': 'bronze' is not a material with an inner radius"),
         ("--R-o 20 --layer bronze:25", "--layer = [25.0, 20.0]: must have inner radii that incr"),
         ("--R-o 9", "--R-o = 9.0: must be larger than the hole"),
-        ("--R-o 20 --clamp half", "'--clamp': 'half' is no clamp; write rim, lug, pushed:60"),
+        ("--R-o 20 --clamp half", "'--clamp': 'half' is not a clamp; write rim, lug, pushed:60"),
         ("--clamp rim", "--R-o: is required; add the radius of the rim"),
         ("--R-o 20 --contact external", "leave out --R-o, or --contact"),
     ],

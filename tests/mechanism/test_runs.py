@@ -177,7 +177,7 @@ def test_a_pin_that_leaves_its_hole_ends_the_run():
 def test_steps_that_collapse_are_an_error(monkeypatch):
     """A rod barely longer than the crank, which a file may not have, stands square to the slide."""
     monkeypatch.setattr("cylcontact.mechanism.slider_crank._LEAST_ROD", 0.0)
-    with pytest.raises(InputError, match=r"the steps collapse at t = 0\.00") as caught:
+    with pytest.raises(InputError, match=r"the step size became too small at t = 0\.00") as caught:
         simulate(slider_crank(spec={"rod.length": 50.00002}), revolutions=1)
     assert caught.value.key == "tolerance"
 

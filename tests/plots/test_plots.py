@@ -225,7 +225,7 @@ MAP = {"law": "enhanced", "reference": "johnson", "material": BRONZE}
 LINES, LIMIT = {"laws": ["johnson"], "pair": PAIR}, {"material": BRONZE}
 ARRAY = Material("family", np.array([1e5, 2e5]), 0.3)
 REFUSALS = [
-    (plot_map, MAP, {"law": "no-such"}, "law = 'no-such': is not a law with coefficients of"),
+    (plot_map, MAP, {"law": "no-such"}, "law = 'no-such': is not a law with its coefficients"),
     (plot_map, MAP, {"law": cc.laws.Enhanced}, "must be a law or its name; give e.g. laws.J"),
     (plot_map, MAP, {"law": "lankarani-nikravesh"}, "length"),
     (plot_map, MAP, {"reference": 3}, "reference = 3: must be a law or its name"),
@@ -237,8 +237,8 @@ REFUSALS = [
     (plot_map, MAP, {"material": ARRAY}, "must hold single numbers, no arrays; call once"),
     (plot_map, MAP, {"criterion": "hertz"}, "criterion = 'hertz': must be 'von Mises', 'Tr"),
     (plot_map, MAP, {"material": SOFT, "dR": (0.001, 0.002)}, "is undefined in the whole"),
-    (plot_laws, LINES, {"laws": []}, "laws = []: must be some laws; give a list of laws, or"),
-    (plot_laws, LINES, {"laws": ["johnson", cc.laws.Johnson()]}, "has a name twice; give a"),
+    (plot_laws, LINES, {"laws": []}, "laws = []: must not be empty; give a list of laws, or"),
+    (plot_laws, LINES, {"laws": ["johnson", cc.laws.Johnson()]}, "two laws have the same name; "),
     (plot_laws, LINES, {"relative_to": "Johnson"}, "relative_to = 'Johnson': is not a law"),
     (plot_laws, LINES, {"pair": CylinderPair.from_dR("internal", [0.01, 0.02], BRONZE)},
      "pair: must hold single numbers, no arrays; call once for each, with the same ax"),

@@ -1,6 +1,5 @@
 """Claims: verdicts from interpretations, and the committed table against the paper's equations."""
 
-import json
 import re
 from pathlib import Path
 
@@ -10,7 +9,7 @@ import pytest
 from mpmath import mp, mpf
 
 from cylcontact import InputError
-from cylcontact.reports.claims import DEPENDS, FAILS, claims_of, to_json, to_table, to_text
+from cylcontact.reports.claims import DEPENDS, FAILS, as_records, claims_of, to_table, to_text
 from tests.support import paper_equations as paper
 from tests.support.report_files import CLAIMS
 
@@ -67,7 +66,7 @@ def test_verdicts_follow_from_the_interpretations(tmp_path):
     first, second = claims_of(tmp_path)
     assert (first.verdict, second.verdict) == (DEPENDS, FAILS)
     (tmp_path / "reports/claims.py").write_text(CLAIMS.replace("1 + 1 == 2", "int('x')"))
-    assert json.loads(to_json([first]))[0]["interpretations"][2] == {
+    assert as_records([first])[0]["interpretations"][2] == {
         "interpretation": "as defined here",
         "ours": "2",
         "holds": None,

@@ -160,7 +160,12 @@ READING = """    import json
 
 MISTAKES = {
     "no such figure": (["fig98"], {}, FIGURE, "fig98: there is no such figure; choose fig99"),
-    "no such argument": (["fig99"], {"dR": "1"}, FIGURE, "takes load, name; leave it out"),
+    "no such argument": (
+        ["fig99"],
+        {"dR": "1"},
+        FIGURE,
+        "is not an argument of this figure; it takes load, name",
+    ),
     "a failure": (["fig99"], {"load": "x"}, FIGURE, "fig99: failed with ValueError"),
     "a broken file": ([], {}, "1 /\nFIGURES = {}", "mine.py: failed with SyntaxError"),
 }

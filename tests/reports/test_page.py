@@ -48,6 +48,20 @@ def test_what_is_missing_names_the_command(tmp_path):
     assert any("cylcontact figure" in line for line in missing)
 
 
+def test_a_figure_without_a_png_is_shown_as_svg_or_missing(page, tmp_path):
+    results = ROOT / "fitting/results"
+    write_figures(tmp_path, formats=["svg"])
+    for picture in (tmp_path / "build/figures").glob("*.png"):
+        picture.unlink()
+    assert write_page(page, tmp_path, results) == []
+    assert "data:image/svg+xml" in page.read_text(encoding="utf-8")
+    for picture in (tmp_path / "build/figures").glob("*.svg"):
+        picture.unlink()
+    assert [line.split(":")[0] for line in write_page(page, tmp_path, results)] == [
+        f"the picture of {text.stem}" for text in (tmp_path / "build/figures").glob("*.txt")
+    ]
+
+
 @pytest.mark.parametrize("width", [1280, 390])
 def test_the_page_fits_the_window(page, width):
     with chromium() as browser:

@@ -1,9 +1,10 @@
 """Exported laws run in their own languages, each over columns of arguments.
 
-Each runner returns load and stiffness of every row.
+Each runner takes all cases at once, and returns load and stiffness of every row by name.
 """
 
 import ctypes
+import re
 import subprocess
 
 import numpy as np
@@ -17,11 +18,14 @@ CPP_FLAGS = ("-x", "c++", "-std=c++11", "-Wall", "-Wextra", "-Wconversion", "-We
 FORTRAN_FLAGS = ("-std=f2008", "-pedantic", *LIBRARY)
 SECONDS = 300  # of any program
 
-C_WRAPPER = """
-#include "law.c"
-#include "law.h"
-void run(int rows, const double *x, double *y);
-void run(int rows, const double *x, double *y)
+# Each law under a name of its own; what its file has beside is renamed by macros.
+C_CASE = """
+{renamed}
+#include "{name}.c"
+{restored}
+#include "{name}.h"
+void run_{k}(int rows, const double *x, double *y);
+void run_{k}(int rows, const double *x, double *y)
 {{
     for (int k = 0; k < rows; k++, x += {columns}, y += 2) {{
         y[0] = {name}_load({given});
@@ -29,8 +33,9 @@ void run(int rows, const double *x, double *y)
     }}
 }}
 """
-FORTRAN_WRAPPER = """
-subroutine run(rows, x, y) bind(c)
+LOCAL = re.compile(r"^static .*?(\w+)(?: =|\(|\[)|^\} (\w+);", re.MULTILINE)
+FORTRAN_CASE = """{source}
+subroutine run_{k}(rows, x, y) bind(c)
     use, intrinsic :: iso_c_binding, only: c_int, c_double
     use {name}_law
     implicit none
@@ -41,7 +46,7 @@ subroutine run(rows, x, y) bind(c)
         {given})
     y(2, :) = {name}_stiffness( &
         {given})
-end subroutine run
+end subroutine run_{k}
 """
 OCTAVE_CASE = """
 addpath('{folder}');
@@ -53,39 +58,66 @@ rmpath('{folder}');
 """
 
 
-def run_c(case, folder):
-    (folder / "law.c").write_text(case.source("c"), encoding="ascii")
-    (folder / "law.h").write_text(case.header(), encoding="ascii")
-    compile_with("g++", *CPP_FLAGS, "-fsyntax-only", folder / "law.c", folder / "law.h")
-    return _compiled("gcc", C_FLAGS, "run.c", C_WRAPPER, case, folder)
+def run_c(cases, folder):
+    """Compile the C exports of all cases as one file, as C and as C++; run them."""
+    require_program("gcc")
+    require_program("g++")
+    text, headers = ["#include <math.h>\n#include <stdbool.h>\n#include <stdlib.h>"], []
+    for k, case in enumerate(cases.values()):
+        name = f"{case.name}_{k}"
+        source, header = (
+            part.replace(case.name, name) for part in (case.source("c"), case.header())
+        )
+        (folder / f"{name}.c").write_text(source, encoding="ascii")
+        header = header.replace(case.name.upper(), name.upper())
+        (folder / f"{name}.h").write_text(header, encoding="ascii")
+        headers.append(f'#include "{name}.h"')
+        local = sorted({"".join(found) for found in LOCAL.findall(source)})
+        shape = {"columns": len(case.arguments), "given": _given("x[{}]", case, 0)}
+        renamed = "\n".join(f"#define {one} {one}_{k}" for one in local)
+        restored = "\n".join(f"#undef {one}" for one in local)
+        text.append(C_CASE.format(name=name, k=k, renamed=renamed, restored=restored, **shape))
+    (folder / "run.c").write_text("\n".join(text), encoding="ascii")
+    (folder / "headers.h").write_text("\n".join(headers), encoding="ascii")
+    without = re.sub(r'#include ".*\.h"', "", "\n".join(text))
+    (folder / "plain.c").write_text(without, encoding="ascii")
+    compile_with("g++", *CPP_FLAGS, "-fsyntax-only", folder / "plain.c", folder / "headers.h")
+    compile_with("gcc", *C_FLAGS, folder / "run.c", "-o", folder / "run.so", "-lm")
+    return _called(folder / "run.so", cases)
 
 
-def run_fortran(case, folder):
-    (folder / "law.f90").write_text(case.source("fortran"), encoding="ascii")
-    flags = (*FORTRAN_FLAGS, f"-J{folder}", folder / "law.f90")
-    return _compiled("gfortran", flags, "run.f90", FORTRAN_WRAPPER, case, folder)
+def run_fortran(cases, folder):
+    """Compile the Fortran exports of all cases as one file; run them."""
+    require_program("gfortran")
+    text = []
+    for k, case in enumerate(cases.values()):
+        name = f"{case.name}_{k}"
+        source = case.source("fortran").replace(case.name, name)
+        shape = {"columns": len(case.arguments), "given": _given("x({}, :)", case, 1)}
+        text.append(FORTRAN_CASE.format(source=source, name=name, k=k, **shape))
+    (folder / "run.f90").write_text("\n".join(text), encoding="ascii")
+    flags = (*FORTRAN_FLAGS, f"-J{folder}", folder / "run.f90")
+    compile_with("gfortran", *flags, "-o", folder / "run.so", "-lm")
+    return _called(folder / "run.so", cases)
 
 
-RUNNERS = {"c": run_c, "fortran": run_fortran}
+def _given(form, case, first):
+    return ", ".join(form.format(k + first) for k in range(len(case.arguments)))
 
 
-def _compiled(compiler, flags, file, wrapper, case, folder):
-    """Compile an export with a loop over rows around it, and run that."""
-    columns = len(case.arguments)
-    first, form = (1, "x({}, :)") if compiler == "gfortran" else (0, "x[{}]")
-    given = ", ".join(form.format(k + first) for k in range(columns))
-    driver, library = folder / file, folder / f"{file}.so"
-    text = wrapper.format(name=case.name, columns=columns, given=given)
-    driver.write_text(text, encoding="ascii")
-    compile_with(compiler, *flags, driver, "-o", library, "-lm")
-    x, y = np.column_stack(list(case.arguments.values())), np.empty((case.rows, 2))
-    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (np.ascontiguousarray(x), y)]
-    ctypes.CDLL(str(library)).run(ctypes.c_int(case.rows), *pointers)
-    return y.T
+def _called(library, cases):
+    library, answers = ctypes.CDLL(str(library)), {}
+    for k, (name, case) in enumerate(cases.items()):
+        x, y = np.column_stack(list(case.arguments.values())), np.empty((case.rows, 2))
+        pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (np.ascontiguousarray(x), y)]
+        library[f"run_{k}"](ctypes.c_int(case.rows), *pointers)
+        answers[name] = y.T
+    return answers
 
 
 def run_octave(cases, folder, more=""):
     """Run the MATLAB exports of all cases, and `more`, in one Octave."""
+    require_program("octave-cli")
     script = []
     for name, case in cases.items():
         place = folder / name
@@ -96,6 +128,9 @@ def run_octave(cases, folder, more=""):
         script.append(OCTAVE_CASE.format(folder=place, name=case.name, **shape))
     run_octave_script("1;\n" + "".join(script) + more, folder)
     return {name: np.fromfile(folder / name / "out").reshape(2, -1) for name in cases}
+
+
+RUNNERS = {"c": run_c, "fortran": run_fortran, "matlab": run_octave}
 
 
 def run_octave_script(text, folder):

@@ -260,7 +260,7 @@ def diameters(code: str, source: str = "ISO 286", key: str = "") -> tuple[float,
     """
     match = _CLASS.fullmatch(code)
     if match is None:
-        rule, remedy = "is no class of ISO 286", "write the diameter in mm and the class: 20E6"
+        rule, remedy = "is not a class of ISO 286", "write the diameter in mm and the class: 20E6"
         raise InputError(source, key, code, rule, remedy)
     nominal, letters = plain_number(match[1].replace(",", ".")), match[2]
     low, high = _checked(code, nominal, letters, int(match[3]), letters.isupper(), source, key)

@@ -269,7 +269,7 @@ def find_material(
     source: str,
     key: str,
     table: str,
-    others: str = ", or name a table of your own with --materials",
+    others: str = ", or name your table with --materials",
 ) -> MaterialRow:
     """Return the row of a material, whether its name is in small or capital letters."""
     row = rows.get(name) or {_plain(known): row for known, row in rows.items()}.get(_plain(name))
@@ -348,7 +348,7 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
         row = _row(source, cells, {name: cells[k] for name, cells in values.items()})
         name = row.material.name
         if _plain(name) in map(_plain, rows):
-            rule, remedy = "is used twice", "give each material a name of its own"
+            rule, remedy = "is used twice", "give each material another name"
             raise InputError(source, "name", name, rule, remedy)
         rows[name] = row
     return rows

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import math
 from collections import Counter
 from collections.abc import Mapping
 from contextlib import suppress
@@ -15,9 +13,13 @@ import typer
 
 from cylcontact.cli.options import (
     BUILD,
+    EXAMPLES,
     FORCE,
     JOBS,
+    JSON,
+    LENGTH,
     NOISES,
+    QUIET,
     RESULTS,
     RESUME,
     SCHEDULER,
@@ -25,6 +27,7 @@ from cylcontact.cli.options import (
     Read,
     argument,
     count,
+    flag,
     number,
     option,
     output,
@@ -41,10 +44,10 @@ from cylcontact.cli.pair import (
     housing_of,
     option_of,
 )
-from cylcontact.cli.terminal import progress_bars, resumable, say
+from cylcontact.cli.terminal import note, progress_bars, resumable, say
 from cylcontact.files.reading import plain_number, require_file
 from cylcontact.files.units import load_in_N_per_mm
-from cylcontact.files.writing import require_suffix, require_writable
+from cylcontact.files.writing import json_text, require_suffix, require_writable
 from cylcontact.support.choices import (
     BRANCHES,
     CHOICE_FILES,
@@ -68,8 +71,7 @@ DATA = argument("Tables, .csv, .txt, .xlsx or .parquet.", metavar="TABLE")
 RESULT = argument("A fit, e.g. results/NAME/result.json.", metavar="RESULT")
 RUNS = count(1, "Runs, instead of the campaign's.")
 SEED = count(0, "Seed of the random numbers.")
-LEVEL = number("Level of the intervals; 0.95, or that of the fit.")
-JSON = option("Print JSON, not the report.", "--json", default=False)
+LEVEL = number("Level of the intervals; 0.95, or that of the fit.", metavar="LEVEL")
 OWN_LAW = option("The law, if it is your own function.", metavar="MODULE:FUNCTION")
 _PANEL: dict[str, Any] = {"rich_help_panel": "For a table"}
 
@@ -138,7 +140,8 @@ SETTINGS: Options = {
     "sign": _text("What is negative: load, penetration, both, neither.", "WHAT"),
     "branch": _text(f"Only rows of {listed(BRANCHES)}."),
     "noise": _text(f"{listed(NOISES)}."),
-    "drift": (bool | None, option("Allow for a drift of each series.", "--drift", **_PANEL)),
+    "drift": (bool | None, flag("Allow for a drift of each series.", "--drift",
+              default=None, **_PANEL)),
     "load_error": _text("Standard deviation of loads, as 1%.", "SHARE",
                         reader(_share, "is not a share; write 1% or 0.01")),
     "uncertain": (list[str] | None,
@@ -168,7 +171,9 @@ PARAMETERS: Options = {
 def fit(
     sources: list[Path] = argument("A campaign, .toml, or tables.", metavar="CAMPAIGN|TABLE"),
     *,
-    out: Path | None = output("A .json, in build; for a table a folder, results/NAME."),
+    out: Path | None = output(
+        "A .json, in build; for a table a folder, results/NAME.", metavar="FILE|FOLDER"
+    ),
     runs: int | None = RUNS,
     seed: int | None = SEED,
     jobs: int = JOBS,
@@ -176,8 +181,9 @@ def fit(
     resume: bool = RESUME,
     force: bool = FORCE,
     as_json: bool = JSON,
-    pdf: bool = option("Write the picture as a PDF too.", "--pdf", default=False, **_PANEL),
-    law: str | None = option("Law; module:function of your own.", metavar="NAME", **_PANEL),
+    quiet: bool = QUIET,
+    pdf: bool = flag("Write the picture as a PDF too.", "--pdf", **_PANEL),
+    law: str | None = option("The law, by name or as MODULE:FUNCTION.", metavar="LAW", **_PANEL),
     settings: dict[str, Any],
     parameters: dict[str, Any],
     pair: dict[str, Any],
@@ -219,7 +225,7 @@ def fit(
     if out is None and not force:
         require_same_inputs(target, planned)
     result: LawFit | DataFit
-    with resumable(target, "run", resume) as (journal, progress):
+    with resumable(target, "run", resume, quiet) as (journal, progress):
         if isinstance(planned.data, Grid):
             result = calibrate(planned, where, progress, journal, resume)
         else:
@@ -233,8 +239,9 @@ def fit(
     if as_json:
         say(result.to_json())
         return
+    say(result)
     names = f": {', '.join(files)}" if folder else ""
-    say(f"{result}\n\nwritten to {folder or target}{names}")
+    note(f"\nwritten to {folder or target}{names}", quiet)
 
 
 def _place(sources: list[Path], law: str, out: Path | None) -> tuple[Path | None, Path]:
@@ -255,10 +262,11 @@ def _place(sources: list[Path], law: str, out: Path | None) -> tuple[Path | None
 
 
 def _folder_of(tables: list[Path]) -> Path:
-    """Return the folder of the results of tables, beside the first."""
+    """Return the folder of the results of tables: beside the first, or in build for an example."""
     from cylcontact.fitting.campaign import name_of_tables
 
-    return tables[0].parent / "results" / name_of_tables(tables)
+    of_example = tables[0].resolve().parent.parts[-len(EXAMPLES.parts) :] == EXAMPLES.parts
+    return (BUILD if of_example else tables[0].parent / "results") / name_of_tables(tables)
 
 
 @takes("settings", SETTINGS)
@@ -267,11 +275,12 @@ def _folder_of(tables: list[Path]) -> Path:
 def choose(
     data: list[Path] = DATA,
     *,
-    law: list[str] | None = several("The laws to compare; all by default.", of=str, metavar="NAME"),
-    out: Path | None = output("The folder; results/NAME beside the table."),
+    law: list[str] | None = several("The laws to compare; all by default.", of=str, metavar="LAW"),
+    out: Path | None = output("The folder; results/NAME beside the table.", metavar="FOLDER"),
     jobs: int = JOBS,
     scheduler: Any = SCHEDULER,
     as_json: bool = JSON,
+    quiet: bool = QUIET,
     settings: dict[str, Any],
     parameters: dict[str, Any],
     pair: dict[str, Any],
@@ -285,13 +294,14 @@ def choose(
     measured = _measured(
         data, {**pair, **settings, **parameters, "law": law[0] if law else "johnson"}
     )
-    with progress_bars() as progress:
+    with progress_bars(quiet) as progress:
         choice = choose_law(measured, law or (), progress, scheduler or jobs)
     write_choice(choice, folder)
     if as_json:
-        say(_rows_as_json(choice.table.reset_index().to_dict("list"), left_out=choice.left_out))
+        say(json_text({"left_out": choice.left_out, "rows": choice.table.reset_index()}))
         return
-    say(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
+    say(choice)
+    note(f"\nwritten to {folder}: {', '.join(CHOICE_FILES)}", quiet)
 
 
 @takes("settings", SETTINGS)
@@ -300,7 +310,7 @@ def choose(
 def plan(
     data: list[Path] = DATA,
     *,
-    law: str | None = option("The law, e.g. johnson.", metavar="NAME"),
+    law: str | None = option("The law, e.g. johnson.", metavar="LAW"),
     candidates: Any = option(
         'Loads to choose from, in N/mm or with their unit, e.g. 5:400 or "100 N:5 kN".',
         metavar="LOW:HIGH",
@@ -309,9 +319,11 @@ def plan(
     add: int = count(1, "Readings to add.", default=5),
     parameter: str | None = option("The parameter to narrow; all by default.", metavar="NAME"),
     clearances: list[float] | None = several(
-        "Clearances that can be taken, in mm.", "--radial-clearances", metavar="DR"
+        "Clearances that can be taken.", "--radial-clearances", of=LENGTH, metavar="MM"
     ),
-    out: Path | None = output("A folder for the picture and its table."),
+    out: Path | None = output("A folder for the picture and its table.", metavar="FOLDER"),
+    as_json: bool = JSON,
+    quiet: bool = QUIET,
     settings: dict[str, Any],
     parameters: dict[str, Any],
     pair: dict[str, Any],
@@ -328,7 +340,7 @@ def plan(
     given = {**pair, **settings, **parameters} | ({} if law is None else {"law": law})
     measured = _measured(data, given, lacks=lacks)
     law = given["law"]
-    with progress_bars() as progress:
+    with progress_bars(quiet) as progress:
         fitted = fit_table(measured.campaign(law), 1, progress)
     length = fitted.data.columns.get("length")
     of_pair = None if length is None or np.ptp(length) else float(length[0])
@@ -337,16 +349,18 @@ def plan(
     require(0 < low < high, str(data[0]), "--candidates", ":".join(candidates), rule, remedy)
     taken = np.geomspace(low, high, _PLAN_LOADS)
     chosen = fitted.plan(taken, add, dR=clearances or None, parameter=parameter)
-    say(chosen)
+    say(json_text(chosen.to_dict()) if as_json else chosen)
     if out is not None:
         write_plan(chosen, out)
-        say(f"\nwritten to {out}: {', '.join(PLAN_FILES)}")
+        note(f"\nwritten to {out}: {', '.join(PLAN_FILES)}", quiet or as_json)
 
 
 def predict(
     result: Path = RESULT,
     *,
-    load: list[str] = option('A load with its unit, "4500 N"; may be repeated.', default=...),
+    load: list[str] = option(
+        'A load with its unit, "4500 N"; may be repeated.', default=..., metavar="LOAD"
+    ),
     level: float | None = LEVEL,
     law: str | None = OWN_LAW,
     as_json: bool = JSON,
@@ -358,7 +372,9 @@ def predict(
     fitted = fitted if law is None else fitted.with_law(law)
     columns = fitted.predicted_columns(load, level)
     if as_json:
-        say(_rows_as_json(columns, level=level or fitted.level))
+        cells = zip(*columns.values(), strict=True)
+        of_each = [dict(zip(columns, row, strict=True)) for row in cells]
+        say(json_text({"level": level or fitted.level, "rows": of_each}))
         return
     beyond = columns.pop("beyond")
     # In the units of the table, which come last.
@@ -384,26 +400,13 @@ def _aligned(columns: Mapping[str, Any]) -> str:
     return "\n".join("  ".join(row) for row in rows)
 
 
-def _rows_as_json(columns: Mapping[Any, Any], **others: object) -> str:
-    """Return the rows of a table as JSON, with null for what is not a number."""
-    import numpy as np
-
-    values = [np.asarray(column, object).tolist() for column in columns.values()]
-    cells = (
-        [None if isinstance(v, float) and not math.isfinite(v) else v for v in row]
-        for row in zip(*values, strict=True)
-    )
-    rows = [dict(zip(columns, row, strict=True)) for row in cells]
-    return json.dumps({**others, "rows": rows}, ensure_ascii=False, indent=1)
-
-
 def compare(
-    results: list[Path] = argument(
-        "Result files, e.g. fitting/results/*.json.", metavar="RESULT..."
-    ),
+    results: list[Path] = argument("Result files, e.g. fitting/results/*.json.", metavar="RESULT"),
+    as_json: bool = JSON,
 ) -> None:
     """Compare fits with each other and with the published coefficients."""
     from cylcontact import fitting
+    from cylcontact.fitting.comparison import compared
 
     read = [fitting.read_result(path) for path in results]
     often = Counter(result.name for result in read)
@@ -411,14 +414,16 @@ def compare(
         result.model_copy(update={"name": path.stem}) if often[result.name] > 1 else result
         for path, result in zip(results, read, strict=True)
     ]
-    say(fitting.compare(named))
+    say(json_text(compared(named)) if as_json else fitting.compare(named))
 
 
 def verify(
-    results: list[Path] | None = argument("Result files.", metavar="[RESULT]...", default=None),
-    every: bool = option("All results in fitting/results; minutes.", "--all", default=False),
+    results: list[Path] | None = argument("Result files.", metavar="RESULT", default=None),
+    every: bool = flag("All results in fitting/results; minutes.", "--all"),
     jobs: int = JOBS,
     scheduler: Any = SCHEDULER,
+    as_json: bool = JSON,
+    quiet: bool = QUIET,
 ) -> None:
     """Redo fits with their own settings; exit code 1 if one differs."""
     from cylcontact.fitting.comparison import verify as verify_one
@@ -426,15 +431,20 @@ def verify(
     rule, remedy = "names no result", "name some, or all in fitting/results with --all"
     require(bool(results) or every, "verify", "", None, rule, remedy)
     paths = [*(results or ()), *(sorted(RESULTS.glob("*.json")) if every else ())]
-    remedy = "name some, or lay out a bench with: cylcontact init FOLDER"
+    remedy = "name some, or make a project folder with: cylcontact init FOLDER"
     require(bool(paths), str(RESULTS), "", None, "has no results", remedy)
-    failed = 0
+    failed, rows = 0, []
     for path in paths:
-        with progress_bars() as progress:
+        with progress_bars(quiet) as progress:
             checks = verify_one(path, scheduler or jobs, progress)
-        say("\n".join(f"{path.stem}: {check}" for check in checks))
+        rows += [{"result": str(path), **check.to_dict()} for check in checks]
         failed += sum(not check.holds for check in checks)
-    say(f"{len(paths)} results verified, {failed} checks do not hold")
+        if not as_json:
+            say("\n".join(f"{path.stem}: {check}" for check in checks))
+    if as_json:
+        say(json_text({"rows": rows}))
+    else:
+        say(f"{len(paths)} results verified, {failed} checks do not hold")
     if failed:
         raise typer.Exit(1)
 

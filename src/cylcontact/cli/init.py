@@ -9,8 +9,8 @@ from collections.abc import Iterable
 from fnmatch import fnmatch
 from pathlib import Path
 
-from cylcontact.cli.options import argument
-from cylcontact.cli.terminal import say
+from cylcontact.cli.options import QUIET, argument
+from cylcontact.cli.terminal import note
 from cylcontact.files.writing import replacing_all, require_writable, shipped_bench
 from cylcontact.support.choices import first_of
 from cylcontact.support.errors import InputError
@@ -25,8 +25,9 @@ _NOT_SHIPPED = (
 
 def init(
     folder: Path = argument(
-        "The folder; the current one by default.", metavar="[FOLDER]", default=Path()
+        "The folder; the current one by default.", metavar="FOLDER", default=Path()
     ),
+    quiet: bool = QUIET,
 ) -> None:
     """Write datasets, campaigns, figures and notebooks into a folder."""
     source = shipped_bench()
@@ -35,8 +36,8 @@ def init(
     with replacing_all(folder / name for name in missing) as temporaries:
         for temporary, name in zip(temporaries, missing, strict=True):
             shutil.copyfile(source / name, temporary)
-    say(f"{len(names)} files in {folder.resolve()}: {', '.join(FOLDERS)}")
-    say("in that folder, try: cylcontact figure fig12")
+    note(f"{len(names)} files in {folder.resolve()}: {', '.join(FOLDERS)}", quiet)
+    note("in that folder, try: cylcontact figure fig12", quiet)
 
 
 def shipped_files(source: Path) -> list[Path]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.cli.options import (
+    JSON,
+    QUIET,
     Options,
     argument,
     number,
@@ -19,6 +20,8 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.pair import JOINT, named_option, own_materials
 from cylcontact.cli.terminal import progress_bars, say
+from cylcontact.files.reading import require_file
+from cylcontact.files.writing import json_text
 from cylcontact.joint.bush_words import EXAMPLE, bush_words, diameter_words
 from cylcontact.joint.words import blaming, joint_from_words, temperature_words
 from cylcontact.support.choices import is_table, listed
@@ -36,31 +39,31 @@ WHAT = ("clearance", "modulus", "length")
 
 _AT: dict[str, Any] = {"rich_help_panel": "Load and surroundings"}
 _TO: dict[str, Any] = {"rich_help_panel": "What to meet: one of"}
-JSON = option("Print JSON, not the text.", "--json", default=False)
 # What a joint has besides its pair and its housing.
 AROUND: Options = {
     "load": (str | None, option("In N/mm, or '6 kN' with --length.", metavar="LOAD", **_AT)),
     "iso": (str | None, option("An ISO fit instead of radii, 20H7/g6.", metavar="CODE", **_AT)),
     "temperature": (
         str | None,
-        option("Temperature in °C, or PIN,HOLE; radii are those at 20 °C.", metavar="T",
+        option("Temperature in °C, or PIN,HOLE; radii are those at 20 °C.", metavar="°C",
                parser=reader(temperature_words, "must be one number or two, PIN,HOLE"), **_AT),
     ),
     "rim": (str | None, option(
         "The housing's rim when warm: free, held, or the material of the frame.",
         metavar="STATE", **_AT)),
-    "depth": (float | None, number("Depth at which a plane (--Rj inf) is held, mm.", **_AT)),
+    "depth": (float | None, number("Depth at which a plane (--Rj inf) is held.", metavar="MM",
+              **_AT)),
 }  # fmt: skip
 TARGETS: Options = {
-    "stiffness": (float | None, number("In N/mm²; for a length N/mm.", **_TO)),
-    "penetration": (float | None, number("In µm.", **_TO)),
-    "peak": (float | None, number("Largest pressure, MPa.", **_TO)),
-    "factor": (float | None, number("First yield over the load.", **_TO)),
+    "stiffness": (float | None, number("In N/mm²; for a length N/mm.", metavar="STIFFNESS", **_TO)),
+    "penetration": (float | None, number("In µm.", metavar="MICRONS", **_TO)),
+    "peak": (float | None, number("Largest pressure, MPa.", metavar="MPA", **_TO)),
+    "factor": (float | None, number("First yield over the load.", metavar="FACTOR", **_TO)),
 }
 _BUSH = option(
     "A pressed bush: MATERIAL, BORE before pressing, HOLE/BUSH; --hole is around it.",
-    metavar="TEXT",
-    parser=reader(bush_words, f"is no bush; {EXAMPLE}"),
+    metavar="BUSH",
+    parser=reader(bush_words, f"is not a bush; {EXAMPLE}"),
     rich_help_panel="The housing of the hole",
 )
 # With a bush the pin may have a class of ISO 286.
@@ -68,7 +71,7 @@ _CHECKED: Options = dict(JOINT) | {
     "pin_diameter": (
         str | None,
         option("Diameter of the pin; with --bush also a class, 20f7.", "--pin-diameter",
-               metavar="MM", parser=reader(diameter_words, "is no diameter; give mm, or 20f7"),
+               metavar="MM", parser=reader(diameter_words, "is not a diameter; give mm, or 20f7"),
                rich_help_panel="The pair of cylinders"),
     ),
 }  # fmt: skip
@@ -89,13 +92,14 @@ def joint_of(
 def check(
     file: Path | None = argument(
         "A table of joints, the file of a joint, of one with a bush, or of a clevis.",
-        metavar="[FILE]",
+        metavar="FILE",
         default=None,
     ),
     *,
     bush: Any = _BUSH,
     out: Path | None = output("One page to file, .html, .pdf or .png; of a table the answers."),
     as_json: bool = JSON,
+    quiet: bool = QUIET,
     pair: dict[str, Any],
     around: dict[str, Any],
 ) -> None:
@@ -103,8 +107,10 @@ def check(
 
     The joint is a pin in a hole, two rollers, or a roller on a plane.
     """
+    if file is not None:
+        require_file(file)
     if file is not None and is_table(file):
-        _check_table(file, bush, out, as_json, pair | around)
+        _check_table(file, bush, out, as_json, quiet, pair | around)
         return
     require_output(out, *PAGES)
     answer = _checked(file, bush, pair, around)
@@ -116,7 +122,7 @@ def check(
 
 
 def _check_table(
-    path: Path, bush: Any, out: Path | None, as_json: bool, given: dict[str, Any]
+    path: Path, bush: Any, out: Path | None, as_json: bool, quiet: bool, given: dict[str, Any]
 ) -> None:
     """Check the joints of a table, and write their answers."""
     from cylcontact.joint.tables import SUFFIXES, check_table
@@ -128,13 +134,13 @@ def _check_table(
             "name the answers, e.g. -o answers.csv")  # fmt: skip
     own = own_materials(given, "check")
     given.pop("materials", None)
-    with progress_bars() as progress:
+    with progress_bars(quiet) as progress:
         checked = check_table(path, materials=own, same=given, progress=progress)
     if as_json:
-        say(checked.table.to_json(orient="records", force_ascii=False, indent=1))
+        say(json_text(checked.table))
     if out is not None:
         checked.save(out)
-        if not as_json:
+        if not (as_json or quiet):
             say(f"{out}: {checked}")
 
 
@@ -232,6 +238,6 @@ def size(
         if error.key == "--penetration" and isinstance(value, float):
             value = f"{1e3 * value:g} µm"
         raise InputError(error.source, error.key, value, error.rule, error.remedy) from None
-    say(json.dumps(answer.to_dict(), ensure_ascii=False, indent=1) if as_json else str(answer))
+    say(json_text(answer.to_dict()) if as_json else str(answer))
     for warning in answer.warnings:
         say(f"warning: {warning}", err=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,8 @@ import typer
 
 from cylcontact.cli.joint import AROUND, joint_of
 from cylcontact.cli.options import (
+    JSON,
+    QUIET,
     argument,
     interval,
     number,
@@ -19,19 +22,16 @@ from cylcontact.cli.options import (
     takes,
 )
 from cylcontact.cli.pair import JOINT, named_option, own_materials
-from cylcontact.cli.terminal import say
-from cylcontact.files.writing import replacing_all, require_suffix
+from cylcontact.cli.terminal import note, say
+from cylcontact.files.writing import json_text, replacing_all, require_suffix
 from cylcontact.joint.words import housing_from_words, pair_from_words
 from cylcontact.support.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, listed
 from cylcontact.support.errors import InputError, require
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from cylcontact.laws import ContactLaw
 
-JSON_TABLE = option("Print JSON, not the table.", "--json", default=False)
-CONTACT = option(f"{listed(CONTACTS)}.", "--contact", default="internal", metavar="TEXT")
+CONTACT = option(f"{listed(CONTACTS)}.", "--contact", default="internal", metavar="CONTACT")
 _OWN_CONTACT = {"rich_help_panel": "Parameters of a code's own contact"}
 
 
@@ -44,13 +44,13 @@ def listing(contact: str = CONTACT) -> None:
     say(f"{names(contact)}\n\n{parameters(contact)}")  # type: ignore[arg-type]
 
 
-def accuracy(contact: str = CONTACT, as_json: bool = JSON_TABLE) -> None:
+def accuracy(contact: str = CONTACT, as_json: bool = JSON) -> None:
     """Print the errors of all laws over the ranges in which they are used."""
     from cylcontact.laws import compare as module
 
     _require_contact(contact)
     if as_json:
-        say(_as_json(module.accuracy(contact)))  # type: ignore[arg-type]
+        say(json_text({"rows": module.accuracy(contact)}))  # type: ignore[arg-type]
     else:
         say(module.accuracy_text(contact))  # type: ignore[arg-type]
 
@@ -60,7 +60,7 @@ def accuracy(contact: str = CONTACT, as_json: bool = JSON_TABLE) -> None:
 def compare(
     *,
     own: str | None = option("Your own law, as one more row.", metavar="MODULE:FUNCTION"),
-    as_json: bool = JSON_TABLE,
+    as_json: bool = JSON,
     pair: dict[str, Any],
     around: dict[str, Any],
 ) -> None:
@@ -81,8 +81,8 @@ def compare(
     pairs = dict(joint.solved())
     if as_json:
         tables = {name: comparison(each, *given) for name, each in pairs.items()}
-        rows = [table.assign(pair=name) for name, table in tables.items()]
-        say(_as_json(*rows))
+        rows = [table.assign(pair=name).to_dict("records") for name, table in tables.items()]
+        say(json_text({"rows": [*chain.from_iterable(rows)]}))
     else:
         parts = ["\n".join(described(joint))]
         for name, each in pairs.items():
@@ -91,24 +91,6 @@ def compare(
         say("\n\n".join(parts))
     for warning in checked(joint).warnings:
         say(f"warning: {warning}", err=True)
-
-
-def _as_json(*tables: pd.DataFrame) -> str:
-    """Return the rows of tables as JSON, with null for what is not a number."""
-    import json
-    import math
-
-    rows = [row for table in tables for row in table.to_dict("records")]
-    plain = [
-        {
-            key: ("inf" if value == math.inf else None)
-            if isinstance(value, float) and not math.isfinite(value)
-            else value
-            for key, value in row.items()
-        }
-        for row in rows
-    ]
-    return json.dumps({"rows": plain}, ensure_ascii=False, indent=1)
 
 
 def _require_contact(contact: str) -> None:
@@ -124,11 +106,11 @@ def _warn(source: str, *warnings: str | None) -> None:
 def export(
     what: str | None = argument(
         "A fit result, a law such as johnson, or your own: mine:load.",
-        metavar="[RESULT|LAW]",
+        metavar="RESULT|LAW",
         default=None,
     ),
     *,
-    joint: Path | None = option("The file of a joint, datasets/joint.toml.", metavar="JOINT"),
+    joint: Path | None = option("The file of a joint, datasets/joint.toml.", metavar="FILE"),
     target: str = option(
         f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}, or with --range {listed(CODES)}.",
         "--to",
@@ -136,9 +118,14 @@ def export(
         default=...,
     ),
     force_range: Any = interval("Range of the total force, N.", "--range", **_OWN_CONTACT),
-    mass: float | None = number("Effective mass in an impact, kg; 1 by default.", **_OWN_CONTACT),
-    speed: float | None = number("Speed of an impact, m/s; else from the range.", **_OWN_CONTACT),
+    mass: float | None = number(
+        "Effective mass in an impact; 1 by default.", metavar="KG", **_OWN_CONTACT
+    ),
+    speed: float | None = number(
+        "Speed of an impact; else from the range.", metavar="M/S", **_OWN_CONTACT
+    ),
     out: Path | None = output("The file; a law goes to standard output without it."),
+    quiet: bool = QUIET,
     pair: dict[str, Any],
 ) -> None:
     """Write a law, or a joint with clearance, in another language.
@@ -151,17 +138,19 @@ def export(
     own_contact = {"--range": forces, "--mass": mass, "--speed": speed}
     require_output(out)
     if target in CODES:
-        _export_parameters(joint, target, force_range, mass, speed, pair.get("materials"), out)
+        _export_parameters(
+            joint, target, force_range, mass, speed, pair.get("materials"), out, quiet
+        )
         return
     remedy = f"leave it out, or choose --to {listed(CODES)}"
     _refuse(own_contact, "is for a code's own contact", remedy)
     if joint is not None:
         _refuse({"RESULT|LAW": what}, "is in the file of the joint already", "leave it out")
-        _export_joint(joint, target, out, pair)
+        _export_joint(joint, target, out, pair, quiet)
     else:
         remedy = "name one, e.g. explicit, or a joint with --joint"
         require(what is not None, "export", "RESULT|LAW", None, "is missing", remedy)
-        _export_law(str(what), target, out, pair)
+        _export_law(str(what), target, out, pair, quiet)
 
 
 def _refuse(given: Mapping[str, Any], rule: str, remedy: str) -> None:
@@ -170,7 +159,9 @@ def _refuse(given: Mapping[str, Any], rule: str, remedy: str) -> None:
         require(value is None, "export", name, value, rule, remedy)
 
 
-def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) -> None:
+def _export_law(
+    what: str, target: str, out: Path | None, pair: dict[str, Any], quiet: bool
+) -> None:
     """Write a law, conformal contact that of one pair, to a file or to standard output."""
     from cylcontact.export import law_named, source_and_header
     from cylcontact.export.languages import require_callable
@@ -197,15 +188,15 @@ def _export_law(what: str, target: str, out: Path | None, pair: dict[str, Any]) 
     texts = {out: source}
     if header:
         texts[out.with_suffix(".h")] = header
-    _write(what, texts)
+    _write(what, texts, quiet)
 
 
-def _write(name: str, texts: Mapping[Path, Any]) -> None:
+def _write(name: str, texts: Mapping[Path, Any], quiet: bool) -> None:
     """Write what is exported, all of its files or none."""
     with replacing_all(texts) as files:
         for file, text in zip(files, texts.values(), strict=True):
             file.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
-    say(f"{name} written to {', '.join(map(str, texts))}")
+    note(f"{name} written to {', '.join(map(str, texts))}", quiet)
 
 
 def _export_parameters(
@@ -216,6 +207,7 @@ def _export_parameters(
     speed: float | None,
     materials: str | None,
     out: Path | None,
+    quiet: bool,
 ) -> None:
     """Print the parameters of a code's own contact, or write them to the file `out`."""
     from cylcontact.bodies.pair import unusual_lengths
@@ -233,13 +225,15 @@ def _export_parameters(
     if out is None:
         typer.echo(parameters)
     else:
-        _write(joint.name, {out: f"{parameters}\n"})
+        _write(joint.name, {out: f"{parameters}\n"}, quiet)
     yields = f"first yield is at {joint.first_yield:.4g} N"
     above = yields if force_range[1] > joint.first_yield else None
     _warn(f"{path}: ", above, *unusual_lengths(joint.pair))
 
 
-def _export_joint(path: Path, target: str, out: Path | None, pair: Mapping[str, Any]) -> None:
+def _export_joint(
+    path: Path, target: str, out: Path | None, pair: Mapping[str, Any], quiet: bool
+) -> None:
     """Write a joint as a force element, next to the file `out`."""
     from cylcontact.bodies.pair import unusual_lengths
     from cylcontact.export import export_joint
@@ -260,5 +254,5 @@ def _export_joint(path: Path, target: str, out: Path | None, pair: Mapping[str, 
         remedy = f"name the file, e.g. -o {planar.identifier}{suffix}"
         raise InputError("export", "--out", None, "is missing for a joint", remedy)
     require_suffix(out, suffix)
-    _write(planar.name, {out.with_name(name): text for name, text in texts.items()})
+    _write(planar.name, {out.with_name(name): text for name, text in texts.items()}, quiet)
     _warn(f"{path}: ", *unusual_lengths(planar.pair))

@@ -9,7 +9,10 @@ import typer
 
 from cylcontact.cli.options import (
     JOBS,
+    JSON,
+    LENGTH,
     MATERIALS,
+    QUIET,
     SCHEDULER,
     Options,
     argument,
@@ -22,8 +25,8 @@ from cylcontact.cli.options import (
     several,
     takes,
 )
-from cylcontact.cli.terminal import progress_bars, say
-from cylcontact.files.writing import write_table
+from cylcontact.cli.terminal import note, progress_bars, say
+from cylcontact.files.writing import json_text, write_table
 from cylcontact.support import choices
 from cylcontact.support.choices import BEYOND, OUTPUT_SUFFIXES, listed
 from cylcontact.support.errors import InputError, require
@@ -36,17 +39,17 @@ _SAME_SIZE = 0.01
 # The second tolerance of `_agreement` relative to the first, and the revolutions that it runs.
 _TIGHTER, _LONGEST = 0.1, 10
 
-SPEC = argument("The file of a slider-crank, datasets/slider_crank.toml.")
+SPEC = argument("The file of a slider-crank, datasets/slider_crank.toml.", metavar="FILE")
 REVOLUTIONS = count(1, "Number of revolutions; the file's by default.")
 FIRST = count(0, "First revolution of the statistics, from 0.")
 _INSTEAD: dict[str, Any] = {"rich_help_panel": "Instead of the values of the file"}
 _COMBINED: dict[str, Any] = {"rich_help_panel": "Values to combine"}
 END = option(
-    f"At the end of the law: {listed(BEYOND)}.", parser=str, metavar="WHAT", default="stop"
+    f"At the end of the law: {listed(BEYOND)}.", parser=str, metavar="BEYOND", default="stop"
 )
 # What replaces values of the file, each by one.
 CHANGE: Options = {
-    "law": (str | None, option("A law or a fit's result.", metavar="NAME", **_INSTEAD)),
+    "law": (str | None, option("A law or a fit's result.", metavar="LAW", **_INSTEAD)),
     "clearance": (float | None, length("Radial clearance.", "--radial-clearance", **_INSTEAD)),
     "restitution": (float | None, number("Restitution, above 0 up to 1.", **_INSTEAD)),
     "friction": (float | None, number("Friction coefficient.", **_INSTEAD)),
@@ -55,10 +58,10 @@ CHANGE: Options = {
 }
 # The same, each by one or several.
 CHANGES: Options = {
-    "law": (list[str] | None, several("Laws, e.g. johnson.", of=str, metavar="NAME", **_COMBINED)),
+    "law": (list[str] | None, several("Laws, e.g. johnson.", of=str, metavar="LAW", **_COMBINED)),
     "clearance": (
         list[float] | None,
-        several("Radial clearances, mm.", "--radial-clearance", **_COMBINED),
+        several("Radial clearances.", "--radial-clearance", of=LENGTH, metavar="MM", **_COMBINED),
     ),
     "restitution": (list[float] | None, several("Restitutions, above 0 up to 1.", **_COMBINED)),
     "friction": (list[float] | None, several("Friction coefficients.", **_COMBINED)),
@@ -69,11 +72,13 @@ CHANGES: Options = {
 def simulate(
     spec: Path = SPEC,
     *,
-    table: Path | None = option("Table of the steps, .csv or .parquet.", metavar="PATH"),
+    table: Path | None = option("Table of the steps, .csv or .parquet.", metavar="FILE"),
     change: dict[str, Any],
     revolutions: int | None = REVOLUTIONS,
     first: int | None = FIRST,
     beyond: choices.Beyond = END,
+    as_json: bool = JSON,
+    quiet: bool = QUIET,
 ) -> None:
     """Simulate a slider-crank with a clearance joint and print its statistics."""
     from cylcontact.mechanism import read_mechanism
@@ -89,8 +94,8 @@ def simulate(
     require(first < total, "simulate", "--first", first, rule, "start earlier, or simulate more")
     settings: dict[str, Any] = {"beyond": beyond}
     if text := estimate(mechanism, total):
-        say(f"cylcontact: {text}", err=True)
-    with progress_bars() as progress:
+        note(f"cylcontact: {text}", quiet, err=True)
+    with progress_bars(quiet) as progress:
         if table is None:
             given = settings | {"progress": progress}
             statistics = _long_run(mechanism, total, first, given)
@@ -98,12 +103,17 @@ def simulate(
             trajectory = run(mechanism, total, progress=progress, **settings)
             write_table(trajectory.to_frame(), table)
             statistics = trajectory.statistics(first)
-    say(statistics.to_text())
+    if not as_json:
+        say(statistics.to_text())
+    agreed = "" if estimate(mechanism, total) else _agreement(mechanism, total, settings)
+    warnings = [*mechanism.warnings, *statistics.warnings]
+    if as_json:
+        say(json_text(statistics.to_dict() | {"agreement": agreed, "warnings": warnings}))
+    elif agreed:
+        say(f"\n{agreed}")
     if table is not None:
-        say(f"\nwritten to {table}")
-    if not estimate(mechanism, total):
-        say(f"\n{_agreement(mechanism, total, settings)}")
-    for warning in (*mechanism.warnings, *statistics.warnings):
+        note(f"\nwritten to {table}", quiet or as_json)
+    for warning in warnings:
         say(f"warning: {warning}", err=True)
 
 
@@ -145,7 +155,7 @@ def _agreement(mechanism: SliderCrank, total: int, settings: dict[str, Any]) -> 
 def sweep(
     spec: Path = SPEC,
     *,
-    out: Path = output("The table, .csv or .parquet.", default=...),
+    out: Path | None = output("The table, .csv or .parquet."),
     changes: dict[str, Any],
     iso: str | None = option("An ISO fit: tightest, middle, loosest.", metavar="CODE", **_COMBINED),
     materials: str | None = MATERIALS,
@@ -155,6 +165,8 @@ def sweep(
     beyond: choices.Beyond = END,
     jobs: int = JOBS,
     scheduler: Any = SCHEDULER,
+    as_json: bool = JSON,
+    quiet: bool = QUIET,
 ) -> None:
     """Simulate every combination of laws, clearances, restitutions and frictions."""
     from cylcontact.mechanism import cases, read_mechanism
@@ -162,6 +174,8 @@ def sweep(
     from cylcontact.mechanism.run import estimate
 
     require_output(out, *OUTPUT_SUFFIXES)
+    rule, remedy = "is missing", "name the table, e.g. -o build/sweep.csv, or print it with --json"
+    require(out is not None or as_json, "sweep", "--out", None, rule, remedy)
     mechanism = read_mechanism(spec, materials, tolerance=tolerance)
     if iso is not None:
         rule = "conflicts with --radial-clearance"
@@ -170,12 +184,15 @@ def sweep(
     total = revolutions or mechanism.spec.revolutions
     wanted = cases(*(changes.get(name, [None]) for name in CHANGES))
     if text := estimate(mechanism, total * len(wanted)):
-        say(f"cylcontact: {text}", err=True)
-    with progress_bars() as progress:
+        note(f"cylcontact: {text}", quiet, err=True)
+    with progress_bars(quiet) as progress:
         table = run(mechanism, wanted, total, first, beyond, scheduler or jobs, progress)
-    write_table(table, out)
+    if as_json:
+        say(json_text({"rows": table}))
+    if out is not None:
+        write_table(table, out)
     stopped = table[table["contact_fraction"].isna()] if "contact_fraction" in table else table
-    say(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
+    note(f"{out}: {len(table)} cases, {len(stopped)} of them stopped", quiet or as_json)
     if len(stopped):
         counted = f"{len(stopped)} of {len(table)} cases stopped"
         say(f"cylcontact: {counted}; first: {stopped['message'].iloc[0]}", err=True)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import typer
+from typer.core import TyperArgument, TyperCommand, TyperGroup
 
 from cylcontact.files.reading import plain_number
 from cylcontact.files.units import length_in_mm
@@ -22,6 +23,8 @@ from cylcontact.support.errors import InputError
 RESULTS = Path("fitting/results")
 # Where outputs go that nothing else names, so that an example changes no committed file.
 BUILD = Path("build")
+# Where the shipped tables are.
+EXAMPLES = Path("datasets/examples")
 # Keys of tables of functions, which are slow to import; tests/cli/test_commands.py compares them.
 NOISES = ("constant", "proportional", "both")
 WIDTHS = ("column", "page")
@@ -39,9 +42,14 @@ def option(help: str, *names: str, default: Any = None, **details: Any) -> Any:
     return typer.Option(default, *names, help=help, **details)
 
 
-def output(help: str, default: Any = None) -> Any:
+def flag(help: str, *names: str, default: bool | None = False, **details: Any) -> Any:
+    """Return an option without a value."""
+    return option(help, *names, default=default, metavar="", **details)
+
+
+def output(help: str, default: Any = None, metavar: str = "FILE") -> Any:
     """Return the option of what a command writes."""
-    return option(help, "-o", "--out", default=default, metavar="PATH")
+    return option(help, "-o", "--out", default=default, metavar=metavar)
 
 
 def reader(read: Read, rule: str) -> Read:
@@ -59,17 +67,17 @@ def reader(read: Read, rule: str) -> Read:
 
 
 NUMBER = reader(plain_number, "is not a number")  # typer's own reader takes 1_700 and nan
+LENGTH = reader(length_in_mm, "is not a length; give mm, or e.g. '40 um'")
 
 
-def number(help: str, *names: str, **details: Any) -> Any:
+def number(help: str, *names: str, metavar: str = "NUMBER", **details: Any) -> Any:
     """Return an option of one number."""
-    return option(help, *names, parser=NUMBER, metavar="FLOAT", **details)
+    return option(help, *names, parser=NUMBER, metavar=metavar, **details)
 
 
 def length(help: str, *names: str, **details: Any) -> Any:
     """Return an option of a length in mm, or with its unit."""
-    read = reader(length_in_mm, "is not a length; give mm, or e.g. '40 um'")
-    return option(help, *names, parser=read, metavar="MM", **details)
+    return option(help, *names, parser=LENGTH, metavar="MM", **details)
 
 
 def count(
@@ -100,7 +108,7 @@ def interval(help: str, *names: str, default: Any = None, **details: Any) -> Any
 
 
 def several(
-    help: str, *names: str, of: Read = NUMBER, metavar: str = "FLOAT", **details: Any
+    help: str, *names: str, of: Read = NUMBER, metavar: str = "NUMBER", **details: Any
 ) -> Any:
     """Return an option that may be repeated, or hold several values between commas."""
 
@@ -125,6 +133,27 @@ def one_of(known: Sequence[str]) -> Read:
 
 def _joined(values: list[Any] | None) -> list[Any]:
     return [*chain.from_iterable(values or ())]
+
+
+class _PlainHelp:
+    """A command whose help shows no types of Python beside arguments and --help."""
+
+    def get_params(self, ctx: Any) -> Any:
+        params = super().get_params(ctx)  # type: ignore[misc]
+        for each in params:
+            if isinstance(each, TyperArgument):
+                vars(each)["display_type_rich"] = lambda **_: ""
+            elif each.name in ("help", "install_completion", "show_completion"):
+                each.metavar = ""
+        return params
+
+
+class Command(_PlainHelp, TyperCommand):
+    """A command of the program."""
+
+
+class Group(_PlainHelp, TyperGroup):
+    """The program, or a command with commands of its own."""
 
 
 # Options by the names under which a command finds their values, with the type of these.
@@ -209,15 +238,19 @@ def _or_all(jobs: int | None) -> int:
     return jobs or (len(affinity(0)) if affinity else os.cpu_count() or 1)
 
 
-def _cluster(address: str | None) -> Any:
+def _cluster(address: str) -> Any:
     from cylcontact.support.parallel import Cluster
 
-    return None if address is None else Cluster(address)
+    return Cluster(address)
 
 
-RESULTS_FOLDER = option("The folder of fit results.", callback=_existing_folder, default=RESULTS)
+RESULTS_FOLDER = option(
+    "The folder of fit results.", callback=_existing_folder, default=RESULTS, metavar="FOLDER"
+)
 JOBS = count(1, "Worker processes; all cores by default.", "--jobs", "-j", callback=_or_all)
-SCHEDULER = option("A Dask cluster, e.g. tcp://host:8786.", metavar="ADDRESS", callback=_cluster)
+SCHEDULER = option("A Dask cluster, e.g. tcp://host:8786.", metavar="ADDRESS", parser=_cluster)
 MATERIALS = option("Your own materials; datasets/materials.csv by default.", metavar="TABLE")
-FORCE = option("Replace a default output that came from other inputs.", "--force", default=False)
-RESUME = option("Continue after an interruption.", "--resume", default=False)
+FORCE = flag("Replace a default output that came from other inputs.", "--force")
+RESUME = flag("Continue after an interruption.", "--resume")
+JSON = flag("Print JSON.", "--json")
+QUIET = flag("No progress and no notes.", "--quiet", "-q")

@@ -22,8 +22,8 @@ _PANEL: dict[str, Any] = {"rich_help_panel": "The pair of cylinders"}
 _HOUSING: dict[str, Any] = {"rich_help_panel": "The housing of the hole"}
 
 
-def _text(help: str, name: str, read: Read | None = None) -> tuple[Any, Any]:
-    return str | None, option(help, name, metavar="TEXT", parser=read, **_PANEL)
+def _text(help: str, name: str, metavar: str, read: Read | None = None) -> tuple[Any, Any]:
+    return str | None, option(help, name, metavar=metavar, parser=read, **_PANEL)
 
 
 def _length(help: str, name: str) -> tuple[Any, Any]:
@@ -38,38 +38,41 @@ def _modulus(text: str) -> float:
 
 _NAMED = reader(
     material_words,
-    "is no material; write its name, or E, ν, yield stress, expansion: "
+    "is not a material; write its name, or E, ν, yield stress, expansion: "
     "'207 GPa, 0.3, 350 MPa, 12e-6/K'",
 )
 _RADIUS = reader(radius_words, "is not a length; give mm, or e.g. '40 um'")
-_CLAMP = reader(clamp_words, "is no clamp; write rim, lug, pushed:60 or pulled:60, with your angle")
+_CLAMP = reader(
+    clamp_words, "is not a clamp; write rim, lug, pushed:60 or pulled:60, with your angle"
+)
 _LAYER = reader(
-    layer_words, "is no material with an inner radius; write e.g. bronze:12, or '110 GPa, 0.3:12'"
+    layer_words,
+    "is not a material with an inner radius; write e.g. bronze:12, or '110 GPa, 0.3:12'",
 )
 # By their names as constants of a table, where they have one.
 PAIR: Options = {
-    "contact": _text(f"{listed(CONTACTS)}.", "--contact"),
-    "pin": _text("The pin's material, or e.g. '207 GPa, 0.3'.", "--pin", read=_NAMED),
-    "hole": _text("The hole's material, in the same way.", "--hole", read=_NAMED),
-    "material": _text("Material of both bodies.", "--material", read=_NAMED),
-    "material_i": _text("Material of the first of two rollers.", "--material-i", read=_NAMED),
-    "material_j": _text("Material of the second of two rollers.", "--material-j", read=_NAMED),
-    "materials": _text("Table of yours; datasets/materials.csv by default.", "--materials"),
-    "E_MPa": _text("Young's modulus of both, MPa or '207 GPa'.", "--E",
-                   read=reader(_modulus, "is not a modulus")),
-    "nu": (float | None, number("Poisson's ratio of both bodies.", "--nu", **_PANEL)),
+    "contact": _text(f"{listed(CONTACTS)}.", "--contact", "CONTACT"),
+    "pin": _text("The pin's material, or '207 GPa, 0.3'.", "--pin", "MATERIAL", _NAMED),
+    "hole": _text("The hole's material, in the same way.", "--hole", "MATERIAL", _NAMED),
+    "material": _text("Material of both bodies.", "--material", "MATERIAL", _NAMED),
+    "material_i": _text("Material of the first roller.", "--material-i", "MATERIAL", _NAMED),
+    "material_j": _text("Material of the second roller.", "--material-j", "MATERIAL", _NAMED),
+    "materials": _text("Your own; datasets/materials.csv by default.", "--materials", "TABLE"),
+    "E_MPa": _text("Young's modulus, in MPa or '207 GPa'.", "--E", "MODULUS",
+                   reader(_modulus, "is not a modulus")),
+    "nu": (float | None, number("Poisson's ratio of both.", "--nu", metavar="RATIO", **_PANEL)),
     "dR_mm": _length("Radial clearance ΔR, half of that on the diameter; for rollers R_i + R_j.",
                      "--radial-clearance"),
-    "R_i_mm": _length("Radius R_i of the hole or the first roller.", "--Ri"),
-    "R_j_mm": (float | None, option("Radius R_j of the pin or the second roller; inf is a plane.",
+    "R_i_mm": _length("Radius of the hole or the first roller.", "--Ri"),
+    "R_j_mm": (float | None, option("Radius of the pin or the second roller, inf for a plane.",
                "--Rj", metavar="MM", parser=_RADIUS, **_PANEL)),
     "hole_diameter": _length("Diameter of the hole.", "--hole-diameter"),
     "pin_diameter": _length("Diameter of the pin.", "--pin-diameter"),
     "length_mm": _length("Axial length.", "--length"),
-    "plane": _text("strain for long parts, stress for thin ones.", "--plane"),
+    "plane": _text("strain for long parts, stress for thin ones.", "--plane", "PLANE"),
     "R_o": (float | None, length("Radius of its rim.", "--R-o", **_HOUSING)),
     "clamp": (str | None, option("rim (by default), lug, pushed:60 or pulled:60.", "--clamp",
-              metavar="TEXT", parser=_CLAMP, **_HOUSING)),
+              metavar="CLAMP", parser=_CLAMP, **_HOUSING)),
     "layer": (list[str] | None, option("Outer ring, from this radius; may be repeated.",
               "--layer", metavar="MATERIAL:MM", parser=_LAYER, **_HOUSING)),
 }  # fmt: skip
@@ -80,7 +83,7 @@ _BOTH = "Material of both bodies; of two rollers two, --material A --material B.
 JOINT: Options = {
     _AS_WORDS.get(name, name): each for name, each in PAIR.items() if name not in _OF_TABLES
 } | {
-    "material": (list[str] | None, option(_BOTH, "--material", metavar="TEXT", parser=_NAMED,
+    "material": (list[str] | None, option(_BOTH, "--material", metavar="MATERIAL", parser=_NAMED,
                  **_PANEL)),
 }  # fmt: skip
 # What stands for a constant under another name, which rollers do not have, and a factor to it.

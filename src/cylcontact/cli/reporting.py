@@ -8,6 +8,8 @@ from typing import cast
 
 from cylcontact.cli.options import (
     JOBS,
+    JSON,
+    QUIET,
     RESULTS_FOLDER,
     WIDTHS,
     argument,
@@ -17,7 +19,8 @@ from cylcontact.cli.options import (
     require_output,
     several,
 )
-from cylcontact.cli.terminal import progress_bars, say
+from cylcontact.cli.terminal import note, progress_bars, say
+from cylcontact.files.writing import json_text
 from cylcontact.support.choices import FORMATS, Format, listed
 from cylcontact.support.errors import InputError
 
@@ -27,22 +30,24 @@ def figure(
         "Figures, e.g. fig10 fig_housing; all by default. Arguments follow the name of a figure: "
         "fig12 result=build/internal.json.",
         default=None,
+        metavar="FIGURE",
     ),
-    out: Path | None = output("The folder; build/figures by default."),
+    out: Path | None = output("The folder; build/figures by default.", metavar="FOLDER"),
     width: str | None = option(f"{listed(WIDTHS)}, or a number of mm.", metavar="WIDTH"),
     style: str | None = option("A matplotlib style, by name or file.", metavar="STYLE"),
     formats: list[str] | None = several(
         f"{listed(FORMATS)}.", "--format", of=one_of(FORMATS), metavar="FORMAT"
     ),
     jobs: int = JOBS,
-    as_json: bool = option("The files and captions as JSON.", "--json", default=False),
+    as_json: bool = JSON,
+    quiet: bool = QUIET,
 ) -> None:
     """Draw figures, each with its numbers as CSV and its caption."""
     from cylcontact.plots.style import read_width
-    from cylcontact.reports.figures import files_as_json, write_figures
+    from cylcontact.reports.figures import files_with_captions, write_figures
 
     chosen, arguments = _names_and_arguments(names or ())
-    with progress_bars() as progress:
+    with progress_bars(quiet) as progress:
         written = write_figures(
             Path(),
             chosen,
@@ -55,10 +60,10 @@ def figure(
             progress=progress,
         )
     if as_json:
-        say(files_as_json(written))
+        say(json_text(files_with_captions(written)))
         return
     count = sum(path.suffix == ".csv" for path in written)
-    say(f"{count} {'figure' if count == 1 else 'figures'} in {written[0].parent}")
+    note(f"{count} {'figure' if count == 1 else 'figures'} in {written[0].parent}", quiet)
 
 
 def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
@@ -74,7 +79,10 @@ def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str
 def report(
     out: Path = output("The page.", default=Path("build/report.html")),
     results: Path = RESULTS_FOLDER,
-    figures: Path = option("The folder of figures.", default=Path("build/figures")),
+    figures: Path = option(
+        "The folder of figures.", default=Path("build/figures"), metavar="FOLDER"
+    ),
+    quiet: bool = QUIET,
 ) -> None:
     """Write one HTML page with coefficients, figures and claims."""
     from cylcontact.reports.page import write_page
@@ -82,19 +90,20 @@ def report(
     require_output(out, ".html")
     for what in write_page(out, Path(), results, figures):
         say(f"missing: {what}", err=True)
-    say(f"open {out}")
+    note(f"open {out}", quiet)
 
 
 def claims(
     out: Path | None = output("Write them as a table, .csv, instead of printing them."),
-    as_json: bool = option("The claims as JSON.", "--json", default=False),
+    as_json: bool = JSON,
+    quiet: bool = QUIET,
 ) -> None:
     """Compare the claims of the paper with computed numbers, in every interpretation."""
-    from cylcontact.reports.claims import claims_of, to_json, to_text, write_claims
+    from cylcontact.reports.claims import as_records, claims_of, to_text, write_claims
 
     require_output(out, ".csv")
     if out is not None:
-        say(f"{len(write_claims(Path(), out))} claims written to {out}")
+        note(f"{len(write_claims(Path(), out))} claims written to {out}", quiet)
         return
     computed = claims_of(Path())
-    say(to_json(computed) if as_json else to_text(computed))
+    say(json_text(as_records(computed)) if as_json else to_text(computed))

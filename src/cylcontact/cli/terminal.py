@@ -18,10 +18,16 @@ def say(text: object, err: bool = False) -> None:
     typer.echo(visible(str(text), "\n"), err=err)
 
 
+def note(text: object, quiet: bool, err: bool = False) -> None:
+    """Print what is no result, no warning and no error, unless the user wants it quiet."""
+    if not quiet:
+        say(text, err)
+
+
 @contextmanager
-def progress_bars() -> Iterator[Progress]:
+def progress_bars(quiet: bool = False) -> Iterator[Progress]:
     """Give a callback that draws progress bars if standard error is a terminal."""
-    if sys.stderr is None or not sys.stderr.isatty():
+    if quiet or sys.stderr is None or not sys.stderr.isatty():
         yield silent
         return
     from rich import progress
@@ -46,7 +52,9 @@ def progress_bars() -> Iterator[Progress]:
 
 
 @contextmanager
-def resumable(out: Path, part: str, resume: bool) -> Iterator[tuple[Path, Progress]]:
+def resumable(
+    out: Path, part: str, resume: bool, quiet: bool = False
+) -> Iterator[tuple[Path, Progress]]:
     """Give the path of the journal beside an output, removed in the end, and a callback for bars.
 
     If the block fails, the journal stays. An interruption says how many parts it holds, each
@@ -56,7 +64,7 @@ def resumable(out: Path, part: str, resume: bool) -> Iterator[tuple[Path, Progre
     if resume and not journal.exists():
         say(f"cylcontact: no {part}s are kept in {journal}; all are computed", err=True)
     try:
-        with progress_bars() as progress:
+        with progress_bars(quiet) as progress:
             yield journal, progress
     except KeyboardInterrupt:
         # The first line is the header.

@@ -254,6 +254,6 @@ def _twice(sheet: Sheet, name: str, first: Column, k: int) -> InputError:
     remedy = f"keep one of them: leave the other out with --ignore {shlex.quote(name)}"
     if first.name == name:
         option = f"--columns {first.quantity}={k + 1}"
-        remedy = f"give each column a name of its own, or take the first with {option}"
+        remedy = f"give each column another name, or take the first with {option}"
     rule = f"gives the same quantity as {first.name}"
     return InputError(sheet.source, "columns", name, rule, remedy)

@@ -337,7 +337,7 @@ def _joined(parts: Mapping[str, MeasuredData], spec: TableSpec) -> MeasuredData:
     if spec.group == _FILE:
         words["group"] = files
     else:
-        read.append(f"{len(names)} files (--group {_FILE} takes each as a series of its own)")
+        read.append(f"{len(names)} files (--group {_FILE} takes each as a series)")
     row_words = {part.row_word for part in every}
     return MeasuredData(
         source=", ".join(names),

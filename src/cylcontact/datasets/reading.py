@@ -48,7 +48,7 @@ class TableSpec(Spec):
         None, description='a table [columns] of what columns are, e.g. load_N = "Kraft"'
     )
     group: str | None = Field(
-        None, description="the column that names the series, which have errors of their own"
+        None, description="the column that names the series, which have their own errors"
     )
     ignore: tuple[str, ...] = Field((), strict=False, description="a list of columns to leave out")
     sheet: str | None = Field(None, description="the name of a sheet of a workbook")

@@ -118,7 +118,7 @@ def law_named(what: str, contact: str | None) -> tuple[ContactLaw, str | None, s
     if what in LAWS:
         return LAWS[what](), contact, ""
     if what.startswith("power"):
-        rule, remedy = "has no coefficients of its own", "name a fit result of it"
+        rule, remedy = "has no fixed coefficients", "name a fit result of it"
         raise InputError("export", "law", what, rule, remedy)
     is_path = Path(what).suffix == ".json"
     with suppress(OSError):  # of a name that is too long
@@ -129,7 +129,7 @@ def law_named(what: str, contact: str | None) -> tuple[ContactLaw, str | None, s
         return user_law(what, Path.cwd()), contact, "a function of the user's own"
     rule = "is neither a law that can be exported nor a fit result"
     names = ", ".join(EXPORTABLE)
-    remedy = f"choose {names}, module:function of your own, or the path of a result"
+    remedy = f"choose {names}, your module:function, or the path of a result"
     raise InputError("export", "law", what, rule, remedy)
 
 

@@ -1,7 +1,7 @@
 """A clearance joint as an FMU by FMI 2.0: its C, the standard's functions around it, a library.
 
-Instances have parameters of their own, clearance, friction and restitution: each has its own
-numbers of joint and law, which `tune` sets.
+Each instance has its own clearance, friction and restitution, and its own numbers of joint and law,
+which `tune` sets.
 """
 
 from __future__ import annotations

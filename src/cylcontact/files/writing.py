@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import secrets
 import shutil
@@ -131,6 +133,31 @@ def write_table(table: pd.DataFrame, path: Path | str) -> None:
             table.to_csv(temporary, index=False, lineterminator="\n")
         else:
             table.to_parquet(temporary, index=False)
+
+
+def json_text(data: Any) -> str:
+    """Return plain data, arrays and tables (their rows) as JSON: null for NaN, "inf" for infinity.
+
+    Examples
+    --------
+    >>> json_text([1.5, float("nan"), float("-inf")]).split()
+    ['[', '1.5,', 'null,', '"-inf"', ']']
+    """
+    return json.dumps(_plain(data), ensure_ascii=False, indent=1)
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "to_dict"):
+        value = value.to_dict("records")
+    elif hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    return value
 
 
 def shipped_bench() -> Path:

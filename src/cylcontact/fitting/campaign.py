@@ -427,7 +427,7 @@ def _with_free_constants(model: LawModel, free: Sequence[str], source: str) -> L
     """Return a model of a user's function with constants free that have bounds of its own."""
     for p in model.parameters:
         if p.name in free and not math.isfinite(p.high - p.low):
-            rule = f"{p.name} is a constant of a law of your own, which has no bounds for it"
+            rule = f"{p.name} is a constant of your own law, which has no bounds for it"
             remedy = (
                 f"give them: --bound {p.name}=LOW:HIGH in place of --free, or write "
                 f"{p.name}: (LOW, HIGH) in the function"

@@ -2,7 +2,7 @@
 
 A case is a clearance and a modulus. Its K and n are the line of ln f over ln δ of Johnson's law at
 some loads (Fig 2, whose printed K and n of the hole come back to every digit; a fit of f itself
-gives others). Eq 6 then follows the cases over the clearance.
+gives others). Eq 6 then follows the cases against the clearance.
 """
 
 from __future__ import annotations

@@ -405,7 +405,7 @@ def _fitted(campaign: Campaign) -> Optimum:
 def _aicc(optimum: Optimum, source: str) -> float:
     likelihood = optimum.log_likelihood
     if likelihood is None:
-        rule = "follow a law exactly, so that there is no likelihood to rank laws by"
+        rule = "fit a law exactly (no noise), so laws cannot be ranked"
         raise InputError(source, "readings", None, rule, "fit that law")
     k, N = optimum.estimated, len(optimum.fit.data)
     return 2 * k - 2 * likelihood + 2 * k * (k + 1) / (N - k - 1)

@@ -46,6 +46,42 @@ def compare(results: Sequence[FitResult]) -> str:
     return "\n\n".join(parts)
 
 
+def compared(results: Sequence[FitResult]) -> list[dict[str, Any]]:
+    """Return the numbers that `compare` prints, kind by kind of results, as plain data."""
+    return [_numbers_of(group) for group in _by_kind(results)]
+
+
+def _numbers_of(results: list[FitResult]) -> dict[str, Any]:
+    first, published = results[0], next((r.published for r in results if r.published), None)
+    common = _on_common_samples(results)
+    kind: dict[str, Any] = {"law": first.law, "contact": first.contact, "published": None}
+    if published:
+        kind["published"] = {
+            "coefficients": published.coefficients,
+            "objective_on_samples_of": [(name, values[0]) for name, values in common],
+        }
+    kind["results"] = [
+        {
+            "name": result.name,
+            "coefficients": {
+                name: each.model_dump(include={"value", "unit", "standard_error", "verdict"})
+                for name, each in result.estimates.items()
+            },
+            "objective": result.objective.model_dump(include={"name", "unit", "value"}),
+            "published_objective": result.published.objective if result.published else None,
+            "objective_on_samples_of": [(name, values[at]) for name, values in common],
+            "lower_bound": getattr(result, "bound", None),
+            "largest_difference_percent": result.max_abs_diff_percent.model_dump(),
+            "samples": result.counts.samples,
+            "masked": result.counts.masked,
+            "warnings": list(result.warnings),
+            "notes": list(result.notes),
+        }
+        for at, result in enumerate(results, 1)
+    ]
+    return kind
+
+
 def _by_kind(results: Iterable[FitResult]) -> list[list[FitResult]]:
     groups: dict[tuple[str, ...], list[FitResult]] = {}
     for result in results:
@@ -69,7 +105,10 @@ def _side_by_side(results: list[FitResult]) -> str:
     for label, name in zip(_labels(first), first.estimates, strict=True):
         paper = f"{published.coefficients[name]:g}" if published else "-"
         rows.append((label, paper, *(_with_error(r, name) for r in results)))
-    rows += _on_common_samples(results)
+    rows += [
+        (f"objective on the samples of {brief(name)}", *(or_blank(each, ".5g") for each in values))
+        for name, values in _on_common_samples(results)
+    ]
     rows += [(label, "", *cells) for label, cells in _numbers(results)]
     rows = [(*row[:2], *(cell or "-" for cell in row[2:])) for row in rows]
     columns = [f"{first.law}, {first.contact}", "published", *(r.name for r in results)]
@@ -83,17 +122,17 @@ def _side_by_side(results: list[FitResult]) -> str:
     return "\n".join([str(TextTable(columns, rows)), *map(_samples, results)])
 
 
-def _on_common_samples(results: Sequence[FitResult]) -> Rows:
-    """Return a row for the samples of each of several fits to a law, on which all are compared."""
-    rows: Rows = []
+def _on_common_samples(results: Sequence[FitResult]) -> list[tuple[str, list[float | None]]]:
+    """Return the objectives of the published and of all fitted coefficients, by whose samples."""
+    rows: list[tuple[str, list[float | None]]] = []
     for result in results if len(results) > 1 else ():
         if not isinstance(result, LawFit):
             continue
         campaign = Campaign.of_settings(result.name, result.settings, result.name)
         space, _ = space_of(campaign)
         every = [result.published, *results]
-        cells = [or_blank(space.value_of(e.coefficients) if e else None, ".5g") for e in every]
-        rows.append((f"objective on the samples of {brief(result.name)}", *cells))
+        values = [space.value_of(e.coefficients) if e else None for e in every]
+        rows.append((result.name, values))
     return rows
 
 
@@ -164,6 +203,12 @@ class Check:
         """Whether it is within the tolerance, or both numbers are round-off."""
         is_round_off = max(abs(self.committed), abs(self.fresh)) < self.exact
         return is_round_off or self.deviation <= self.tolerance
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the numbers of the line, for JSON."""
+        numbers = {"what": self.what, "committed": self.committed, "fresh": self.fresh}
+        allowed = {"deviation": self.deviation, "allowed": self.tolerance}
+        return numbers | allowed | {"holds": self.holds}
 
     def __str__(self) -> str:
         verdict = "holds" if self.holds else "DOES NOT HOLD"

@@ -452,7 +452,7 @@ class DataFit(FitResult):
         return pictures.plot(self.optimum, self.law, self.level, ax)
 
     def plot_residuals(self, ax: Axes | None = None) -> Axes:
-        """Draw the residuals over the load; `ax` as for `plot`."""
+        """Draw the residuals against the load; `ax` as for `plot`."""
         from cylcontact.fitting import pictures
 
         standardised = self.residual_columns()["standardised"]

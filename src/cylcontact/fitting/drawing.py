@@ -1,4 +1,4 @@
-"""Measurements with the curve of a law: the readings over the load, and their residuals."""
+"""Measurements with the curve of a law: the readings against the load, and their residuals."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Curve:
 def draw_readings(
     axes: Axes, load: FloatArray, reading: FloatArray, series: Sequence[str] | None = None
 ) -> None:
-    """Draw readings over the load, logarithmic if they span decades."""
+    """Draw readings against the load, logarithmic if they span decades."""
     for label, rows, style in _styles(load.size, series, "measured"):
         axes.plot(load[rows], _MICROMETRES * reading[rows], linestyle="", label=label, **style)
     if reading.min() > 0 and load.max() > _WIDE * load.min():
@@ -87,7 +87,7 @@ def draw_residuals(
     series: Sequence[str] | None = None,
     outliers: Mapping[int, str] | None = None,
 ) -> None:
-    """Draw residuals over the load."""
+    """Draw residuals against the load."""
     axes.axhline(0.0, color=QUIET, linewidth=0.6, linestyle="-", marker="")
     for name, rows, style in _styles(load.size, series, "measured"):
         axes.plot(load[rows], residual[rows], linestyle="", label=name, **style)

@@ -90,7 +90,7 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
         )
     known = ", ".join(dict.fromkeys([*(name for name, _ in MODELS), *plain]))
     rule = "is not a law that can be fitted"
-    remedy = f"choose {known}, or module:function for one of your own"
+    remedy = f"choose {known}, or your module:function"
     raise InputError(source, "law", law, rule, remedy)
 
 
@@ -198,7 +198,7 @@ def fitted_law(
 ) -> ContactLaw:
     """Return the fitted law of the contact for any pair, without the rig of the readings."""
     if is_user_law(law):
-        rule = "is a Python function of your own, and this needs a law of the package"
+        rule = "is your own Python function, and this needs a law of the package"
         remedy = "fit a law of the package, e.g. explicit"
         raise InputError(source, "law", law, rule, remedy)
     if housing is None:

@@ -62,7 +62,7 @@ def plot_residuals(
     outliers: Collection[int | str],
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw residuals over the load, and name the lines of outliers."""
+    """Draw residuals against the load, and name the lines of outliers."""
     lines = {k: data.line(k) for k in range(len(data))}
     words = {k: f"line {line}" for k, line in lines.items() if line in outliers}
     with axes_for(ax, "plot_residuals", "column", 45.0) as axes:

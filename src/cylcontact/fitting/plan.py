@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -74,6 +74,16 @@ class Plan:
         warning = f"\n{item(self.warning, '! ')}" if self.warning else ""
         return f"{read}{title}{warning}\n\n{readings}\n\n{intervals}"
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return what the text says as plain data, for JSON."""
+        return {
+            "parameter": self.parameter or None,
+            "readings": self.readings.to_dict("records"),
+            "intervals": self.intervals.reset_index().to_dict("records"),
+            "read": list(self.read),
+            "warning": self.warning or None,
+        }
+
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw what one reading at each candidate gains, a line for each clearance."""
         from cylcontact.plots.arguments import axes_for
@@ -88,7 +98,8 @@ class Plan:
             for _, row in at[at["number"] > 1].iterrows():
                 words = f"{row['number']:.0f} times"
                 place = row["load_N_per_mm"], row[gain]
-                axes.annotate(words, place, (0, 5), textcoords="offset points")
+                axes.annotate(words, place, (-5, 4), textcoords="offset points", ha="right")
+            axes.margins(x=0.2)
             what = as_label(self.parameter) if self.parameter else "all intervals"
             axes.set(
                 xscale="log",
@@ -107,7 +118,7 @@ class Plan:
         self.plot(figure.subplots())
         caption = (
             "By how much one further reading narrows the interval of "
-            f"{self.parameter or 'all parameters together'}, over the load, and the "
+            f"{self.parameter or 'all parameters together'}, against the load, and the "
             f"{self.readings['number'].sum()} readings that together narrow it most."
         )
         return Drawing(figure, self.candidates, caption)
@@ -123,7 +134,7 @@ def plan(
 ) -> Plan:
     """Return the best further readings; `DataFit.plan` describes the arguments."""
     if optimum.unidentifiable:
-        rule, remedy = "are not identifiable one by one", "fix one of them, and fit again"
+        rule, remedy = "cannot be identified separately", "fix one of them, and fit again"
         raise InputError("plan", "parameters", optimum.unidentifiable, rule, remedy)
     names = optimum.fit.names
     if parameter is not None and parameter not in names:

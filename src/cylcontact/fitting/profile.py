@@ -52,7 +52,8 @@ class Profiles:
             away = np.abs(self.at - best[self.axis]) / space.span[self.axis]
             own = map(self.places, set(self.axis.tolist()))
             first = np.array([each[away[each].argmin()] for each in own])
-        self._spread(self._refit(self.points[first], first))
+        self._refit(self.points[first], first)
+        self._spread(first)
         self._refit(self.points, places, _EXACT)
 
     @property
@@ -101,7 +102,7 @@ class Profiles:
                 break
             # Every third step halves the bracket, where the distance is far from linear.
             share = np.clip(np.full(share.size, 0.5) if step % 3 == 2 else share, 0.05, 0.95)
-            self._insert(inner[on], outer[on], (low + share * (high - low))[on])
+            self._insert((low + share * (high - low))[on], inner[on], outer[on])
         return ends
 
     def _bracket(self, distance: _Distance, axis: int, side: int) -> tuple[int, int] | None:
@@ -123,18 +124,23 @@ class Profiles:
                 last.append(place)
                 at.append(min(far, bound) if side else max(far, bound))
         if last:
-            self._insert(np.array(last), np.array(last), np.array(at))
+            self._insert(np.array(at), np.array(last))
         return bool(last)
 
-    def _insert(self, inner: IndexArray, outer: IndexArray, at: FloatArray) -> None:
-        """Refit at new places between others, from the minima there and from points beside them."""
-        new = self.axis.size + np.arange(inner.size)
-        self.axis = np.append(self.axis, self.axis[inner])
-        self.points = np.vstack([self.points, self.points[inner]])
+    def _insert(self, at: FloatArray, *beside: IndexArray) -> None:
+        """Refit at new places from those beside them.
+
+        Where two of these lead to different minima, so may their neighbours.
+        """
+        new = self.axis.size + np.arange(at.size)
+        self.axis = np.append(self.axis, self.axis[beside[0]])
+        self.points = np.vstack([self.points, self.points[beside[0]]])
         self.points[new, self.axis[new]] = at
         self.objective = np.append(self.objective, np.full(new.size, np.inf))
-        changed = self._refit(np.vstack([self.points[inner], self.points[outer]]), np.tile(new, 2))
-        self._spread(changed)
+        starts = self.points[np.concatenate(beside)]
+        values = self._refit(starts, np.tile(new, len(beside))).reshape(len(beside), -1)
+        agree = values.max(axis=0) <= values.min(axis=0) * (1 + _GAIN)
+        self._spread(new[~agree] if len(beside) > 1 else new)
         self._refit(self.points[new], new, _EXACT)
 
     def _spread(self, changed: IndexArray) -> None:
@@ -147,19 +153,20 @@ class Profiles:
                     pairs += [[own[:-step], own[step:]], [own[step:], own[:-step]]]
             here, there = np.concatenate(pairs, axis=1).astype(np.intp)
             from_changed = np.isin(here, changed)
-            changed = self._refit(self.points[here[from_changed]], there[from_changed])
+            before = self.objective.copy()
+            self._refit(self.points[here[from_changed]], there[from_changed])
+            changed = np.flatnonzero(self.objective < before * (1 - _GAIN))
 
     def _refit(
         self, starts: FloatArray, places: IndexArray, precision: float = _FINE
-    ) -> IndexArray:
-        """Refit at some places from starts, and return those where that is noticeably lower."""
+    ) -> FloatArray:
+        """Refit at some places from starts; return the objective from each."""
         starts = self._holding(starts, places)
         ends, values = descend(self.space, starts, precision, self._held(places))
-        before = self.objective.copy()
         for end, value, place in zip(ends, values, places, strict=True):
             if value < self.objective[place]:
                 self.points[place], self.objective[place] = end, value
-        return np.flatnonzero(self.objective < before * (1 - _GAIN))
+        return values
 
     def _holding(self, starts: FloatArray, places: IndexArray) -> FloatArray:
         return np.where(self._held(places), self.points[places], starts)

@@ -348,7 +348,7 @@ def _require_defined(campaign: Campaign, fit: Fit) -> None:
     names = ("load", "penetration", "dR")
     values = [float(data.columns[name][row]) for name in names]
     law = campaign.model.law
-    rule = f"lies outside the domain of {law} at {tried} coefficients tried within the bounds"
+    rule = f"lies outside the domain of {law} at {tried} starting points within the bounds"
     remedy = "move the bounds, remove the row, or choose a law that reaches that far"
     raise InputError(where, ", ".join(names), values, rule, remedy)
 
@@ -639,7 +639,7 @@ class Optimum:
         along = (slopes / self._sizes) @ self._without_effect.T
         size = np.linalg.norm(slopes / self._sizes, axis=1)
         if (np.linalg.norm(along, axis=1) > _ALONG * size).any():
-            rule = "are not identifiable one by one, so that there is no band"
+            rule = "cannot be identified separately, so that there is no band"
             remedy = "fix one of them (--fix NAME=VALUE), and fit again"
             raise InputError("prediction", "parameters", self.unidentifiable, rule, remedy)
         variance = ((slopes @ self.covariance) * slopes).sum(axis=1)

@@ -165,12 +165,13 @@ def descend(
     before = space.values(starts)
     if held.all() or not np.isfinite(before).any():
         return starts, before
-    if space.is_largest:
-        both = zip(starts, held, strict=True)
-        ends = np.array([_descend_largest(space, start, own, precision) for start, own in both])
-    elif space.is_ill_conditioned:
-        both = zip(starts, held, strict=True)
-        ends = np.array([_least_squares(space, start, own, precision) for start, own in both])
+    if space.is_largest or space.is_ill_conditioned:
+        one = _descend_largest if space.is_largest else _least_squares
+        ends = starts.copy()
+        for end, own in zip(ends, held, strict=True):
+            names = (name for name, is_held in zip(space.names, own, strict=True) if is_held)
+            rest = space.fixing(**dict(zip(names, end[own].tolist(), strict=True)))
+            end[~own] = one(rest, end[~own], precision)
     else:
         ends = _descend_squares(space, starts, precision, held)
     after = space.values(ends)
@@ -238,29 +239,23 @@ def _descend_squares(
     return np.where(held, starts, space.low + ends * space.span)
 
 
-def _least_squares(
-    space: Space, start: FloatArray, held: BoolArray, precision: float
-) -> FloatArray:
+def _least_squares(space: Space, start: FloatArray, precision: float) -> FloatArray:
     """Return the end of a trust-region descent from one point (Branch, Coleman and Li 1999).
 
     It reflects at the bounds, so that it can leave one.
     """
     from scipy.optimize import least_squares  # slow to import
 
-    end, free = start.copy(), ~held
-    low, span = space.low[free], space.span[free]
-
     def at(t: FloatArray) -> FloatArray:
-        end[free] = low + t * span
-        return end[None, :]
+        return as_floats(space.low + t * space.span)[None, :]
 
     def residuals(t: FloatArray) -> FloatArray:
         return as_floats(space.finite_residuals(at(t))[0])
 
     def slopes(t: FloatArray) -> FloatArray:
-        return as_floats(space.slopes(at(t))[0][free].T * span)
+        return as_floats(space.slopes(at(t))[0].T * space.span)
 
-    first = np.clip((start[free] - low) / span, _INSIDE, 1 - _INSIDE)
+    first = np.clip((start - space.low) / space.span, _INSIDE, 1 - _INSIDE)
     with np.errstate(all="ignore"):  # of a parameter that has no effect
         try:
             found = least_squares(
@@ -297,16 +292,12 @@ def _normal_equations(
 # --- the largest residual -----------------------------------------------------------------------
 
 
-def _descend_largest(
-    space: Space, start: FloatArray, held: BoolArray, precision: float
-) -> FloatArray:
+def _descend_largest(space: Space, start: FloatArray, precision: float) -> FloatArray:
     """Minimise the largest magnitude of the residuals by successive linear programmes.
 
     Each minimises the largest magnitude of the linearised residuals within a trust region.
     """
-    names = (name for name, is_held in zip(space.names, held, strict=True) if is_held)
-    space = space.fixing(**dict(zip(names, start[held].tolist(), strict=True)))
-    point, radius = start[~held], _FIRST_RADIUS
+    point, radius = start, _FIRST_RADIUS
     residuals = space.finite_residuals(point[None, :])[0]
     for _ in range(_MOST_PROGRAMMES):
         slopes = space.linearised(point[None, :])[1][0].T * space.span
@@ -322,9 +313,7 @@ def _descend_largest(
         if share > 0:
             point, residuals = trial, there
         radius *= 2.0 if share > 0.75 else 0.25 if share < 0.25 else 1.0
-    end = start.copy()
-    end[~held] = point
-    return end
+    return point
 
 
 def _least_largest(

@@ -104,7 +104,7 @@ class MeasuredSpec(ParametersSpec, TableSpec):
         "list of paths",
     )
     contact: Contact = Field(description='"internal" or "external"')
-    law: str = Field(description="the law to fit, or module:function for one of your own")
+    law: str = Field(description="the law to fit, or your module:function")
     noise: _Noise | None = Field(
         None, description=f"how the scatter of the readings grows, one of {', '.join(NOISES)}"
     )
@@ -163,7 +163,7 @@ def parameters_of(
             raise InputError(source, p.name, None, rule, remedy)
     for p in parameters:
         if p.is_free and not math.isfinite(p.high - p.low):
-            rule = "is required: a law of your own has no default bounds"
+            rule = "is required: your own law has no default bounds"
             remedy = f"add {p.name} = [low, high] to [bounds], or its value to [fixed]"
             raise InputError(source, f"bounds.{p.name}", None, rule, remedy)
     if not any(p.is_free for p in parameters):

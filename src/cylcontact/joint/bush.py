@@ -128,7 +128,7 @@ class Bush:
         seat = self.seat
         if isinstance(seat, str):
             hole, slash, outer = seat.partition("/")
-            rule, remedy = "is no fit", 'write hole and bush, "26H7/s6"'
+            rule, remedy = "is not an ISO fit", 'write hole and bush, "26H7/s6"'
             require(bool(slash), _SOURCE, "seat", seat, rule, remedy)
             nominal = hole.strip().rstrip("0123456789").rstrip("ABCDEFGHIJKLMNOPQRSTUVXYZ")
             seat = (hole.strip(), f"{nominal}{outer.strip()}")

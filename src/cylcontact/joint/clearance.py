@@ -660,7 +660,7 @@ def build_joint(
     chi = float(hysteresis_factor(damping.factor)(damping.restitution))
     require(
         np.isfinite(chi), source, "dissipation.restitution", damping.restitution,
-        f"leaves the hysteresis factor {damping.factor!r} no finite value", "give a larger one",
+        f"is too small for the hysteresis factor {damping.factor!r}", "give a larger one",
     )  # fmt: skip
     friction = spec.friction.coefficient, spec.friction.v0, spec.friction.v1
     points = spec.bearing.point, spec.pin.point
@@ -693,7 +693,7 @@ def named_law(what: str, source: str) -> tuple[ContactLaw, str]:
     if Path(what).suffix != ".json":
         raise InputError(
             source, "law", what, "is neither a law nor a fit result",
-            f"choose {', '.join(LAWS)}, module:function of your own, or the path of a result",
+            f"choose {', '.join(LAWS)}, your module:function, or the path of a result",
         )  # fmt: skip
     from cylcontact.fitting import read_result
 

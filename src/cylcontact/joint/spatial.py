@@ -130,7 +130,7 @@ class SpatialJointSpec(ClearanceJointSpec):
         if ends and (ends[0] > -half or ends[1] < half) and self.edge.kind in ("flush", "overhang"):
             raise broken(
                 "edge.kind", self.edge.kind, "is not known for an end of the pin inside the hole",
-                'write kind = "none", or c and b of your own',
+                'write kind = "none", or your own c and b',
             )  # fmt: skip
         if self.thrust and self.thrust.radius <= (self.bearing.R or 0.0):
             remedy = f"give more than the hole's radius of {self.bearing.R} mm"
@@ -268,7 +268,7 @@ class SpatialJoint:
             )  # fmt: skip
             require(
                 np.isfinite(joint.record["face_chi"]), source, "thrust.restitution",
-                thrust.restitution, "leaves the hysteresis factor no finite value",
+                thrust.restitution, "is too small for the hysteresis factor",
                 "give a larger one",
             )  # fmt: skip
         return joint

@@ -288,7 +288,7 @@ def _of_sheet(sheet: Sheet) -> _Columns:
         rule = f"{', '.join(unknown) or 'a name'} is not known" if sheet.names else "has no names"
         remedy = (
             f"name columns {', '.join(KNOWN)}, with a unit as in load_kN, R_i_mm, or one of "
-            f"{', '.join(_LABELS)} for a text of yours"
+            f"{', '.join(_LABELS)} for your own text"
         )
         raise InputError(sheet.source, "columns", None, rule, remedy)
     frame = pd.DataFrame(dict(zip(sheet.names, sheet.columns, strict=True))).infer_objects()

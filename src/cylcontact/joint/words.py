@@ -377,7 +377,7 @@ def material_from_words(value: Any, source: str, name: str, own: Path | None) ->
         try:
             value = material_words(value)
         except ValueError as error:
-            rule = error.rule if isinstance(error, InputError) else "is no material"
+            rule = error.rule if isinstance(error, InputError) else "is not a material"
             remedy = "write its name, or '207 GPa, 0.3, 350 MPa, 12e-6/K'"
             raise InputError(source, name, value, rule, remedy) from None
     if isinstance(value, str):

@@ -64,7 +64,7 @@ class UserFunction:
         if self.folder is None:
             raise InputError(
                 self.spec, "law", None,
-                "is code of your own, which is not run because a result names it",
+                "is your own code, which is never run from a stored result",
                 f"add --law {self.spec}, which predict takes, or redo the fit",
             )  # fmt: skip
         return _imported(self.spec, self.folder, self.digest)

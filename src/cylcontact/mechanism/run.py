@@ -191,5 +191,5 @@ class Run:
             remedy = "check masses and units, change the tolerance, or lower a restitution of 1"
             raise RunError(source, "tolerance", tolerance, rule, remedy)
         if status == integrate.COLLAPSED or not np.isfinite(self.values).all():
-            rule = f"the steps collapse at {when}, where the penetration is {depth_um}"
+            rule = f"the step size became too small at {when}, where the penetration is {depth_um}"
             raise RunError(source, "tolerance", tolerance, rule, "loosen the tolerance")

@@ -243,6 +243,19 @@ class Statistics:
             rows["max elastic load"] = f"{load:,.0f} N/mm, {share:.3g} % of first yield (von Mises)"
         return rows
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return what `to_text` prints as plain data, for JSON."""
+        return {
+            "mechanism": self.mechanism.spec.name,
+            **self.summary,
+            "first": self.first,
+            "means": self.interval().reset_index(names="quantity").to_dict("records"),
+            "period": self.period,
+            "carried_m_per_s": self.carried,
+            "lossless": self.lossless,
+            "warnings": list(self.warnings),
+        }
+
     def __repr__(self) -> str:
         total, period = len(self.revolutions), self.period
         table = self.interval().rename(columns={"half_width": "±"})

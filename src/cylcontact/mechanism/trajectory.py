@@ -388,7 +388,7 @@ def simulate(
     ------
     InputError
         If the penetration leaves the domain of its law (`LawDomainError`), the pin leaves its hole,
-        or the steps collapse (`RunError`).
+        or the step size becomes too small (`RunError`).
 
     Examples
     --------

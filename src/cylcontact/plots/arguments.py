@@ -70,7 +70,7 @@ def as_law(law: AnyLaw, source: str, key: str) -> ContactLaw:
     """
     if isinstance(law, str):
         if law not in LAWS:
-            rule = "is not a law with coefficients of its own"
+            rule = "is not a law with its coefficients"
             raise InputError(source, key, law, rule, f"choose {', '.join(LAWS)}, or give a law")
         return LAWS[law]()
     require(
@@ -79,7 +79,7 @@ def as_law(law: AnyLaw, source: str, key: str) -> ContactLaw:
         key,
         law,
         "must be a law or its name",
-        "give e.g. laws.Johnson(), with the brackets",
+        "give e.g. laws.Johnson(), with parentheses",
     )
     return law
 

@@ -1,4 +1,4 @@
-"""The map of the difference between two laws over clearance and load, as in Figs 10 to 14."""
+"""The map of the difference between two laws against clearance and load, as in Figs 10 to 14."""
 
 from __future__ import annotations
 

@@ -109,7 +109,7 @@ def _by_label(laws: Sequence[AnyLaw] | Mapping[str, AnyLaw]) -> dict[str, Contac
     """Return the laws by their labels; those of a sequence are their names."""
     remedy = "give a list of laws, or a mapping of labels to laws"
     several = isinstance(laws, Sequence | Mapping) and not isinstance(laws, str)
-    require(several and len(laws) > 0, "plot_laws", "laws", laws, "must be some laws", remedy)
+    require(several and len(laws) > 0, "plot_laws", "laws", laws, "must not be empty", remedy)
     if isinstance(laws, Mapping):
         return {label: as_law(law, "plot_laws", "laws") for label, law in laws.items()}
     given = [as_law(law, "plot_laws", "laws") for law in laws]
@@ -119,7 +119,7 @@ def _by_label(laws: Sequence[AnyLaw] | Mapping[str, AnyLaw]) -> dict[str, Contac
         "plot_laws",
         "laws",
         [law.name for law in given],
-        "has a name twice",
+        "two laws have the same name",
         "give a mapping with a label for each law",
     )
     return named

@@ -1,4 +1,4 @@
-"""The loads at which a contact yields and Johnson's law ends over clearance, as in Figs 7 to 9."""
+"""Loads at which a contact yields and Johnson's law ends, against clearance, as in Figs 7 to 9."""
 
 from __future__ import annotations
 

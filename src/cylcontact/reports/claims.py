@@ -14,11 +14,11 @@ evidence, because it follows from a choice of ours.
 
 from __future__ import annotations
 
-import json
 import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -33,9 +33,9 @@ __all__ = [
     "HOLDS",
     "Claim",
     "Interpretation",
+    "as_records",
     "claim",
     "claims_of",
-    "to_json",
     "to_table",
     "to_text",
     "write_claims",
@@ -140,9 +140,9 @@ def write_claims(root: Path, path: Path) -> list[Claim]:
     return computed
 
 
-def to_json(claims: list[Claim]) -> str:
-    """Return the claims as JSON, each with its verdict and interpretations."""
-    rows = [
+def as_records(claims: list[Claim]) -> list[dict[str, Any]]:
+    """Return the claims as plain data, each with its verdict and interpretations."""
+    return [
         {
             "section": each.section,
             "claim": each.statement,
@@ -160,7 +160,6 @@ def to_json(claims: list[Claim]) -> str:
         }
         for each in claims
     ]
-    return json.dumps(rows, ensure_ascii=False, indent=1)
 
 
 def to_text(claims: list[Claim]) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import importlib
 import inspect
-import json
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -195,12 +194,12 @@ def write_figures(
     return written
 
 
-def files_as_json(written: Sequence[Path]) -> str:
-    """Return the files of each figure with its caption, as JSON."""
+def files_with_captions(written: Sequence[Path]) -> list[dict[str, Any]]:
+    """Return the files of each figure with its caption."""
     by_figure: dict[str, list[Path]] = {}
     for path in written:
         by_figure.setdefault(path.stem, []).append(path)
-    rows = [
+    return [
         {
             "figure": name,
             "caption": paths[-1].read_text(encoding="utf-8").strip(),
@@ -208,7 +207,6 @@ def files_as_json(written: Sequence[Path]) -> str:
         }
         for name, paths in by_figure.items()
     ]
-    return json.dumps(rows, ensure_ascii=False, indent=1)
 
 
 def _write(
@@ -243,7 +241,8 @@ def _recipe(root: Path, name: str, arguments: Mapping[str, str]) -> Recipe:
     takes = list(inspect.signature(known[name]).parameters)
     for key, value in arguments.items():
         if key not in takes:
-            rule = f"takes {', '.join(takes)}" if takes else "takes no arguments"
+            what = f"it takes {', '.join(takes)}" if takes else "it takes none"
+            rule = f"is not an argument of this figure; {what}"
             raise InputError(name, key, value, rule, "leave it out")
     return known[name]
 

@@ -73,7 +73,7 @@ def write_page(
         drawn = sorted((figures or root / "build" / "figures").glob("*.txt"))
         if not drawn:
             missing.append("the figures: cylcontact figure")
-        parts += ["<h2>Figures</h2>", *map(_figure, drawn)]
+        parts += ["<h2>Figures</h2>", *(_figure(text, missing) for text in drawn)]
         try:
             computed = claims_of(root)
         except InputError as error:
@@ -134,11 +134,17 @@ def _choices(root: Path) -> list[str]:
     return [*said, "Percentages count our list of choices; they are no probabilities."]
 
 
-def _figure(text: Path) -> str:
+def _figure(text: Path, missing: list[str]) -> str:
     """Return a figure with its caption."""
     caption = escape(text.read_text(encoding="utf-8").strip())
-    picture = base64.b64encode(text.with_suffix(".png").read_bytes()).decode("ascii")
-    image = f'<img alt="{escape(text.stem)}" src="data:image/png;base64,{picture}">'
+    kinds = {".png": "image/png", ".svg": "image/svg+xml"}
+    drawn = [suffix for suffix in kinds if text.with_suffix(suffix).is_file()]
+    image = ""
+    if drawn:
+        picture = base64.b64encode(text.with_suffix(drawn[0]).read_bytes()).decode("ascii")
+        image = f'<img alt="{escape(text.stem)}" src="data:{kinds[drawn[0]]};base64,{picture}">'
+    else:
+        missing.append(f"the picture of {text.stem}: cylcontact figure {text.stem}")
     return f"<figure>{image}<figcaption><b>{escape(text.stem)}.</b> {caption}</figcaption></figure>"
 
 

@@ -113,7 +113,7 @@ def _on_this_machine(
             yield result
     except BrokenProcessPool as error:
         rule = "the system ended a worker process, probably because memory ran out"
-        remedy = f"use fewer, or a smaller grid; {_RESUME}"
+        remedy = f"use fewer --jobs, or a smaller grid; {_RESUME}"
         raise InputError("workers", "jobs", workers, rule, remedy) from error
     finally:
         with warnings.catch_warnings(action="ignore"):  # of pending calls

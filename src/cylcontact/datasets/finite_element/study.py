@@ -158,7 +158,7 @@ def study_from(data: dict[str, Any], name: str, source: str) -> Study:
         require(plain, where, "name", label, rule, "rename it")
         require(label not in setups, where, "name", label, "is used twice", "rename it")
         for key in [key for key in ("dR", "load", "origin", "variants") if key in changes]:
-            raise InputError(where, key, changes[key], "cannot vary", "use a file of its own")
+            raise InputError(where, key, changes[key], "cannot vary", "use a separate file")
         # The changes are our assumptions, even where the set-up has the paper's numbers.
         origin = data["origin"] | dict.fromkeys(changes, "assumed")
         whole = {**data, **changes, "variants": [], "origin": origin}
