@@ -229,7 +229,7 @@ REFUSED = [
     (lambda: Bush(BRONZE, seat="26H7/s6"), "bore: is missing"),
     (lambda: Bush(BRONZE, seat="26H7/s6", bore=20.0, wall=3.0), "is given, and the wall too"),
     (lambda: Bush(BRONZE, seat="26H7/g6", bore=20.0), "has no interference in its middle"),
-    (lambda: Bush(BRONZE, seat="26H7", bore=20.0), "seat = '26H7': is no fit"),
+    (lambda: Bush(BRONZE, seat="26H7", bore=20.0), "seat = '26H7': is not an ISO fit"),
     (lambda: Bush(BRONZE, seat="26H7/t6", bore=20.0), "a pin t that is not in the table"),
     (lambda: Bush(BRONZE, seat="26H7/s6", bore=26.5), "leaves no wall"),
     (lambda: Bush(BRONZE, seat="26H7/s6", wall=13.5), "leaves no wall"),
