@@ -234,7 +234,7 @@ REFUSED = [
     (lambda: Bush(BRONZE, seat="26H7/s6", bore=26.5), "leaves no wall"),
     (lambda: Bush(BRONZE, seat="26H7/s6", wall=13.5), "leaves no wall"),
     (lambda: Bush(BRONZE, seat="26H7/s6", bore=(20.1, 20.0)), "must be a size, or a lower"),
-    (lambda: check(pin="20.2"), "is no class"),
+    (lambda: check(pin="20.2"), "is not a class"),
     (lambda: check(pin=20.2), "leaves no clearance at any joint"),
     (lambda: check(housing=Housing(26.0)), "rim: is missing for a rim that is clamped all round"),
     (lambda: check(housing=Housing(26.0, layers=[(STEEL, 20.0)]), rim="free"), "has layers"),
