@@ -28,6 +28,8 @@ Named = Callable[[str], str]
 
 SIZES = ("radial_clearance", "R_i", "R_j", "hole_diameter", "pin_diameter")
 HOUSING = ("R_o", "clamp", "layer")
+# Columns for the reader of a table, which are carried along.
+LABELS = ("name", "id", "part", "joint", "note")
 DEFAULT_LOAD = "100 N/mm"
 # What stands for a radius under another name.
 _DIAMETERS = {"hole_diameter": "R_i", "pin_diameter": "R_j"}
