@@ -5,12 +5,14 @@ import importlib
 import json
 import re
 import subprocess
+import tomllib
 from functools import cache
 from pathlib import Path
 
 import pytest
 import typer
 
+import cylcontact
 from cylcontact.cli import app
 from cylcontact.reports.figures import recipes
 
@@ -165,3 +167,11 @@ def test_what_is_named_exists(place, kind, monkeypatch):
 def test_a_stale_name_is_found(kind, text, monkeypatch):
     monkeypatch.chdir(ROOT)
     assert list(KINDS[kind](text))
+
+
+def test_the_program_is_described_in_one_sentence():
+    said = cylcontact.__doc__.splitlines()[0].rstrip(".")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["description"] == said
+    assert f'site_description: "{said}"' in (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    assert typer.main.get_command(app).help == f"{said}."

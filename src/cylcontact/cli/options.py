@@ -143,7 +143,7 @@ class _PlainHelp:
         for each in params:
             if isinstance(each, TyperArgument):
                 vars(each)["display_type_rich"] = lambda **_: ""
-            elif each.name == "help":
+            elif each.name in ("help", "install_completion", "show_completion"):
                 each.metavar = ""
         return params
 
