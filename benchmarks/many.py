@@ -8,9 +8,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from benchmarks.harness import Row, compare, rows, seconds_of
 from cylcontact import CylinderPair, Material, laws, limits
+from cylcontact.joint.tables import check_table
 
 SIZES, YIELDS = (1_000, 10_000, 100_000, 1_000_000, 10_000_000), (1_000, 100_000, 1_000_000)
 LAW, ALONE = laws.Conformal(), 200
@@ -28,6 +30,7 @@ def measure(short: bool) -> Iterator[list[Row]]:
         yield _grown("first yield", yields_of(size), size)
     yield _against_one_by_one(20 if short else ALONE)
     yield _in_housings(2 if short else 100)
+    yield _in_a_table(2 if short else 100)
 
 
 def joints(size: int, seed: int = 5) -> tuple[CylinderPair, np.ndarray]:
@@ -110,3 +113,16 @@ def _in_housings(count: int) -> list[Row]:
         ],
     }
     return rows(f"{10 * count:,} joints in {count} rings", sides, "ms a joint", 1e3)
+
+
+def _in_a_table(count: int) -> list[Row]:
+    """Return ms a joint of a table of ten joints in each of many lugs, with first yield."""
+    rng = np.random.default_rng(1)
+    R, which = rng.uniform(8, 20, count), rng.integers(0, count, 10 * count)
+    lugs = {"R_i_mm": R, "R_o_mm": R * rng.uniform(1.4, 3, count), "clamp": ["lug"] * count}
+    frame = pd.DataFrame(lugs).iloc[which].assign(
+        radial_clearance_um=rng.uniform(10, 100, which.size), pin="high-strength steel",
+        hole="bronze", load_N_per_mm=rng.uniform(100, 2000, which.size),
+    )  # fmt: skip
+    sides = {"by a table": [seconds_of(lambda: check_table(frame)) / which.size]}
+    return rows(f"{which.size:,} joints in {count} lugs, with yield", sides, "ms a joint", 1e3)

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.patches import Arc, Circle, FancyArrowPatch, Polygon, Rectangle
 
 import cylcontact as cc
-from cylcontact.fitting import read_result
+from cylcontact.fitting import Campaign, calibrate, read_result
 
 FOLDER = Path(__file__).parent / "pictures"
 HOLE, PIN, RED, EDGE = "0.86", "#cfe4f2", "#b3261e", {"edgecolor": "black", "linewidth": 0.8}
@@ -284,6 +284,90 @@ def one_curve():
     return figure
 
 
+def geometry():
+    """The arc of contact with its pressure, and the pressure of three loads beside Hertz's."""
+    figure, (sketch, plot) = plt.subplots(
+        1, 2, figsize=(SIZE, 3.3), layout="constrained", width_ratios=(1, 1.25)
+    )
+    half, R, down = 50.0, 1.6, 0.3
+    sketch.set(xlim=(-2.5, 2.5), ylim=(-2.75, 2.25), aspect="equal")
+    sketch.axis("off")
+    sketch.add_patch(Rectangle((-2.4, -2.7), 4.8, 4.8, facecolor=HOLE, **EDGE))
+    sketch.add_patch(Circle((0, 0), R, facecolor="white", **EDGE))
+    sketch.add_patch(Circle((0, -down), R - down, facecolor=PIN, **EDGE))
+    angle = np.radians(np.linspace(-half, half, 61))
+    rise = 0.75 * np.sqrt(1 - (np.degrees(angle) / half) ** 2)
+    around = np.array([np.sin(angle), -np.cos(angle)])
+    edge = np.hstack([R * around, ((R + rise) * around)[:, ::-1]])
+    sketch.add_patch(Polygon(edge.T, facecolor=RED, alpha=0.25))
+    sketch.plot(*((R + rise) * around), color=RED, linewidth=1.2)
+    label(sketch, "$p(θ)$", (0.55, -2.45), color=RED)
+    arrow(sketch, (0, 1.0), (0, 0.1), RED)
+    label(sketch, "load $f$", (0.55, 0.75), color=RED)
+    for side in (-half, 0, half):
+        tip = R * np.sin(np.radians(side)), -R * np.cos(np.radians(side))
+        sketch.plot([0, tip[0]], [0, tip[1]], "k:", linewidth=0.9)
+    sketch.add_patch(Arc((0, 0), 1.3, 1.3, theta1=-90, theta2=-90 + half))
+    label(sketch, "$ε$", (0.32, -0.8))
+    label(sketch, "pin ($j$)", (-0.7, 0.2))
+    label(sketch, "hole ($i$)", (-1.7, 1.8))
+    sketch.set_title("contact from $−ε$ to $ε$", fontsize=10)
+    steel = cc.Material("steel", E=200e3, nu=0.3)
+    joint = cc.CylinderPair.internal(R_i=10.0, R_j=9.95, material=steel)
+    for load, colour in ((300, "C0"), (2000, "C1"), (9000, "C2")):
+        end = float(cc.laws.Conformal().contact_angle(load, joint))
+        theta = np.linspace(-end, end, 401)
+        of_law = cc.laws.conformal.pressure(np.radians(theta), load, joint)
+        plot.plot(theta, of_law, color=colour, label=f"{load:,} N/mm")
+        width = float(cc.limits.hertz_half_width(load, joint))
+        peak = 2 * load / (np.pi * width)
+        place = np.linspace(-width, width, 401)
+        flat = np.degrees(place / 10.0)
+        plot.plot(flat, peak * np.sqrt(1 - (place / width) ** 2), ":", color=colour)
+    plot.set(xlabel="θ (degrees)", ylabel="pressure (MPa)", title="lines: Persson, dotted: Hertz")
+    plot.title.set_fontsize(10)
+    plot.legend(fontsize=9)
+    return figure
+
+
+def one_clearance():
+    """Johnson's penetrations at three clearances with the best line of each, and a 1 % interval."""
+    figure, (lines, valley) = plt.subplots(1, 2, figsize=(SIZE, 3.2), layout="constrained")
+    load = np.geomspace(10, 1000, 12)
+    for dR, colour in ((0.05, "C0"), (0.5, "C1"), (5.0, "C2")):
+        s, j = [], []
+        for E in np.geomspace(20.7e3, 1000e3, 6):
+            body = cc.CylinderPair.from_dR("internal", dR, cc.Material("sampled", E, 0.3))
+            s.append(np.log(load / body.E_star))
+            j.append(np.log(cc.laws.Johnson().penetration(load, body)))
+        s, j = np.concatenate(s), np.concatenate(j)
+        s, j = s[np.isfinite(j)], j[np.isfinite(j)]
+        slope, middle = np.polyfit(s, j, 1)
+        lines.plot(s, j, ".", color=colour, markersize=3)
+        ends = np.array([s.min(), s.max()])
+        lines.plot(ends, slope * ends + middle, color=colour, label=f"ΔR = {dR:g} mm")
+    lines.set(xlabel="s = ln(f/E*)", ylabel="j = ln δ (Johnson)", title="best line at each ΔR")
+    lines.legend(fontsize=8)
+    fitting = Path(__file__).parents[1] / "fitting"
+    result = read_result(fitting / "results/external-E1000.json")
+    n, least = result.estimates["n"], result.objective.value
+    values = np.linspace(n.value - 0.008, n.value + 0.008, 17)
+    refitted = [
+        calibrate(Campaign.read(fitting / "external-E1000.toml", runs=1, fixed={"n": value}))
+        for value in values
+    ]
+    valley.plot(values, [each.objective.value / least for each in refitted])
+    valley.axhline(1.01, color="0.5", linestyle=":")
+    valley.axvspan(n.low, n.high, alpha=0.2)
+    valley.plot(n.value, 1.0, "ko")
+    valley.set(
+        xlabel="n of the rollers",
+        ylabel="objective / optimum",
+        title="others refitted: 1 % interval",
+    )
+    return figure
+
+
 def what_limits():
     """Errors of the enhanced law, published and refitted, and the bound of its form."""
     names = "internal", "internal-E1000", "practical", "conformal", "external", "external-E1000"
@@ -324,8 +408,8 @@ def coverage():
 PICTURES = {
     function.__name__: function
     for function in (
-        pair, housing, datum, tilt, choice, reading_a_map, slider_crank, one_curve, what_limits,
-        coverage,
+        pair, housing, datum, tilt, choice, reading_a_map, slider_crank, one_curve, geometry,
+        one_clearance, what_limits, coverage,
     )
 }  # fmt: skip
 

@@ -12,7 +12,7 @@ import cylcontact as cc
 
 table = Path(__file__).parents[2] / "datasets/examples/pin-in-hole.csv"
 choice = cc.choose(table, contact="internal", laws=["explicit", "johnson", "enhanced", "liu"])
-figure, axes = plt.subplots(figsize=(7.2, 4.05), layout="constrained")
+figure, axes = plt.subplots(figsize=(5.0, 2.81), layout="constrained")
 choice.plot(ax=axes)
-figure.savefig("choose.png", dpi=100)
+figure.savefig("choose.png", dpi=144)
 print(choice)

@@ -18,7 +18,7 @@ cases = {
     "an eye of 1.3 R, pulled": (bronze, cc.laws.Housing(13.0, pulled)),
 }
 phi, largest = np.geomspace(1e-12, 1e6, 20000), 0.0
-figure, axes = plt.subplots(figsize=(7.2, 4.05), layout="constrained")
+figure, axes = plt.subplots(figsize=(5.0, 2.81), layout="constrained")
 for name, (hole, datum) in cases.items():
     pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.95, pin=steel, hole=hole)
     curve = cc.laws.Conformal(datum).curve(pair)
@@ -28,5 +28,5 @@ for name, (hole, datum) in cases.items():
     largest = max(largest, error.max())
 axes.set(xlabel="φ = f/(E*·ΔR)", ylabel="largest error of the load", ylim=(1e-16, 1e-9))
 axes.legend(loc="upper left")
-figure.savefig("curve.png", dpi=100)
+figure.savefig("curve.png", dpi=144)
 print(f"largest error of the load: {largest:.0e}")

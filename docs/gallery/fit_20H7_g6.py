@@ -11,7 +11,7 @@ import cylcontact as cc
 
 steel, bronze = cc.Material.named("high-strength steel"), cc.Material.named("bronze")
 law, load = cc.laws.Conformal(), np.geomspace(10, 2000, 80)
-figure, axes = plt.subplots(figsize=(7.2, 4.05), layout="constrained")
+figure, axes = plt.subplots(figsize=(5.0, 2.81), layout="constrained")
 for fit in ("20H7/g6", "20H7/f7", "20H8/d9"):
     pair = cc.CylinderPair.from_iso(fit, pin=steel, hole=bronze, length=20.0)
     depth = law.penetration(load[:, None], pair)
@@ -20,4 +20,4 @@ for fit in ("20H7/g6", "20H7/f7", "20H8/d9"):
     axes.fill_between(load, loosest, tightest, color=line.get_color(), alpha=0.2)
 axes.set(xscale="log", xlabel="load (N/mm)", ylabel="stiffness (kN/mm per mm)")
 axes.legend()
-figure.savefig("fit_20H7_g6.png", dpi=100)
+figure.savefig("fit_20H7_g6.png", dpi=144)

@@ -17,7 +17,7 @@ clamps = {
     "eye, pushed": cc.laws.Sector(60, "pushed"),
     "eye, pulled": cc.laws.Sector(60, "pulled"),
 }
-figure, axes = plt.subplots(figsize=(7.2, 4.05), layout="constrained")
+figure, axes = plt.subplots(figsize=(5.0, 2.81), layout="constrained")
 for label, clamp in clamps.items():
     laws = [cc.laws.Conformal(cc.laws.Housing(R_o, clamp)) for R_o in outer]
     axes.plot(outer, [1e3 * law.penetration(1000.0, pair) for law in laws], label=label)
@@ -29,4 +29,4 @@ axes.set_yticks([10, 20, 50, 100], ["10", "20", "50", "100"])
 axes.minorticks_off()
 axes.set(xlabel="outer radius (mm)", ylabel="penetration at 1000 N/mm (µm)")
 axes.legend()
-figure.savefig("housing.png", dpi=100)
+figure.savefig("housing.png", dpi=144)

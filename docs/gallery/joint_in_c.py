@@ -38,7 +38,7 @@ with TemporaryDirectory() as folder:
     subprocess.run(build.split(), cwd=folder, check=True)
     run = subprocess.run([f"{folder}/impact"], capture_output=True, text=True, check=True)
 depth, force = np.array([line.split() for line in run.stdout.splitlines()], float).T
-figure, axes = plt.subplots(figsize=(7.2, 4.05), layout="constrained")
+figure, axes = plt.subplots(figsize=(5.0, 2.81), layout="constrained")
 axes.plot(depth, 1e-3 * force)
 axes.set(xlabel="penetration (µm)", ylabel="force on the pin (kN)", xlim=(-1, None))
-figure.savefig("joint_in_c.png", dpi=100)
+figure.savefig("joint_in_c.png", dpi=144)

@@ -33,7 +33,7 @@ for _ in range(30_000):
     path.append(1e6 * data.qpos[:2].copy())
 mujoco.set_mjcb_passive(None)
 x, y = np.array(path).T
-figure, axes = plt.subplots(figsize=(7.2, 4.05), layout="constrained")
+figure, axes = plt.subplots(figsize=(5.0, 2.81), layout="constrained")
 axes.plot(x, y, linewidth=0.8)
 axes.set(xlabel="x (µm)", ylabel="y (µm)", aspect="equal")
-figure.savefig("joint_in_mujoco.png", dpi=100)
+figure.savefig("joint_in_mujoco.png", dpi=144)

@@ -37,9 +37,9 @@ with TemporaryDirectory() as folder:
         command, cwd=folder, capture_output=True, text=True, check=True, timeout=300
     )
 time, x, y, force = np.array([line.split() for line in run.stdout.splitlines()], float).T
-figure, (of_path, of_force) = plt.subplots(1, 2, figsize=(9, 5.06), layout="constrained")
+figure, (of_path, of_force) = plt.subplots(1, 2, figsize=(6.4, 3.6), layout="constrained")
 of_path.plot(x, y, linewidth=0.8)
 of_path.set(xlabel="x (µm)", ylabel="y (µm)", aspect="equal")
 of_force.plot(time, force, linewidth=0.8)
 of_force.set(xlabel="time (ms)", ylabel="normal force (N)")
-figure.savefig("joint_in_octave.png", dpi=80)
+figure.savefig("joint_in_octave.png", dpi=112)

@@ -16,10 +16,11 @@ statistics = long_run(crank, revolutions=40)
 quantity = "max_force_N"
 each = statistics.by_revolution[quantity]
 mean, half_width = statistics.interval().loc[quantity, ["mean", "half_width"]]
-figure, axes = plt.subplots(figsize=(7.2, 4.05), layout="constrained")
+figure, axes = plt.subplots(figsize=(5.0, 3.4), layout="constrained")
 axes.plot(each.index, each, ".", label="one revolution")
 axes.axhline(mean, color="black", linewidth=0.8, label="mean")
 axes.axhspan(mean - half_width, mean + half_width, alpha=0.2, label="95 % interval of the mean")
 axes.set(xlabel="revolution", ylabel="largest force (N)")
-axes.legend()
-figure.savefig("long_run.png", dpi=100)
+axes.set_ylim(bottom=each.min() - 12000)
+axes.legend(loc="lower right")
+figure.savefig("long_run.png", dpi=144)

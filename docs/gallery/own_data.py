@@ -17,7 +17,7 @@ load = np.array([0.2, 0.5, 1, 2, 3, 5, 8, 12, 16, 20, 25, 30])  # kN
 read = [0.206, 0.454, 0.803, 1.398, 1.952, 2.886, 4.228, 5.886, 7.024, 8.255, 9.939, 11.324]
 result = cc.fit(pd.DataFrame({"load_kN": load, "penetration_um": read}), "explicit", pair)
 figure, (above, below) = plt.subplots(
-    2, 1, figsize=(7.2, 4.05), sharex=True, height_ratios=(2, 1), layout="constrained"
+    2, 1, figsize=(5.0, 2.81), sharex=True, height_ratios=(2, 1), layout="constrained"
 )
 result.plot(ax=above)
 above.set_xlabel("")
@@ -30,5 +30,5 @@ below.plot(loads, 100 * rows["residual_mm"] / fitted, "o", color="black", marker
 below.axhline(0.0, color="0.5", linewidth=0.8)
 below.set(xlabel="load (N/mm)", ylabel="residual (%)")
 below.margins(y=0.15)
-figure.savefig("own_data.png", dpi=100)
+figure.savefig("own_data.png", dpi=144)
 print(result.predict([225.0]).round(5).to_string(index=False))

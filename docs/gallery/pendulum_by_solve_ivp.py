@@ -54,10 +54,10 @@ while t < END:
 print(f"{len(contacts)} contacts, the first after {contacts[0][0]:.3f} ms")
 x, y, angle = np.hstack(path)[:3]
 hole_x, hole_y = 1e3 * x - ARM * np.cos(angle), 1e3 * y - ARM * np.sin(angle)
-figure, (of_hole, of_speed) = plt.subplots(1, 2, figsize=(9, 5.06), layout="constrained")
+figure, (of_hole, of_speed) = plt.subplots(1, 2, figsize=(6.4, 3.6), layout="constrained")
 of_hole.plot(1e3 * hole_x, 1e3 * hole_y, linewidth=0.8)
 of_hole.add_patch(plt.Circle((0, 0), 1e3 * joint.radial, fill=False, linestyle=":"))
 of_hole.set(xlabel="hole from the pin, x (µm)", ylabel="y (µm)", aspect="equal")
 of_speed.semilogy(*np.transpose(contacts), ".")
 of_speed.set(xlabel="time (ms)", ylabel="impact speed (mm/s)")
-figure.savefig("pendulum_by_solve_ivp.png", dpi=80)
+figure.savefig("pendulum_by_solve_ivp.png", dpi=112)

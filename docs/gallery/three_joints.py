@@ -28,7 +28,7 @@ joints = {
                               [(Rectangle((-20, -20), 40, 40), 0.85), (Circle((0, 0), 13), 0.7),
                                (Circle((0, 0), 9.9), 0.5)]),
 }  # fmt: skip
-figure, axes = plt.subplots(2, 3, figsize=(9, 5.06), layout="constrained")
+figure, axes = plt.subplots(2, 3, figsize=(7.2, 4.05), layout="constrained")
 for (sketch, curve), name in zip(axes.T, joints, strict=True):
     pair, housing, law, work, shapes = joints[name]
     for shape, grey in shapes:
@@ -42,4 +42,4 @@ for (sketch, curve), name in zip(axes.T, joints, strict=True):
     curve.plot(load, 1e3 * law.penetration(load, pair))
     curve.plot(work, 1e3 * law.penetration(work, pair), "ro")
     curve.set(xlabel="load up to first yield (N/mm)", ylabel="penetration (µm)")
-figure.savefig("three_joints.png", dpi=80)
+figure.savefig("three_joints.png", dpi=100)

@@ -13,11 +13,13 @@ from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import cylcontact as cc
 from cylcontact import laws, limits
 from cylcontact.bodies.material import scaled
+from cylcontact.joint.answer import NUMBERS
 
 STEEL, BRONZE, ALUMINIUM = map(
     cc.Material.named, ("high-strength steel", "bronze", "aluminium alloy")
@@ -282,3 +284,72 @@ def test_all_pairs_of_options(run, command):
     print(f"{command}: {counts}")
     assert counts["answered"] > 0
     assert counts["refused"] > 0
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+COLUMNS = {
+    "--Ri": "R_i_mm", "--Rj": "R_j_mm", "--hole-diameter": "hole_diameter_mm",
+    "--pin-diameter": "pin_diameter_mm", "--R-o": "R_o_mm", "--length": "length_mm",
+    "--depth": "depth_mm", "--radial-clearance": "radial_clearance_um",
+}  # fmt: skip
+
+
+def row_of(chosen):
+    """The columns of a case."""
+    words = shlex.split(options_of("check", chosen))[1:]
+    row = {"pin": None}
+    for name, value in zip(words[::2], words[1::2], strict=True):
+        if name == "--temperature":
+            both = dict(zip(("pin", "hole"), value.split(","), strict=False))
+            is_one = len(both) == 1
+            row |= {"temperature_C" if is_one else f"{k}_temperature_C": v for k, v in both.items()}
+        elif name == "--load":
+            row["load_N_per_mm" if value[-1].isdigit() else "load_kN"] = value.split()[0]
+        elif name == "--material" and name[2:] in row:
+            row["material"] += f"; {value}"
+        else:
+            row[COLUMNS.get(name, name[2:])] = value.removesuffix(" um")
+    return row
+
+
+def hold_table(run, path, cases):
+    """Hold the rows of a table against the same joints, each in a command; return the counts."""
+    out = path.with_name("answers.csv")
+    pd.DataFrame([row_of(chosen) for chosen in cases]).to_csv(path, index=False)
+    code, said, _ = run("check", path, "-o", out)
+    found = pd.read_csv(out, keep_default_na=True)
+    answered = 0
+    for (_, row), chosen in zip(found.iterrows(), cases, strict=True):
+        line = options_of("check", chosen)
+        alone, text, _ = run(*shlex.split(line), "--json")
+        assert pd.isna(row["error"]) == (alone == 0), f"{line}: {row['error']}"
+        if alone:
+            continue
+        answered += 1
+        answer = json.loads(text)
+        numbers = answer["numbers"].get("middle", answer["numbers"]["joint"])
+        for name in NUMBERS:
+            rel = 2e-4 if "yield" in name else 1e-8
+            wanted = np.nan if numbers[name] is None else numbers[name]
+            assert row[name] == pytest.approx(wanted, rel=rel, nan_ok=True), f"{line} {name}"
+        assert row["worst"] == answer["worst"], line
+    assert code == 0
+    assert said.startswith(f"{out}: {answered} of {len(cases)} joints answered")
+    return answered, len(cases) - answered
+
+
+CHECKS = [chosen for command, chosen in ALL if command == "check"]
+
+
+@pytest.mark.parametrize("load", ["per mm", "total"])
+def test_a_row_of_a_table_is_answered_as_the_command_is(run, tmp_path, load):
+    cases = random.Random(85).sample([c for c in CHECKS if "load" not in c], 16)
+    assert hold_table(run, tmp_path / "joints.csv", [c | {"load": load} for c in cases])[0] > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("load", "counts"), [("per mm", (93, 74)), ("total", (17, 170))])
+def test_all_rows_of_a_table_are_answered_as_the_commands_are(run, tmp_path, load, counts):
+    cases = [c | {"load": load} for c in CHECKS if c.get("load", load) == load]
+    assert hold_table(run, tmp_path / "joints.csv", cases) == counts

@@ -5,12 +5,14 @@ import importlib
 import json
 import re
 import subprocess
+import tomllib
 from functools import cache
 from pathlib import Path
 
 import pytest
 import typer
 
+import cylcontact
 from cylcontact.cli import app
 from cylcontact.reports.figures import recipes
 
@@ -32,7 +34,7 @@ def texts_of(kind):
     """Yield a name and a text of pages, of docstrings and messages, or of notebooks."""
     if kind == "pages":
         for page in sorted({page for place in PLACES for page in ROOT.glob(place)}):
-            if page.name != "CHANGELOG.md":
+            if page.name != "CHANGELOG.md" and page.relative_to(ROOT) in committed():
                 yield str(page.relative_to(ROOT)), page.read_text(encoding="utf-8")
     elif kind == "notebooks":
         for path in sorted((ROOT / "notebooks").glob("*.ipynb")):
@@ -165,3 +167,11 @@ def test_what_is_named_exists(place, kind, monkeypatch):
 def test_a_stale_name_is_found(kind, text, monkeypatch):
     monkeypatch.chdir(ROOT)
     assert list(KINDS[kind](text))
+
+
+def test_the_program_is_described_in_one_sentence():
+    said = cylcontact.__doc__.splitlines()[0].rstrip(".")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["description"] == said
+    assert f'site_description: "{said}"' in (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    assert typer.main.get_command(app).help == f"{said}."

@@ -14,7 +14,7 @@ BRONZE = cc.Material.named("bronze")
 STEEL = cc.Material.named("high-strength steel")
 
 
-def plain(number=40, seed=3):
+def plain(number=14, seed=3):
     """Pins in plates and rollers of two materials, as columns."""
     draw = np.random.default_rng(seed)
     names = np.array(["bronze", "high-strength steel", "207 GPa, 0.3"])
@@ -174,3 +174,19 @@ def test_a_map_shows_each_joint_that_has_an_answer():
     assert len(axes.collections[0].get_offsets()) == 29
     with pytest.raises(InputError, match="is not a column of numbers"):
         check_table(frame).plot("R_i_mm", "pin", "peak_pressure_MPa")
+
+
+def test_rows_of_one_shape_of_housing_share_its_search_and_are_answered_in_processes(monkeypatch):
+    sizes = np.array([10.0, 10.0, 20.0, 10.0])
+    frame = pd.DataFrame({
+        "R_i_mm": sizes, "radial_clearance_um": sizes * [1.0, 5.0, 5.0, 2.0], "R_o_mm": 2 * sizes,
+        "layer": [f"bronze:{1.2 * R:g}; low-carbon steel:{1.5 * R:g}" for R in sizes],
+        "clamp": "lug", "material": "high-strength steel", "load_N_per_mm": 200.0,
+    })  # fmt: skip
+    alone = [check_table(frame[k : k + 1]).table for k in range(4)]
+    monkeypatch.setattr("cylcontact.joint.tables._MANY", 2)
+    together = check_table(frame).table
+    assert (together["error"] == "").all()
+    for name in NUMBERS:
+        wanted = np.concatenate([each[name] for each in alone])
+        np.testing.assert_allclose(together[name], wanted, rtol=3e-6)

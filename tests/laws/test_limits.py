@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -62,15 +63,21 @@ def test_johnsons_limit_loads_are_those_of_the_paper():
 # --- where the two limits meet ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("material", [ALUMINIUM, TITANIUM], ids=lambda m: m.name)
+# A pin that is as stiff as the hole, and as strong or stronger.
+HARD = replace(ALUMINIUM, name="hard aluminium", yield_stress=500.0)
+
+
+@pytest.mark.parametrize("pin", [ALUMINIUM, TITANIUM, HARD], ids=lambda m: m.name)
 @pytest.mark.parametrize("R_i", [5.0, 10.0, 100.0])
-def test_yield_and_johnsons_limit_meet_at_the_clearance_that_a_root_finder_finds(R_i, material):
+def test_yield_and_johnsons_limit_meet_at_the_clearance_that_a_root_finder_finds(R_i, pin):
+    hole = ALUMINIUM if pin == HARD else pin
+
     def excess(dR):
-        pair = CylinderPair.from_dR("internal", dR, material, R_i=R_i)
+        pair = CylinderPair.from_dR("internal", dR, hole, R_i=R_i, material_j=pin)
         return math.log(limits.johnson_limit_load(pair) / limits.yield_load(pair, "Hertz"))
 
     root = brentq(excess, 1e-6 * R_i, 0.5 * R_i, xtol=1e-15 * R_i)
-    pair = CylinderPair.from_dR("internal", 1.0, material, R_i=2 * R_i)
+    pair = CylinderPair.from_dR("internal", 1.0, hole, R_i=2 * R_i, material_j=pin)
     clearance = limits.elastic_limit_clearance(R_i, pair)
     assert clearance == pytest.approx(root, rel=1e-12)
     assert excess(0.5 * clearance) < 0 < excess(2 * clearance)

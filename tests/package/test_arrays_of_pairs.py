@@ -34,6 +34,8 @@ def values(result):
     """The numbers and words of a result, as arrays."""
     if isinstance(result, CylinderPair):
         return [result.dR, result.R_i, result.R_j]
+    if isinstance(result, tuple) and not hasattr(result, "_fields"):
+        return [number for each in result for number in values(each)]
     if isinstance(result, limits.FirstYield):
         return [result.load, result.body, result.depth, result.angle]
     return list(result) if isinstance(result, laws.conformal.ContactState) else [result]
@@ -103,13 +105,8 @@ def test_rings_at_rest_around_arrays_of_pins(plane):
         materials, radii = [p.material_i, STEEL], [p.R_i, 14.0, 20.0]
         return limits.at_rest(materials, radii, interference=0.01)
 
-    for ask in (
-        lambda p: limits.first_yield(p, housing=eye, at_rest=rest(p)),
-        lambda p: limits.first_yields(p, eye, rest(p))[0],
-        lambda p: limits.first_yields(p, eye, rest(p))[2],
-        lambda p: limits.seat_opens(p, eye, rest(p)),
-    ):
-        assert_rows(ask, pair, rows)
+    assert_rows(lambda p: limits.first_yields(p, eye, rest(p))[::2], pair, rows)
+    assert_rows(lambda p: limits.seat_opens(p, eye, rest(p)), pair, rows)
 
 
 # How each function of `limits` is asked about a pair; the first argument is the pair.

@@ -1,4 +1,4 @@
-"""What users see is what tests/golden holds: exit codes, files, results, laws.
+"""What users see is what tests/golden holds: exit codes, files, results.
 
 The figures are held by tests/reports/test_figures.py, which draws them.
 
@@ -81,12 +81,3 @@ def test_commands_end_with_their_codes_and_write_their_files(run, folder, group)
     frozen.hold("exit_codes", codes, part=of_group)
     frozen.hold("written", files, part=of_group)
     assert wordy == []
-
-
-# --- laws -------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", frozen.named_laws())
-def test_loads_of_a_law(name):
-    now = frozen.law_values(name)
-    frozen.hold("laws", now, frozen.close(1e-8), lambda key: key.startswith(f"{name}, "))

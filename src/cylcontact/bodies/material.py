@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -241,14 +242,20 @@ class MaterialRow:
 
 def shipped_materials() -> dict[str, MaterialRow]:
     """Return the package's table of materials."""
-    return read_materials(SHIPPED)
+    return dict(_read_once(SHIPPED, 0))
+
+
+@lru_cache(maxsize=8)
+def _read_once(path: Path, changed: int) -> dict[str, MaterialRow]:  # noqa: ARG001
+    """Return a table of materials, read again when it has changed."""
+    return read_materials(path)
 
 
 def known_materials(own: Path | str | None = None) -> dict[str, MaterialRow]:
     """Return the package's materials, followed by those of a user's table."""
     rows = shipped_materials()
     shipped = {_plain(name) for name in rows}
-    added = {} if own is None else read_materials(own)
+    added = {} if own is None else _read_once(Path(own), Path(own).stat().st_mtime_ns)
     for name in added:
         if _plain(name) in shipped:
             rule = "is the name of a material that ships with the package"

@@ -420,7 +420,7 @@ class CylinderPair(OfArrays):
     def radii(self, purpose: str) -> tuple[FloatArray, FloatArray]:
         """Return R_i and R_j in mm; raise `InputError` naming `purpose` if they are not known."""
         if self.R_i is None or self.R_j is None:
-            rule = f"{purpose} needs both radii and this pair knows only ΔR"
+            rule = f"{purpose} needs both radii, and this pair has ΔR only"
             remedy = "build it with CylinderPair.internal or .external, or pass R_i to from_dR"
             raise InputError(_SOURCE, "R_i, R_j", None, rule, remedy)
         return as_floats(self.R_i), as_floats(self.R_j)

@@ -19,6 +19,7 @@ def _version(wanted: bool) -> None:
 
 app = typer.Typer(
     cls=Group,
+    epilog="Start with: cylcontact check --material bronze --Ri 10 --Rj 9.95 --load 300",
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -29,7 +30,7 @@ app = typer.Typer(
 def _common(
     version: bool = flag("Show the version.", "--version", callback=_version, is_eager=True),
 ) -> None:
-    """Contact of parallel cylinders: fit laws, check joints, export them, reproduce the paper."""
+    """Contact of parallel cylinders: laws, checks of joints, fits to measurements, export."""
 
 
 # The groups of `cylcontact --help`: each command with the examples that its own help ends with.

@@ -10,6 +10,7 @@ import typer
 from cylcontact.cli.options import (
     JOBS,
     JSON,
+    LENGTH,
     MATERIALS,
     QUIET,
     SCHEDULER,
@@ -60,7 +61,7 @@ CHANGES: Options = {
     "law": (list[str] | None, several("Laws, e.g. johnson.", of=str, metavar="LAW", **_COMBINED)),
     "clearance": (
         list[float] | None,
-        several("Radial clearances.", "--radial-clearance", metavar="MM", **_COMBINED),
+        several("Radial clearances.", "--radial-clearance", of=LENGTH, metavar="MM", **_COMBINED),
     ),
     "restitution": (list[float] | None, several("Restitutions, above 0 up to 1.", **_COMBINED)),
     "friction": (list[float] | None, several("Friction coefficients.", **_COMBINED)),

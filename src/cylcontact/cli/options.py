@@ -67,6 +67,7 @@ def reader(read: Read, rule: str) -> Read:
 
 
 NUMBER = reader(plain_number, "is not a number")  # typer's own reader takes 1_700 and nan
+LENGTH = reader(length_in_mm, "is not a length; give mm, or e.g. '40 um'")
 
 
 def number(help: str, *names: str, metavar: str = "NUMBER", **details: Any) -> Any:
@@ -76,8 +77,7 @@ def number(help: str, *names: str, metavar: str = "NUMBER", **details: Any) -> A
 
 def length(help: str, *names: str, **details: Any) -> Any:
     """Return an option of a length in mm, or with its unit."""
-    read = reader(length_in_mm, "is not a length; give mm, or e.g. '40 um'")
-    return option(help, *names, parser=read, metavar="MM", **details)
+    return option(help, *names, parser=LENGTH, metavar="MM", **details)
 
 
 def count(
@@ -143,7 +143,7 @@ class _PlainHelp:
         for each in params:
             if isinstance(each, TyperArgument):
                 vars(each)["display_type_rich"] = lambda **_: ""
-            elif each.name == "help":
+            elif each.name in ("help", "install_completion", "show_completion"):
                 each.metavar = ""
         return params
 

@@ -98,7 +98,8 @@ class Plan:
             for _, row in at[at["number"] > 1].iterrows():
                 words = f"{row['number']:.0f} times"
                 place = row["load_N_per_mm"], row[gain]
-                axes.annotate(words, place, (0, 5), textcoords="offset points")
+                axes.annotate(words, place, (-5, 4), textcoords="offset points", ha="right")
+            axes.margins(x=0.2)
             what = as_label(self.parameter) if self.parameter else "all intervals"
             axes.set(
                 xscale="log",

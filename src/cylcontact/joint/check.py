@@ -219,11 +219,12 @@ def numbers_of(pair: CylinderPair, joint: LoadedJoint) -> Numbers:
     }
     if isinstance(law, Conformal):
         clearance, diameter = 1e3 * float(pair.dR), 2 * float(as_floats(pair.R_j))
+        angle = float(law.contact_angle(load, pair))
         values |= {
             "clearance_um": clearance,
             "diametral_clearance_um": 2 * clearance,
-            "contact_angle_deg": float(law.contact_angle(load, pair)),
-            "width_mm": 2 * float(half_width(load, pair, law)),
+            "contact_angle_deg": angle,
+            "width_mm": 2 * float(half_width(angle, pair)),
             "peak_pressure_MPa": float(law.peak_pressure(load, pair)),
             "peak_at_deg": peak_angle(load, pair, law),
             "projected_pressure_MPa": load / diameter,

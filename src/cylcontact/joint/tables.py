@@ -1,13 +1,15 @@
 """Tables of joints: one row a joint, its columns named as the options of `cylcontact check`.
 
-Rows of one pair of materials, without housing, fit or temperature, are answered at once as arrays.
-Every other row is a joint of its own. A row that cannot be answered says why.
+Rows without housing, fit or temperature are answered at once as arrays. Every other row is a joint
+of its own; many of them are answered in processes, those of one housing after each other, since
+joints in housings of one shape share what takes time. A row that cannot be answered says why.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,9 +22,13 @@ from cylcontact.files.numbers import quantity
 from cylcontact.files.reading import require_file
 from cylcontact.files.sheet import Sheet, read_sheet
 from cylcontact.files.units import FORCES, LENGTHS, QUANTITIES, load_in_N_per_mm, unit_after
-from cylcontact.joint.answer import NUMBERS, has_yield_stresses
+from cylcontact.joint.answer import NUMBERS, Numbers, has_yield_stresses
 from cylcontact.joint.check import checked
+from cylcontact.joint.clevis_table import KNOWN as KNOWN_OF_CLEVISES
+from cylcontact.joint.clevis_table import answers as answers_of_clevises
+from cylcontact.joint.clevis_table import are_clevises
 from cylcontact.joint.words import (
+    LABELS,
     SIZES,
     joint_from_words,
     material_from_words,
@@ -32,6 +38,7 @@ from cylcontact.limits import first_yield, hertz_half_width, hertz_stress
 from cylcontact.limits.sizing import half_width
 from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray, as_floats, require
 from cylcontact.support.errors import InputError
+from cylcontact.support.parallel import call, run_calls
 from cylcontact.support.progress import Progress, silent
 
 if TYPE_CHECKING:
@@ -47,12 +54,16 @@ _NUMBERS: dict[str, Mapping[str, float]] = {
     **dict.fromkeys(("temperature", "pin_temperature", "hole_temperature"), _DEGREES),
 }
 _WORDS = ("contact", "plane", "material", "pin", "hole", "iso", "clamp", "layer", "rim")
+# Two rollers have two materials and a housing several layers, with ; between them.
+_SEVERAL = ("material", "layer")
 KNOWN = (*_NUMBERS, *_WORDS)
-# Columns for the reader of the table, which are carried along.
-_LABELS = ("name", "id", "part", "joint", "note")
 # What makes a row a joint of its own.
 _ALONE = ("iso", "R_o", "clamp", "layer", "temperature", "pin_temperature", "hole_temperature",
           "rim", "depth")  # fmt: skip
+# What rows in one shape of housing mostly have in common, rows at a time, and from how many rows on
+# they are answered in processes.
+_SHAPE = ("R_o", "clamp", "layer", "hole", "material", "pin", "plane")
+_PART, _MANY = 16, 200
 # The answers of a row, after those of `Numbers`.
 _MORE = ("worst", "worst_factor_to_yield", "worst_peak_pressure_MPa", "error")
 # Rows of a text beyond this number are read by pandas, after the layout of the first ones.
@@ -129,6 +140,8 @@ SUFFIXES = (".csv", ".xlsx", ".parquet")
 
 def _write_fast(table: pd.DataFrame, path: Path | str) -> bool:
     """Write a table as .csv by pyarrow, which is ten times faster; False without it."""
+    import pandas as pd
+
     try:
         import pyarrow as pa
         import pyarrow.csv
@@ -136,19 +149,17 @@ def _write_fast(table: pd.DataFrame, path: Path | str) -> bool:
         return False
     from cylcontact.files.writing import replacing
 
-    numbers = [name for name in table if table[name].dtype.kind in "fiub"]
-    texts: dict[str, Any] = {
-        str(name): table[name]
-        .astype(object)
-        .where(table[name].notna(), None)
-        .map(lambda cell: None if cell is None else str(cell))
-        for name in table
-        if name not in numbers
-    }
+    columns = {}
+    for name in table:
+        column = table[name]
+        if column.dtype.kind not in "fiub":  # texts, of which few differ
+            which, texts = pd.factorize(column)
+            column = pa.DictionaryArray.from_arrays(
+                pa.array(which, mask=which < 0), pa.array([str(text) for text in texts])
+            ).cast(pa.string())
+        columns[str(name)] = pa.array(column, from_pandas=True)
     with replacing(path) as temporary:
-        pa.csv.write_csv(
-            pa.Table.from_pandas(table.assign(**texts), preserve_index=False), temporary
-        )
+        pa.csv.write_csv(pa.table(columns), temporary)
     return True
 
 
@@ -166,7 +177,10 @@ def check_table(
     data : pandas.DataFrame, path or str
         A table of joints, or its file: .csv and other texts, .xlsx or .parquet. Columns are named
         as the options of `cylcontact check`, with their units: load_kN, pin_diameter_mm, R_i_mm,
-        iso, pin, hole, R_o_mm, clamp, temperature_C.
+        iso, pin, hole, R_o_mm, clamp, temperature_C. Two materials of rollers and several layers
+        have ; between them. A table of clevises has other columns: load_kN, gap_mm, beyond_mm,
+        pin, pin_diameter, and of eye and of cheek, as eye, eye_thickness_mm, eye_hole, eye_R_o_mm,
+        eye_clamp.
     materials : path or str, optional
         Your own table of materials.
     same : mapping, optional
@@ -194,8 +208,12 @@ def check_table(
     >>> print(check.answered, check.refused, check.table["peak_pressure_MPa"].round(2).tolist())
     1 1 [52.91, nan]
     """
-    rows = _read(data)
+    table, source = _opened(data)
     own = None if materials is None else Path(materials)
+    if are_clevises(table.names if isinstance(table, Sheet) else list(table.columns)):
+        sheet = table if isinstance(table, Sheet) else read_sheet(table)
+        return TableCheck(answers_of_clevises(sheet, same or {}, own, progress))
+    rows = _of_sheet(table) if isinstance(table, Sheet) else _of_frame(table, source)
     return TableCheck(_Rows(rows, dict(same or {}), own, progress).answers())
 
 
@@ -217,15 +235,15 @@ class _Columns:
         return len(self.frame)
 
 
-def _read(data: pd.DataFrame | Path | str) -> _Columns:
-    """Return the columns of a table."""
-    if isinstance(data, Path | str):
-        require_file(Path(data))
-        frame = _frame_of_large(Path(data))
-        if frame is None:
-            return _of_sheet(read_sheet(data, KNOWN))
-        return _of_frame(frame, str(data))
-    return _of_frame(data, "DataFrame")
+def _opened(data: pd.DataFrame | Path | str) -> tuple[Sheet | pd.DataFrame, str]:
+    """Return a table as a sheet, a large one or a frame as a frame, and its source."""
+    if not isinstance(data, Path | str):
+        return data, "DataFrame"
+    require_file(Path(data))
+    frame = _frame_of_large(Path(data))
+    if frame is not None:
+        return frame, str(data)
+    return read_sheet(data, (*KNOWN, *KNOWN_OF_CLEVISES)), str(data)
 
 
 def _frame_of_large(path: Path) -> pd.DataFrame | None:
@@ -273,12 +291,12 @@ def _of_sheet(sheet: Sheet) -> _Columns:
     """Return the columns of a sheet."""
     import pandas as pd
 
-    unknown = [n for n in sheet.names if _which(n) is None and n.lower() not in _LABELS]
+    unknown = [n for n in sheet.names if _which(n) is None and n.lower() not in LABELS]
     if unknown or not sheet.names:
         rule = f"{', '.join(unknown) or 'a name'} is not known" if sheet.names else "has no names"
         remedy = (
             f"name columns {', '.join(KNOWN)}, with a unit as in load_kN, R_i_mm, or one of "
-            f"{', '.join(_LABELS)} for your own text"
+            f"{', '.join(LABELS)} for your own text"
         )
         raise InputError(sheet.source, "columns", None, rule, remedy)
     frame = pd.DataFrame(dict(zip(sheet.names, sheet.columns, strict=True))).infer_objects()
@@ -406,12 +424,7 @@ class _Rows:
         import pandas as pd
 
         done = self._at_once()
-        rest = np.flatnonzero(~done & (self.error == ""))
-        step = max(1, rest.size // 200)
-        for k, row in enumerate(rest.tolist()):
-            self._alone(row)
-            if k % step == 0:
-                self.progress("joints", int(done.sum()) + k + 1, len(self.columns))
+        self._alone(np.flatnonzero(~done & (self.error == "")))
         frame = self.columns.frame.copy(deep=False)
         for name, values in self.values.items():
             frame[name] = values
@@ -431,7 +444,8 @@ class _Rows:
         for name, words in columns.words.items():
             text = "" if pd.isna(words[row]) else str(words[row]).strip()
             if text:
-                given[name] = text
+                several = name in _SEVERAL and ";" in text
+                given[name] = [part.strip() for part in text.split(";")] if several else text
         rule, remedy = "is missing", "give every row a load, as load_N_per_mm or load_kN"
         require("load" in given, "", "load", None, rule, remedy)
         if columns.is_total:
@@ -447,22 +461,36 @@ class _Rows:
             given["temperature"] = (20.0 if pin is None else pin, 20.0 if hole is None else hole)
         return given
 
-    def _alone(self, row: int) -> None:
-        """Answer one row as a joint of its own."""
-        try:
-            check = checked(joint_from_words(self.given(row), "", str, self.own))
-        except InputError as error:
-            self.error[row] = str(error)
+    def _alone(self, rows: IndexArray) -> None:
+        """Answer rows as joints of their own."""
+        given: dict[int, dict[str, Any]] = {}
+        for row in rows.tolist():
+            try:
+                given[row] = self.given(row)
+            except InputError as error:
+                self.error[row] = str(error)
+        order = sorted(given, key=lambda row: [str(given[row].get(name)) for name in _SHAPE])
+        parts = [order[k : k + _PART] for k in range(0, len(order), _PART)]
+        calls = [call(_answered, [given[row] for row in part], self.own) for part in parts]
+        workers = (os.cpu_count() or 1) if len(order) >= _MANY else 1
+        done = len(self.columns) - len(order)
+        with closing(run_calls(calls, workers)) as results:
+            for part, answers in zip(parts, results, strict=True):
+                for row, answer in zip(part, answers, strict=True):
+                    self._write(row, answer)
+                done += len(part)
+                self.progress("joints", done, len(self.columns))
+
+    def _write(self, row: int, answer: _Answer | str) -> None:
+        """Write the answer of a row, or why it has none."""
+        if isinstance(answer, str):
+            self.error[row] = answer
             return
-        numbers = check.numbers
+        numbers, self.worst[row], factor, peak = answer
         for name in NUMBERS:
             self.values[name][row] = getattr(numbers, name)
-        name, worst = check.worst
-        band = [each for key, each in check.band.items() if key != "mean"] or [numbers]
-        self.worst[row] = name
-        self.values["worst_factor_to_yield"][row] = worst.factor_to_yield
-        peaks = [each.peak_pressure_MPa for each in band]
-        self.values["worst_peak_pressure_MPa"][row] = np.nanmax(peaks)
+        self.values["worst_factor_to_yield"][row] = factor
+        self.values["worst_peak_pressure_MPa"][row] = peak
 
     # --- many rows at once ---
 
@@ -511,9 +539,11 @@ class _Rows:
             return
         if not usual or (contact == "external" and not both):
             return
+        if both and contact == "external":
+            hole, _, pin = str(both).partition(";")
         with suppress(InputError):  # the rows are refused one by one
-            j, i = (material_from_words(str(x or both), "", "material", self.own)
-                    for x in (pin, hole))  # fmt: skip
+            i = material_from_words(str(hole or both), "", "material", self.own)
+            j = material_from_words(str(pin or hole or both), "", "material", self.own)
             known = i.yield_stress is not None and j.yield_stress is not None
             batches.setdefault((contact, plane, known), []).append(_Part(rows, i, j))
 
@@ -578,17 +608,14 @@ class _Rows:
             self.values[name][rows] = values
 
         if pair.contact == "internal":
-            law, dR = Conformal(), as_floats(pair.dR)
-            angle = law.contact_angle(load, pair)
+            dR, state = as_floats(pair.dR), Conformal().state(load, pair)
+            peak, depth, stiffness = state.peak_pressure, state.penetration, state.stiffness
             put("clearance_um", 1e3 * dR)
             put("diametral_clearance_um", 2e3 * dR)
-            put("contact_angle_deg", angle)
-            put("width_mm", 2 * half_width(load, pair, law))
+            put("contact_angle_deg", state.contact_angle)
+            put("width_mm", 2 * half_width(state.contact_angle, pair))
             put("peak_at_deg", 0.0)
             put("projected_pressure_MPa", load / (2 * as_floats(pair.R_j)))
-            peak = law.peak_pressure(load, pair)
-            depth = law.penetration(load, pair)
-            stiffness = law.stiffness(depth, pair)
         else:
             johnson = Johnson()
             put("width_mm", 2 * hertz_half_width(load, pair))
@@ -605,6 +632,31 @@ class _Rows:
             put("factor_to_yield", at / load)
             put("worst_factor_to_yield", at / load)
         self.worst[rows] = "joint"
+
+
+class _Answer(NamedTuple):
+    """The answer of one row: its numbers, and the worst of the band of a fit."""
+
+    numbers: Numbers
+    worst: str
+    worst_factor: float
+    worst_peak: float
+
+
+def _answered(rows: Sequence[Mapping[str, Any]], own: Path | None) -> list[_Answer | str]:
+    """Return the answer of each row, or why it has none."""
+    answers: list[_Answer | str] = []
+    for given in rows:
+        try:
+            check = checked(joint_from_words(given, "", str, own))
+        except InputError as error:
+            answers.append(str(error))
+            continue
+        name, worst = check.worst
+        band = [each for key, each in check.band.items() if key != "mean"] or [check.numbers]
+        peak = float(np.nanmax([each.peak_pressure_MPa for each in band]))
+        answers.append(_Answer(check.numbers, name, worst.factor_to_yield, peak))
+    return answers
 
 
 def _of_many(bodies: Sequence[Material], which: IndexArray) -> Material:

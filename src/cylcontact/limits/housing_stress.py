@@ -260,11 +260,11 @@ def _searched(
     )
     rows, count = [], len(stresses)
     for R, unit, w_i, beta, k, *others in each.T.tolist():
-        bodies = Bodies(as_floats(w_i), beta, np.zeros(()), kernels[int(k)])
-        nus, strengths = others[:count], others[count : 2 * count]
+        arcs = _arcs_of(w_i, beta, kernels[int(k)], tuple(others[:count]), criterion)
+        strengths = others[count : 2 * count]
         bore, *constants = others[2 * count :] or [0.0]
         before = _Before(bore, as_floats(np.reshape(constants, (-1, 4)))) if rest else None
-        search = _Search(bodies, unit / R, nus, strengths, criterion, before)
+        search = _Search(arcs, unit / R, strengths, before)
         rows.append([(f * unit, k, abs(r - 1) * R, theta) for f, k, r, theta in ask(search, unit)])
     names = np.array(["hole", *(f"layer {k + 1}" for k in range(len(layers))), "pin"])
     answers = []
@@ -299,15 +299,16 @@ class _Found(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class _Search:
-    """The search for first yield of one pair over its arcs, 1 − e^−t times the largest."""
+class _Arcs:
+    """The arcs of one shape of joint, 1 − e^−t times the largest; their stresses are in f/R.
+
+    The largest equivalent stresses without stress at rest are sought once for all loads and sizes.
+    """
 
     pair: Bodies
-    unit: float  # E*·ΔR/R in MPa
     nus: Sequence[float]
-    strengths: Sequence[float]  # in MPa
     criterion: Criterion
-    before: _Before | None
+    known: dict[tuple[float, int], tuple[float, float, float, float]]
 
     @cached_property
     def end(self) -> float:
@@ -329,32 +330,77 @@ class _Search:
         stress = HousingStress(kernel, b, as_floats(coefficients[:size]))
         return float(np.pi * arc.S / arc.k), stress
 
-    def shares(self, t: float, only: int | None = None) -> list[tuple[float, _Found]]:
-        """Return the largest stress over strength on an arc, and where, of each body or one."""
-        phi, stress = self.stress_at(t)
-        found = []
-        for k, (field, radii) in enumerate(stress.bodies()):
-            if (only is None or k == only) and np.isfinite(self.strengths[k]):
-                m, r, theta = stress.largest(self._equivalent(k, field, phi), radii)
-                found.append((m / self.strengths[k], _Found(phi, k, r, theta)))
+    def largest(self, t: float, bodies: Sequence[int]) -> list[tuple[float, float, float, float]]:
+        """Return φ, the largest equivalent stress, and r and θ there, of some bodies."""
+        if any((t, k) not in self.known for k in bodies):
+            phi, stress = self.stress_at(t)
+            fields = list(stress.bodies())
+            for k in bodies:
+                field, radii = fields[k]
+
+                def of_load(
+                    r: FloatArray, theta: FloatArray, k: int = k, field: Field = field
+                ) -> FloatArray:
+                    return equivalent(field(r, theta), self.nus[k], self.criterion)
+
+                self.known[t, k] = (phi, *stress.largest(of_load, radii))
+        return [self.known[t, k] for k in bodies]
+
+
+@lru_cache(maxsize=256)
+def _arcs_of(
+    w_i: float, beta: float, kernel: Kernel, nus: tuple[float, ...], criterion: Criterion
+) -> _Arcs:
+    """Return the arcs of one shape of joint, which its joints share."""
+    return _Arcs(Bodies(as_floats(w_i), beta, np.zeros(()), kernel), nus, criterion, {})
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """The search for first yield of one joint over its arcs."""
+
+    arcs: _Arcs
+    unit: float  # E*·ΔR/R in MPa
+    strengths: Sequence[float]  # in MPa
+    before: _Before | None
+
+    @property
+    def bodies(self) -> list[int]:
+        """The bodies that yield."""
+        return [k for k, strength in enumerate(self.strengths) if np.isfinite(strength)]
+
+    def shares(self, t: float, bodies: Sequence[int]) -> list[tuple[float, _Found]]:
+        """Return the largest stress over strength on an arc, and where, of some bodies."""
+        if self.before is None:
+            return [
+                (phi * self.unit * m / self.strengths[k], _Found(phi, k, r, theta))
+                for k, (phi, m, r, theta) in zip(bodies, self.arcs.largest(t, bodies), strict=True)
+            ]
+        phi, stress = self.arcs.stress_at(t)
+        fields, found = list(stress.bodies()), []
+        for k in bodies:
+            field, radii = fields[k]
+            m, r, theta = stress.largest(self._with_rest(k, field, phi), radii)
+            found.append((m / self.strengths[k], _Found(phi, k, r, theta)))
         return found
 
-    def _equivalent(self, k: int, field: Field, phi: float) -> Equivalent:
-        """Return the function of the equivalent stress in MPa of body k."""
-        nu, before, per = self.nus[k], self.before, phi * self.unit
+    def _with_rest(self, k: int, field: Field, phi: float) -> Equivalent:
+        """Return the function of the equivalent stress in MPa of body k, with that at rest."""
+        before, per = self.before, phi * self.unit
+        nu, criterion = self.arcs.nus[k], self.arcs.criterion
+        assert before is not None
 
         def of_load(r: FloatArray, theta: FloatArray) -> FloatArray:
-            return per * equivalent(field(r, theta), nu, self.criterion)
+            return per * equivalent(field(r, theta), nu, criterion)
 
         def of_both(r: FloatArray, theta: FloatArray) -> FloatArray:
-            assert before is not None
             total, difference = field(r, theta)
             radial, hoop, axial = before.stress(k, r[:, None])
             half = np.abs(per * difference + hoop - radial) / 2
             across = np.abs(per * (0.5 - nu) * total + (radial + hoop) / 2 - axial)
-            return of_shear(as_floats(half), as_floats(across), self.criterion)
+            return of_shear(as_floats(half), as_floats(across), criterion)
 
-        return of_load if before is None or k == len(before.constants) else of_both
+        return of_load if k == len(before.constants) else of_both
 
     def any(self) -> _Found:
         """Return the first yield of all bodies."""
@@ -363,21 +409,21 @@ class _Search:
             return min(found, key=lambda each: np.nan_to_num(each.phi, nan=np.inf))
 
         def largest(t: float) -> tuple[float, _Found]:
-            return max(self.shares(t), key=lambda each: each[0])
+            return max(self.shares(t, self.bodies), key=lambda each: each[0])
 
-        return self._bracketed(largest, _FIRST, self.end)
+        return self._bracketed(largest, self.bodies, _FIRST, self.arcs.end)
 
     def each(self) -> list[_Found]:
         """Return the first yield of each body, with φ = 0 where it yields at rest."""
         if self.before is None:
             return [
-                self._bracketed(partial(self._one, body), _FIRST, self.end)
+                self._bracketed(partial(self._one, body), [body], _FIRST, self.arcs.end)
                 for body in range(len(self.strengths))
             ]
         brackets: dict[int, tuple[float, float]] = {}
-        low, count = _FIRST, sum(map(np.isfinite, self.strengths))
-        for t in np.geomspace(_SCAN_FROM, self.end, _SCANNED).tolist():
-            for share, where in self.shares(t):
+        low, count, end = _FIRST, len(self.bodies), self.arcs.end
+        for t in np.geomspace(_SCAN_FROM, end, _SCANNED).tolist():
+            for share, where in self.shares(t, self.bodies):
                 if share >= 1:
                     brackets.setdefault(where.body, (low, t))
             if len(brackets) == count:
@@ -385,37 +431,39 @@ class _Search:
             low = t
         return [
             self._at_rest(body)
-            or self._bracketed(partial(self._one, body), *brackets.get(body, (_FIRST, self.end)))
+            or self._bracketed(partial(self._one, body), [], *brackets.get(body, (_FIRST, end)))
             for body in range(len(self.strengths))
         ]
 
     def _one(self, body: int, t: float) -> tuple[float, _Found]:
         """Return the largest stress over strength of one body."""
-        return next(iter(self.shares(t, body)), (0.0, _Found(np.nan, body, np.nan, np.nan)))
+        if body not in self.bodies:
+            return 0.0, _Found(np.nan, body, np.nan, np.nan)
+        return self.shares(t, [body])[0]
 
     def _at_rest(self, body: int) -> _Found | None:
         """Return φ = 0 at the inner edge of a ring, where it yields first, if it yields at rest."""
         before = self.before
         if before is None or body == len(before.constants):
             return None
-        kernel = self.pair.kernel
+        kernel = self.arcs.pair.kernel
         assert kernel is not None
         inner = kernel.rings[body].inner
         radial, hoop, axial = before.stress(body, as_floats(inner))
         half, across = abs(hoop - radial) / 2, abs((radial + hoop) / 2 - axial)
-        yields = of_shear(half, across, self.criterion) >= self.strengths[body]
+        yields = of_shear(half, across, self.arcs.criterion) >= self.strengths[body]
         return _Found(0.0, body, inner, 0.0) if yields else None
 
     def opens(self) -> _Found:
         """Return the load at which an edge that is pressed together at rest first pulls."""
-        before, kernel = self.before, self.pair.kernel
+        before, kernel = self.before, self.arcs.pair.kernel
         assert before is not None
         assert kernel is not None
         theta = np.linspace(0, _END, _ALONG_SEAT)
         pressed = {k: p for k, p in enumerate(before.constants[:, 3].tolist()) if p > 0}
 
         def pull(t: float) -> tuple[float, _Found]:
-            phi, stress = self.stress_at(t)
+            phi, stress = self.arcs.stress_at(t)
             found = [(0.0, _Found(np.nan, 0, np.nan, np.nan))]
             for k, pressure in pressed.items():
                 r = kernel.rings[k].outer
@@ -427,19 +475,19 @@ class _Search:
             return max(found, key=lambda each: each[0])
 
         low = _FIRST
-        for t in np.geomspace(_SCAN_FROM, self.end, _SCANNED).tolist():
+        for t in np.geomspace(_SCAN_FROM, self.arcs.end, _SCANNED).tolist():
             if pull(t)[0] >= 1:
-                return self._bracketed(pull, low, t)
+                return self._bracketed(pull, [], low, t)
             low = t
         return _Found(np.nan, 0, np.nan, np.nan)
 
     def hoop(self, phi: float) -> float:
         """Return the largest σ_θθ in MPa beyond the hole's own ring under φ, with that at rest."""
-        end, _ = self.pair.end
-        if phi > end:
+        pair = self.arcs.pair
+        if phi > pair.end[0]:
             return np.nan
-        angle = float(self.pair.arc_of_load(as_floats(phi)).angle)
-        _, stress = self.stress_at(-float(np.log1p(-angle / float(self.pair.last.angle))))
+        angle = float(pair.arc_of_load(as_floats(phi)).angle)
+        _, stress = self.arcs.stress_at(-float(np.log1p(-angle / float(pair.last.angle))))
         largest = -np.inf
         for k, (field, radii) in enumerate(stress.bodies()):
 
@@ -455,9 +503,16 @@ class _Search:
         return largest
 
     def _bracketed(
-        self, of: Callable[[float], tuple[float, _Found]], low: float, high: float
+        self,
+        of: Callable[[float], tuple[float, _Found]],
+        bodies: Sequence[int],
+        low: float,
+        high: float,
     ) -> _Found:
-        """Return what is found where a share is 1: NaN if it is less at `high`."""
+        """Return what is found where a share is 1: NaN if it is less at `high`.
+
+        Arcs that are known of all `bodies` narrow the search.
+        """
         from scipy.optimize import brentq  # which takes longer to import than the package
 
         share, found = of(high)
@@ -466,4 +521,8 @@ class _Search:
         share, found = of(low)
         if share >= 1:  # below the first arc the contact is Hertz's, and the stress as √φ
             return found._replace(phi=found.phi / share**2 if self.before is None else found.phi)
+        known = self.arcs.known
+        for t in [t for t, k in known if k in bodies[:1]]:
+            if low < t < high and all((t, k) in known for k in bodies):
+                low, high = (low, t) if of(t)[0] >= 1 else (t, high)
         return of(brentq(lambda t: np.log(of(t)[0]), low, high, rtol=_EXACT))[1]

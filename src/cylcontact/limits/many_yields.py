@@ -285,6 +285,11 @@ def _seek(
 _sought: Any = compiled(_seek, fastmath=FAST)
 
 
+def tables() -> tuple[FloatArray, FloatArray]:
+    """Return the series over β of arcs and of pressures, which are made once."""
+    return table_of_arcs(), table_of_pressures()
+
+
 def yields_of_many(joints: FloatArray, strengths: FloatArray, tresca: bool) -> FloatArray:
     """Return φ of first yield, whether it is in the pin, and the depth over R, of shape (3, n).
 
@@ -297,8 +302,7 @@ def yields_of_many(joints: FloatArray, strengths: FloatArray, tresca: bool) -> F
     strengths : array, shape (2, n)
         σ_Y·R/(E*·ΔR) of the hole and of the pin.
     """
-    tables = table_of_arcs(), table_of_pressures()
-    size = tables[0].shape[1] + tables[0].shape[2] + tables[1].shape[2] + 2 * TERMS
-    out = np.empty((3, joints.shape[1]))
-    _sought(joints, strengths, tresca, tables, np.empty(size), np.empty((6, POINTS + 1)), out)
+    both, out = tables(), np.empty((3, joints.shape[1]))
+    size = both[0].shape[1] + both[0].shape[2] + both[1].shape[2] + 2 * TERMS
+    _sought(joints, strengths, tresca, both, np.empty(size), np.empty((6, POINTS + 1)), out)
     return out

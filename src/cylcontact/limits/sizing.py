@@ -45,13 +45,10 @@ _SOURCE = "find"
 _ALONG = 721
 
 
-def half_width(load: ArrayLike, pair: CylinderPair, law: Conformal | None = None) -> FloatArray:
-    """Return half the width of contact in mm, R·sin ε of `laws.Conformal`, R beyond 90°.
-
-    The law may be one with a housing.
-    """
-    angle = np.radians(np.minimum((law or Conformal()).contact_angle(load, pair), 90.0))
-    return as_floats(pair.radii("the width")[0] * np.sin(angle))
+def half_width(angle: ArrayLike, pair: CylinderPair) -> FloatArray:
+    """Return half the width in mm of a contact of this semi-angle in degrees, R beyond 90°."""
+    sine = np.sin(np.radians(np.minimum(angle, 90.0)))
+    return as_floats(pair.radii("the width")[0] * sine)
 
 
 def peak_angle(load: float, pair: CylinderPair, law: Conformal | None = None) -> float:

@@ -223,7 +223,9 @@ def _of_hole(
     R, unit, *rows = (column.ravel() for column in columns)
     found = np.full((3, R.size), np.nan)  # φ, whether it is in the pin, and the depth over R
     if R.size > _FEW and fewest_kinds(rows[3:]) > _FEW:
-        from cylcontact.limits.many_yields import yields_of_many  # which imports numba
+        from cylcontact.limits.many_yields import tables, yields_of_many  # which imports numba
+
+        tables()  # made once, before threads would make them twice
 
         def fill(here: slice) -> None:
             block = np.stack([row[here] for row in rows])

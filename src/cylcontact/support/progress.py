@@ -8,5 +8,14 @@ from collections.abc import Callable
 Progress = Callable[[str, int, int], None]
 
 
-def silent(stage: str, done: int, total: int) -> None:
-    """Report nothing."""
+class _Silent:
+    """Report nothing; a default that signatures show as `silent`."""
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        pass
+
+    def __repr__(self) -> str:
+        return "silent"
+
+
+silent = _Silent()

@@ -78,7 +78,7 @@ class Ring(NamedTuple):
 
 @dataclass(frozen=True)
 class Sector:
-    """The clamped part of a rim: `angle` degrees centred on the load's side or opposite to it.
+    """The clamped part of a rim: `angle` degrees centred on the load's side or opposite.
 
     A rod eye is pushed or pulled by its shank, whose angle this is.
 
@@ -259,7 +259,9 @@ class Housing:
             sector = f"as pulled:{self.clamp.angle:g}: first yield 0 to {low} % low"
             return f"a pulled lug of R_o = {self.R_o:g} mm, {shank}{rings} ({sector})"
         if isinstance(self.clamp, Sector):
-            side = {"pushed": "near the contact", "pulled": "opposite to it"}[self.clamp.side]
+            side = {"pushed": "near the contact", "pulled": "opposite to the contact"}[
+                self.clamp.side
+            ]
             where = f"on {self.clamp.angle:g}° {side}"
         return f"a ring clamped at {self.R_o:g} mm {where}{rings}"
 

@@ -400,7 +400,9 @@ def _fill_by_search(
     fill: Callable[[_Curves, slice], None], rows: Sequence[FloatArray], *, increasing: bool
 ) -> None:
     """Fill in the results of rows by a search for each; check the datum unless `increasing`."""
-    from cylcontact.laws.conformal.many import Many  # which imports numba
+    from cylcontact.laws.conformal.many import Many, table_of_arcs  # which imports numba
+
+    table_of_arcs()  # made once, before threads would make it twice
 
     def fill_block(here: slice) -> None:
         many = Many(*(np.ascontiguousarray(row[here]) for row in rows))

@@ -1,0 +1,84 @@
+"""Noise × series × drift × errors of the load × uncertain inputs, against dense matrices."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from cylcontact import CylinderPair
+from cylcontact.fitting.readings import Optimum, fit_with_noise
+from tests.support.measured_files import STEEL
+from tests.support.noisy_series import LAW, campaign_of, readings
+
+GIVEN = 5e-5  # mm
+COMBINATIONS = [
+    *product(("given", "constant", "proportional", "both"), (0, 3, 6), (False, True), (0.0, 0.01),
+             (None, {"dR": "2 um"})),
+]  # fmt: skip
+SIGMA_DR = 2e-3
+
+
+def settings_of(noise, series, drift, load_error, uncertain):
+    settings = {"group": "group"} if series else {}
+    settings |= {"drift": True} if drift else {}
+    settings |= {"load_error": load_error} if load_error else {}
+    settings |= {"uncertain": uncertain} if uncertain else {}
+    return settings if noise == "given" else settings | {"noise": noise}
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, id=" ".join(map(str, case)), marks=[pytest.mark.slow] * (k % 8 != 5))
+        for k, case in enumerate(COMBINATIONS)
+    ],
+)
+def test_errors_are_those_of_the_dense_covariance(case):
+    noise, series, drift, load_error, uncertain = case
+    frame = readings(
+        7, series or 2, 9, constant=GIVEN, proportional=0.01, offset=2e-4, gain=0.02,
+        drift=1e-4, load_error=load_error,
+    )  # fmt: skip
+    if noise == "given":
+        frame["penetration_std_um"] = 1e3 * GIVEN
+    pair = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
+    fit = fit_with_noise(campaign_of(frame, "explicit", pair, starts=2, **settings_of(*case)))
+    optimum = Optimum(fit, fit.lowest(np.array([[*([1.0, 2e-4, 0.03][: len(fit.free)])]])))
+    assert [*optimum.fit.names] == ["stiffness_factor", "offset", *(["dR"] if uncertain else [])]
+    load = frame["load_N_per_mm"].to_numpy()
+
+    def reading(values):
+        S, offset, dR = (*values, 0.03)[:3]
+        other = CylinderPair.internal(R_i=10.0, R_j=10.0 - dR, material=STEEL, length=20.0)
+        return LAW.penetration(load / S, other) + offset
+
+    point = optimum.point
+    steps = np.diag([1e-5, 1e-8, 1e-6][: point.size])
+    slopes = [(reading(point + h) - reading(point - h)) / (2 * h.sum()) for h in steps]
+    depth = reading(point) - point[1]
+    per_load = (reading([point[0] / 1.00001, *point[1:]]) - reading(point)) / (1e-5 * load)
+    own = optimum.fit.noise.deviations
+    V = np.diag(
+        (GIVEN if noise == "given" else own.get("constant", 0.0)) ** 2
+        + (own.get("proportional", 0.0) * depth) ** 2
+        + (per_load * load_error * load) ** 2
+    )
+    # The first series has its readings in order, as all have; alone, all rows are one.
+    rows = load.size if not series else 9
+    member = np.arange(load.size) // rows == np.arange(load.size // rows)[:, None]
+    place = (np.arange(load.size) % rows) / (rows - 1)
+    columns = {"offset": 1.0 + 0 * depth, "gain": depth} if series else {}
+    columns |= {"drift": place} if drift else {}
+    fixed = []
+    for name, column in columns.items():
+        parts = member * column
+        if series == 6:
+            V += own[name] ** 2 * parts.T @ parts
+        else:
+            fixed += [*(parts if name == "drift" else parts[1:] - parts[:1])]
+    design = np.array([*slopes, *fixed]).T
+    information = design.T @ np.linalg.solve(V, design)
+    if uncertain:
+        information[2, 2] += 1 / SIGMA_DR**2
+    errors = np.sqrt(np.diag(np.linalg.inv(information)))[: point.size]
+    assert optimum.errors == pytest.approx(errors, rel=1e-3, abs=0)
