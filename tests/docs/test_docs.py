@@ -29,11 +29,15 @@ WITH_CODE = [
 SLOW = {
     "science.md", "calibration.md", "extend.md", "mechanism.md", "fit-my-data.md",
     "errors-of-readings.md", "choose-a-law.md", "export.md", "reproduce-the-paper.md",
-    "from-a-drawing.md", "housing.md", "plots.md", "a-pin-that-tilts.md",
+    "from-a-drawing.md", "housing.md", "plots.md", "a-pressed-bush.md",
+    "a-pin-that-tilts.md", "reports",
 }  # fmt: skip
 each_page = pytest.mark.parametrize(
     "page",
-    [pytest.param(p, marks=pytest.mark.slow) if p.name in SLOW else p for p in WITH_CODE],
+    [
+        pytest.param(p, marks=pytest.mark.slow) if {p.name, p.parent.name} & SLOW else p
+        for p in WITH_CODE
+    ],
     ids=lambda path: str(path.relative_to(ROOT)),
 )
 

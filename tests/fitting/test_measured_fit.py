@@ -101,7 +101,7 @@ def test_nothing_is_imported_because_a_result_names_it(tmp_path):
     (tmp_path / "mine.py").write_text(f"open({str(marker)!r}, 'w')\n{USER_LAW}")
     again = read_result(path)
     assert "mine:load" in compare([again])
-    with pytest.raises(InputError, match="not run because a result names it"):
+    with pytest.raises(InputError, match="never run from a stored result"):
         verify(path, 1, lambda *_: None)
     assert not marker.exists()
 

@@ -370,6 +370,6 @@ def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatc
     fit_table(user_campaign(tmp_path)).save(tmp_path / "r.json")
     monkeypatch.chdir(tmp_path)
     load = ("predict", "r.json", "--load", "5 N/mm")
-    assert "not run because a result names it" in run(*load)[2]
+    assert "never run from a stored result" in run(*load)[2]
     assert run(*load, "--law", "mine:load")[0] == 0
     assert "is not the law of this fit, mine:load" in run(*load, "--law", "mine:flat")[2]

@@ -12,6 +12,7 @@ import pytest
 from cylcontact import InputError, Material
 from cylcontact.joint.clevis import EDGES, check_clevis
 from cylcontact.joint.clevis_beam import Clevis, Plate
+from cylcontact.joint.tables import check_table
 from cylcontact.laws import Housing, Sector
 from tests.support.clevis_elements import ClevisOfElements, Joint
 
@@ -67,7 +68,10 @@ FRESH = {
 }
 
 
-@pytest.mark.parametrize("name", FRESH)
+@pytest.mark.parametrize(
+    "name",
+    [n if n.startswith("bronze") else pytest.param(n, marks=pytest.mark.slow) for n in FRESH],
+)
 def test_joints_that_no_number_was_fitted_to_are_near_fresh_elements(name):
     joint, force, edge = FRESH[name]
     plate, hole = Material("plate", joint.E_plates, 0.3), 2 * (joint.R + joint.clearance)
@@ -193,6 +197,10 @@ def test_what_is_outside_of_the_comparison_is_warned_of():
     assert any("the eye is of PEEK" in each for each in words)
     assert any("the gap is 2.7 R" in each for each in words)
     assert check_clevis(clevis(), 10e3).warnings == ()
+    ring = Plate(20.0, STEEL, 15.02, Housing(15.0, layers=[(STEEL, 10.0)]))
+    assert any(
+        "no such joint was compared" in w for w in check_clevis(clevis(eye=ring), 1e3).warnings
+    )
     weak = Material("weak", 207e3, 0.3, 50.0)
     assert any("the pin yields" in w for w in check_clevis(clevis(pin=weak), 10e3).warnings)
 
@@ -255,3 +263,39 @@ def test_what_a_file_of_a_clevis_is_refused_for(run, tmp_path, old):
     code, _, err = run(*shlex.split(f"check {tmp_path / 'clevis.toml'}"))
     assert code == 2
     assert message in err
+
+
+def test_a_row_of_a_table_of_clevises_is_answered_as_the_clevis_is(run, tmp_path):
+    file, out = tmp_path / "clevises.csv", tmp_path / "answers.csv"
+    hard, mild = Material.named("high-strength steel"), Material.named("low-carbon steel")
+    shapes = [None, Housing(40.0, Sector.lug()), Housing(40.0, layers=[(hard, 24.0)])]
+    frame = pd.DataFrame({
+        "name": list("abcd"), "pin_diameter": ["40f7"] * 3 + ["41"], "eye_hole": "40H8",
+        "eye_R_o_mm": [None, 40, 40, None], "eye_clamp": [None, "lug", "rim", None],
+        "eye_layer": [None, None, "high-strength steel:24", None], "cheek_hole_mm": 40.05,
+        "eye_thickness_mm": 30, "cheek_thickness_mm": 15, "gap_mm": 1, "load_kN": 60,
+    }).assign(eye="low-carbon steel", cheek="low-carbon steel")  # fmt: skip
+    frame.to_csv(file, index=False)
+    code, said, _ = run("check", file, "-o", out, "--pin", "high-strength steel")
+    assert (code, said[:50]) == (0, f"{out}: 3 of 4 joints answered; 1 refused, the first"[:50])
+    found = pd.read_csv(out)
+    for shape, (_, row) in zip(shapes, found.iterrows(), strict=False):
+        eye, cheek = Plate(30.0, mild, "40H8", shape), Plate(15.0, mild, 40.05)
+        check = check_clevis(Clevis(hard, "40f7", eye, cheek, 1.0), 60e3)
+        for key, value in check.table["middle"].items():
+            assert row[key] == pytest.approx(value, rel=1e-9), key
+        assert row["needed_moment_Nmm"] == pytest.approx(check.needed_moment, rel=1e-9)
+        assert row["lowest_pin_factor"] == pytest.approx(check.factor, rel=1e-9)
+    assert "leaves no clearance" in found["error"][3]
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"eye": ["bronze"], "eye_width_mm": [3.0]}, "eye_width_mm is not known in a table of"),
+        ({"eye": ["bronze"], "load_kN": [3.0]}, "columns: lacks gap, pin, pin_diameter, eye_hole"),
+    ],
+)
+def test_columns_of_clevises_that_are_not_understood_are_refused(columns, message):
+    with pytest.raises(InputError, match=message):
+        check_table(pd.DataFrame(columns))

@@ -37,17 +37,17 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.pair import (
     IN_CONSTANTS,
-    OF_PIN_AND_HOLE,
     PAIR,
+    PIN_AND_HOLE,
     blaming_options,
     constants_of,
-    housing_of,
     option_of,
 )
 from cylcontact.cli.terminal import note, progress_bars, resumable, say
 from cylcontact.files.reading import plain_number, require_file
 from cylcontact.files.units import load_in_N_per_mm
 from cylcontact.files.writing import json_text, require_suffix, require_writable
+from cylcontact.joint.words import HOUSING, housing_spec_from_words
 from cylcontact.support.choices import (
     BRANCHES,
     CHOICE_FILES,
@@ -467,15 +467,15 @@ def _measured(
     for path in paths:
         require(is_table(path), str(path), "", None, "is not a table", "name a table")
         require_file(path)
-    if "contact" not in given and {*OF_PIN_AND_HOLE} & {*given}:
+    if "contact" not in given and {*PIN_AND_HOLE} & {*given}:
         given["contact"] = "internal"
     examples = {"law": "--law explicit", "contact": "--contact internal"}
     missing = {f"the {name}": text for name, text in examples.items() if name not in given}
     missing |= lacks
     law, contact = given.get("law", "explicit"), given.get("contact", "internal")
-    housing = housing_of(given, source, contact)
+    housing = housing_spec_from_words(given, source, option_of)
     constants, blamed = constants_of(given, source, contact)
-    others = {*IN_CONSTANTS, "law", "contact"}
+    others = {*IN_CONSTANTS, *HOUSING, "law", "contact"}
     settings = {name: value for name, value in given.items() if name not in others}
     settings |= _tables(source, given) | {
         "columns": _each_once(source, "--columns", settings.get("columns", [])),

@@ -18,7 +18,7 @@ from cylcontact.cli.options import (
     require_output,
     takes,
 )
-from cylcontact.cli.pair import JOINT, named_option, own_materials
+from cylcontact.cli.pair import JOINT, option_of, own_materials
 from cylcontact.cli.terminal import progress_bars, say
 from cylcontact.files.reading import require_file
 from cylcontact.files.writing import json_text
@@ -84,7 +84,7 @@ def joint_of(
 ) -> LoadedJoint:
     """Return the joint that the options of a command give; `sought` is what it is to find."""
     own = own_materials(pair, source)
-    return joint_from_words(pair | around, source, named_option, own, sought)
+    return joint_from_words(pair | around, source, option_of, own, sought)
 
 
 @takes("pair", _CHECKED)
@@ -158,18 +158,18 @@ def _check_joint_file(
     names = [*pair, *(["bush"] if bush is not None else []), *({"iso", "depth"} & {*around})]
     for name in names:
         rule, remedy = f"is in the file already: {path}", "leave one of them out"
-        raise InputError("check", named_option(name), None, rule, remedy)
+        raise InputError("check", option_of(name), None, rule, remedy)
     joint = read_joint(path, materials)
     rule, remedy = f"is missing for {path}", "give the load on the joint, e.g. --load 5kN"
     require("load" in around, "check", "--load", None, rule, remedy)
-    load = load_from_words(around["load"], joint.pair.length, "check", named_option)
-    rim = rim_from_words(around.get("rim"), "check", named_option, own)
+    load = load_from_words(around["load"], joint.pair.length, "check", option_of)
+    rim = rim_from_words(around.get("rim"), "check", option_of, own)
     bodies = (joint.pair.material_i, joint.pair.material_j)
     # A material that the file gives by its numbers is called like its body there.
     hole, pin = (changed(x, name="") if x.name in ("bearing", "pin") else x for x in bodies)
     cylinders = replace(joint.pair, material_i=hole, material_j=pin)
     warm = around.get("temperature")
-    with blaming(named_option, "check"):
+    with blaming(option_of, "check"):
         return checked(resolve(cylinders, load, housing=joint.housing, temperature=warm, rim=rim))
 
 
@@ -183,7 +183,7 @@ def _checked(
         if is_plain_joint(file):
             return _check_joint_file(file, bush, pair, around)
         materials = pair.pop("materials", None)
-        options = [*map(named_option, (*pair, *around)), *["--bush"] * (bush is not None)]
+        options = [*map(option_of, (*pair, *around)), *["--bush"] * (bush is not None)]
         for name in options:
             rule, remedy = f"is in the file already: {file}", "leave one of them out"
             raise InputError("check", name, None, rule, remedy)
@@ -192,14 +192,14 @@ def _checked(
         from cylcontact.joint.bush_words import bush_from_words
 
         given = pair | around | {"bush": bush}
-        return bush_from_words(given, "check", named_option, own_materials(pair, "check"))
+        return bush_from_words(given, "check", option_of, own_materials(pair, "check"))
     from cylcontact.joint.check import checked
 
     size = pair.get("pin_diameter")
     rule, remedy = "is a class, which is for a joint with --bush", "give --iso 20H7/f7, or mm"
     require(not isinstance(size, str), "check", "--pin-diameter", size, rule, remedy)
     joint = joint_of(pair, around, "check")
-    with blaming(named_option, "check"):
+    with blaming(option_of, "check"):
         return checked(joint)
 
 
@@ -231,7 +231,7 @@ def size(
         targets["penetration"] *= 1e-3
     joint = joint_of(pair, around, "size", what)
     try:
-        with blaming(named_option, "size", _TARGETS):
+        with blaming(option_of, "size", _TARGETS):
             answer = size_of(joint, what, **targets)  # type: ignore[arg-type]
     except InputError as error:
         value = error.value

@@ -21,7 +21,7 @@ from cylcontact.cli.options import (
     require_output,
     takes,
 )
-from cylcontact.cli.pair import JOINT, named_option, own_materials
+from cylcontact.cli.pair import JOINT, option_of, own_materials
 from cylcontact.cli.terminal import note, say
 from cylcontact.files.writing import json_text, replacing_all, require_suffix
 from cylcontact.joint.words import housing_from_words, pair_from_words
@@ -170,16 +170,16 @@ def _export_law(
     if out is not None:
         require_callable(target, out.stem)
     own, contact, origin, of_pair = own_materials(pair, "export"), None, "", None
-    housing = housing_from_words(pair, "export", named_option, own)
+    housing = housing_from_words(pair, "export", option_of, own)
     law: ContactLaw
     if housing is not None:
         law = in_housing(what, housing, "export", "RESULT|LAW")
     else:
         law, contact, origin = law_named(what, pair.get("contact"))
     if law.name == "conformal" and (housing is not None or {*pair} - {"contact"}):
-        of_pair = pair_from_words(pair, "export", named_option, own)
+        of_pair = pair_from_words(pair, "export", option_of, own)
     else:
-        others = {named_option(name): value for name, value in pair.items() if name != "contact"}
+        others = {option_of(name): value for name, value in pair.items() if name != "contact"}
         _refuse(others, "is for conformal contact or a joint", "leave it out, or export conformal")
     source, header = source_and_header(law, contact, target, origin, of_pair)
     if out is None:
@@ -240,7 +240,7 @@ def _export_joint(
     from cylcontact.files.spec import read_toml
     from cylcontact.mechanism import ClearanceJoint, SpatialJoint, read_joint
 
-    others = {named_option(name): value for name, value in pair.items() if name != "materials"}
+    others = {option_of(name): value for name, value in pair.items() if name != "materials"}
     _refuse(others, "is in the file of the joint already", "leave it out, or --joint")
     joint: SpatialJoint | ClearanceJoint
     if read_toml(path).get("kind") == "spatial":

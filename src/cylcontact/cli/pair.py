@@ -8,15 +8,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cylcontact.cli.options import Options, Read, length, number, option, reader
-from cylcontact.joint.words import clamp_words, layer_words, material_words, radius_words
+from cylcontact.joint.words import (
+    clamp_words,
+    layer_words,
+    material_words,
+    radius_words,
+    require_pin,
+)
 from cylcontact.support.choices import CONTACTS, listed
 from cylcontact.support.errors import InputError, require
-
-if TYPE_CHECKING:
-    from cylcontact.laws.housing_spec import HousingSpec
 
 _PANEL: dict[str, Any] = {"rich_help_panel": "The pair of cylinders"}
 _HOUSING: dict[str, Any] = {"rich_help_panel": "The housing of the hole"}
@@ -49,7 +52,7 @@ _LAYER = reader(
     layer_words,
     "is not a material with an inner radius; write e.g. bronze:12, or '110 GPa, 0.3:12'",
 )
-# By their names as constants of a table, where they have one.
+# By their names in `cylcontact.joint.words`.
 PAIR: Options = {
     "contact": _text(f"{listed(CONTACTS)}.", "--contact", "CONTACT"),
     "pin": _text("The pin's material, or '207 GPa, 0.3'.", "--pin", "MATERIAL", _NAMED),
@@ -58,17 +61,17 @@ PAIR: Options = {
     "material_i": _text("Material of the first roller.", "--material-i", "MATERIAL", _NAMED),
     "material_j": _text("Material of the second roller.", "--material-j", "MATERIAL", _NAMED),
     "materials": _text("Your own; datasets/materials.csv by default.", "--materials", "TABLE"),
-    "E_MPa": _text("Young's modulus, in MPa or '207 GPa'.", "--E", "MODULUS",
+    "E": _text("Young's modulus, in MPa or '207 GPa'.", "--E", "MODULUS",
                    reader(_modulus, "is not a modulus")),
     "nu": (float | None, number("Poisson's ratio of both.", "--nu", metavar="RATIO", **_PANEL)),
-    "dR_mm": _length("Radial clearance ΔR, half of that on the diameter; for rollers R_i + R_j.",
-                     "--radial-clearance"),
-    "R_i_mm": _length("Radius of the hole or the first roller.", "--Ri"),
-    "R_j_mm": (float | None, option("Radius of the pin or the second roller, inf for a plane.",
+    "radial_clearance": _length("Half of the clearance on the diameter; for rollers R_i + R_j.",
+                                "--radial-clearance"),
+    "R_i": _length("Radius of the hole or the first roller.", "--Ri"),
+    "R_j": (float | None, option("Radius of the pin or the second roller, inf for a plane.",
                "--Rj", metavar="MM", parser=_RADIUS, **_PANEL)),
     "hole_diameter": _length("Diameter of the hole.", "--hole-diameter"),
     "pin_diameter": _length("Diameter of the pin.", "--pin-diameter"),
-    "length_mm": _length("Axial length.", "--length"),
+    "length": _length("Axial length.", "--length"),
     "plane": _text("strain for long parts, stress for thin ones.", "--plane", "PLANE"),
     "R_o": (float | None, length("Radius of its rim.", "--R-o", **_HOUSING)),
     "clamp": (str | None, option("rim (by default), lug, pushed:60 or pulled:60.", "--clamp",
@@ -76,32 +79,29 @@ PAIR: Options = {
     "layer": (list[str] | None, option("Outer ring, from this radius; may be repeated.",
               "--layer", metavar="MATERIAL:MM", parser=_LAYER, **_HOUSING)),
 }  # fmt: skip
-# The options of a joint, by their names in `cylcontact.joint.words`.
-_AS_WORDS = {"dR_mm": "radial_clearance", "R_i_mm": "R_i", "R_j_mm": "R_j", "length_mm": "length"}
-_OF_TABLES = ("E_MPa", "nu", "material_i", "material_j")
+# What only tables of measurements take.
+_OF_TABLES = ("E", "nu", "material_i", "material_j")
 _BOTH = "Material of both bodies; of two rollers two, --material A --material B."
-JOINT: Options = {
-    _AS_WORDS.get(name, name): each for name, each in PAIR.items() if name not in _OF_TABLES
-} | {
+JOINT: Options = {name: each for name, each in PAIR.items() if name not in _OF_TABLES} | {
     "material": (list[str] | None, option(_BOTH, "--material", metavar="MATERIAL", parser=_NAMED,
                  **_PANEL)),
 }  # fmt: skip
-# What stands for a constant under another name, which rollers do not have, and a factor to it.
-OF_PIN_AND_HOLE = {
-    "pin": ("material_j", None),
-    "hole": ("material_i", None),
-    "hole_diameter": ("R_i_mm", 0.5),
-    "pin_diameter": ("R_j_mm", 0.5),
-}
-# The options that `constants_of` takes.
-IN_CONSTANTS = {*PAIR} - {"contact", "materials", "plane", "R_o", "clamp", "layer"}
+# What rollers do not have, and the constants of a table that options are, by other names.
+PIN_AND_HOLE = ("pin", "hole", "hole_diameter", "pin_diameter")
+_CONSTANTS = {
+    "pin": "material_j", "hole": "material_i", "hole_diameter": "R_i_mm", "pin_diameter": "R_j_mm",
+    "R_i": "R_i_mm", "R_j": "R_j_mm", "radial_clearance": "dR_mm", "length": "length_mm",
+    "E": "E_MPa", **{name: name for name in ("nu", "material", "material_i", "material_j")},
+}  # fmt: skip
+# The options that are no settings of a fit to a table.
+IN_CONSTANTS = {*_CONSTANTS}
 
 
 def option_of(name: str) -> str:
-    """Return the option of a constant or of a setting.
+    """Return the option of a value by its name.
 
-    >>> option_of("load_error"), option_of("R_i_mm"), option_of("E_MPa")
-    ('--load-error', '--Ri', '--E')
+    >>> option_of("R_i"), option_of("hole_diameter"), option_of("load_error")
+    ('--Ri', '--hole-diameter', '--load-error')
     """
     if name in PAIR:
         return str(PAIR[name][1].param_decls[0])
@@ -114,16 +114,14 @@ def constants_of(
     """Return the options as constants of a table, and the option that each comes from."""
     values: dict[str, Any] = {}
     options: dict[str, str] = {}
-    # Names of their own come last, and are to blame for what is said twice.
-    for name in sorted(PAIR, key=OF_PIN_AND_HOLE.__contains__):
-        if name not in IN_CONSTANTS & {*given}:
-            continue
-        option, value = option_of(name), given[name]
-        constant, factor = OF_PIN_AND_HOLE.get(name, (name, None))
-        if name in OF_PIN_AND_HOLE:
+    # Those of pin and hole come last: they are to blame for what is said twice.
+    named = [name for name in PAIR if name in IN_CONSTANTS & {*given}]
+    for name in sorted(named, key=PIN_AND_HOLE.__contains__):
+        option, value, constant = option_of(name), given[name], _CONSTANTS[name]
+        if name in PIN_AND_HOLE:
             remedy = f"leave out {option}; rollers have --material-i and --material-j"
-            _require_internal(source, contact, remedy)
-        new = {constant: value if factor is None else factor * value}
+            require_pin(source, option_of, contact, remedy)
+        new = {constant: value / 2 if name.endswith("diameter") else value}
         if isinstance(value, tuple):  # numbers in the place of a name
             body = constant.removeprefix("material")
             new = dict(zip((f"E{body}_MPa", f"nu{body}"), value[:2], strict=True))
@@ -133,30 +131,6 @@ def constants_of(
         values |= new
         options |= dict.fromkeys(new, option)
     return values, options
-
-
-def housing_of(given: dict[str, Any], source: str, contact: str) -> HousingSpec | None:
-    """Return the housing that the options give, and take them away."""
-    keys = ("R_o", "clamp", "layer")
-    data = {key: given.pop(key) for key in keys if key in given}
-    if not data:
-        return None
-    from cylcontact.files.spec import parse_spec
-    from cylcontact.laws.housing_spec import HousingSpec
-
-    _require_internal(source, contact, "leave out --R-o and --clamp, or give --contact internal")
-    data |= data.pop("clamp", {})
-    if "layer" in data:
-        data["layers"] = data.pop("layer")
-    with blaming_options(
-        {"R_o": "--R-o", "angle": "--clamp", "shank": "--clamp", "layers": "--layer"}
-    ):
-        return parse_spec(HousingSpec, data, source)
-
-
-def _require_internal(source: str, contact: str, remedy: str) -> None:
-    """Refuse for rollers what is for a pin and a hole."""
-    require(contact == "internal", source, "--contact", contact, "has no pin and no hole", remedy)
 
 
 @contextmanager
@@ -175,17 +149,6 @@ def blaming_options(options: Mapping[str, str], source: str = "") -> Iterator[No
         if "diameter" in blamed:
             value = None  # a radius, half of what is given
         raise InputError(source or error.source, blamed, value, error.rule, error.remedy) from None
-
-
-def named_option(name: str) -> str:
-    """Return the option of a value of a joint.
-
-    >>> named_option("R_i"), named_option("hole_diameter"), named_option("iso")
-    ('--Ri', '--hole-diameter', '--iso')
-    """
-    if name in JOINT:
-        return str(JOINT[name][1].param_decls[0])
-    return "--" + name.replace("_", "-")
 
 
 def own_materials(given: Mapping[str, Any], source: str) -> Path | None:

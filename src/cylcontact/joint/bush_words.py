@@ -44,7 +44,7 @@ def diameter_words(text: str) -> float | str:
     return text.strip() if _CLASS.fullmatch(text.strip()) else length_in_mm(text)
 
 
-def _size_words(text: str) -> Any:
+def size_words(text: str) -> Any:
     """Return a size in mm, LOW:HIGH as limits, or a class as it is."""
     low, colon, high = text.partition(":")
     if colon:
@@ -68,10 +68,10 @@ def bush_words(text: str) -> dict[str, Any]:
     hole, _, outer = seat.partition("/")
     is_fit = _LETTERS.fullmatch(outer.strip()) is not None
     is_wall = inner.startswith("wall ")
-    size = _size_words(inner.removeprefix("wall "))
+    size = size_words(inner.removeprefix("wall "))
     return {
         "material": material_words(", ".join(name)),
-        "seat": seat if is_fit else (_size_words(hole), _size_words(outer)),
+        "seat": seat if is_fit else (size_words(hole), size_words(outer)),
         "bore": None if is_wall else size,
         "wall": size if is_wall else None,
         "wrapped": wrapped,

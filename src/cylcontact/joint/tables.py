@@ -24,7 +24,11 @@ from cylcontact.files.sheet import Sheet, read_sheet
 from cylcontact.files.units import FORCES, LENGTHS, QUANTITIES, load_in_N_per_mm, unit_after
 from cylcontact.joint.answer import NUMBERS, Numbers, has_yield_stresses
 from cylcontact.joint.check import checked
+from cylcontact.joint.clevis_table import KNOWN as KNOWN_OF_CLEVISES
+from cylcontact.joint.clevis_table import answers as answers_of_clevises
+from cylcontact.joint.clevis_table import are_clevises
 from cylcontact.joint.words import (
+    LABELS,
     SIZES,
     joint_from_words,
     material_from_words,
@@ -53,8 +57,6 @@ _WORDS = ("contact", "plane", "material", "pin", "hole", "iso", "clamp", "layer"
 # Two rollers have two materials and a housing several layers, with ; between them.
 _SEVERAL = ("material", "layer")
 KNOWN = (*_NUMBERS, *_WORDS)
-# Columns for the reader of the table, which are carried along.
-_LABELS = ("name", "id", "part", "joint", "note")
 # What makes a row a joint of its own.
 _ALONE = ("iso", "R_o", "clamp", "layer", "temperature", "pin_temperature", "hole_temperature",
           "rim", "depth")  # fmt: skip
@@ -176,7 +178,9 @@ def check_table(
         A table of joints, or its file: .csv and other texts, .xlsx or .parquet. Columns are named
         as the options of `cylcontact check`, with their units: load_kN, pin_diameter_mm, R_i_mm,
         iso, pin, hole, R_o_mm, clamp, temperature_C. Two materials of rollers and several layers
-        have ; between them.
+        have ; between them. A table of clevises has other columns: load_kN, gap_mm, beyond_mm,
+        pin, pin_diameter, and of eye and of cheek, as eye, eye_thickness_mm, eye_hole, eye_R_o_mm,
+        eye_clamp.
     materials : path or str, optional
         Your own table of materials.
     same : mapping, optional
@@ -204,8 +208,12 @@ def check_table(
     >>> print(check.answered, check.refused, check.table["peak_pressure_MPa"].round(2).tolist())
     1 1 [52.91, nan]
     """
-    rows = _read(data)
+    table, source = _opened(data)
     own = None if materials is None else Path(materials)
+    if are_clevises(table.names if isinstance(table, Sheet) else list(table.columns)):
+        sheet = table if isinstance(table, Sheet) else read_sheet(table)
+        return TableCheck(answers_of_clevises(sheet, same or {}, own, progress))
+    rows = _of_sheet(table) if isinstance(table, Sheet) else _of_frame(table, source)
     return TableCheck(_Rows(rows, dict(same or {}), own, progress).answers())
 
 
@@ -227,15 +235,15 @@ class _Columns:
         return len(self.frame)
 
 
-def _read(data: pd.DataFrame | Path | str) -> _Columns:
-    """Return the columns of a table."""
-    if isinstance(data, Path | str):
-        require_file(Path(data))
-        frame = _frame_of_large(Path(data))
-        if frame is None:
-            return _of_sheet(read_sheet(data, KNOWN))
-        return _of_frame(frame, str(data))
-    return _of_frame(data, "DataFrame")
+def _opened(data: pd.DataFrame | Path | str) -> tuple[Sheet | pd.DataFrame, str]:
+    """Return a table as a sheet, a large one or a frame as a frame, and its source."""
+    if not isinstance(data, Path | str):
+        return data, "DataFrame"
+    require_file(Path(data))
+    frame = _frame_of_large(Path(data))
+    if frame is not None:
+        return frame, str(data)
+    return read_sheet(data, (*KNOWN, *KNOWN_OF_CLEVISES)), str(data)
 
 
 def _frame_of_large(path: Path) -> pd.DataFrame | None:
@@ -283,12 +291,12 @@ def _of_sheet(sheet: Sheet) -> _Columns:
     """Return the columns of a sheet."""
     import pandas as pd
 
-    unknown = [n for n in sheet.names if _which(n) is None and n.lower() not in _LABELS]
+    unknown = [n for n in sheet.names if _which(n) is None and n.lower() not in LABELS]
     if unknown or not sheet.names:
         rule = f"{', '.join(unknown) or 'a name'} is not known" if sheet.names else "has no names"
         remedy = (
             f"name columns {', '.join(KNOWN)}, with a unit as in load_kN, R_i_mm, or one of "
-            f"{', '.join(_LABELS)} for your own text"
+            f"{', '.join(LABELS)} for your own text"
         )
         raise InputError(sheet.source, "columns", None, rule, remedy)
     frame = pd.DataFrame(dict(zip(sheet.names, sheet.columns, strict=True))).infer_objects()

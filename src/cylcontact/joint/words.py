@@ -22,10 +22,14 @@ if TYPE_CHECKING:
     from cylcontact.bodies.pair import CylinderPair
     from cylcontact.joint.loaded import LoadedJoint
     from cylcontact.laws import Housing
+    from cylcontact.laws.housing_spec import HousingSpec
 
 Named = Callable[[str], str]
 
 SIZES = ("radial_clearance", "R_i", "R_j", "hole_diameter", "pin_diameter")
+HOUSING = ("R_o", "clamp", "layer")
+# Columns for the reader of a table, which are carried along.
+LABELS = ("name", "id", "part", "joint", "note")
 DEFAULT_LOAD = "100 N/mm"
 # What stands for a radius under another name.
 _DIAMETERS = {"hole_diameter": "R_i", "pin_diameter": "R_j"}
@@ -190,11 +194,11 @@ def blaming(named: Named, source: str, more: Mapping[str, str] | None = None) ->
         raise InputError(source, key, error.value, error.rule, error.remedy) from None
 
 
-def housing_from_words(
-    given: Mapping[str, Any], source: str, named: Named, own: Path | None
-) -> Housing | None:
-    """Return the housing that values give, None without any."""
-    data = {key: given[key] for key in ("R_o", "clamp", "layer") if key in given}
+def housing_spec_from_words(
+    given: Mapping[str, Any], source: str, named: Named
+) -> HousingSpec | None:
+    """Return the housing that values give as a table [housing], None without any."""
+    data = {key: given[key] for key in HOUSING if key in given}
     if not data:
         return None
     from cylcontact.files.spec import parse_spec
@@ -210,7 +214,18 @@ def housing_from_words(
         layers = [layers] if isinstance(layers, str) else layers
         data["layers"] = [layer_words(x) if isinstance(x, str) else x for x in layers]
     with blaming(named, source):
-        return parse_spec(HousingSpec, data, source).built(own, source, named("layer"))
+        return parse_spec(HousingSpec, data, source)
+
+
+def housing_from_words(
+    given: Mapping[str, Any], source: str, named: Named, own: Path | None
+) -> Housing | None:
+    """Return the housing that values give, None without any."""
+    spec = housing_spec_from_words(given, source, named)
+    if spec is None:
+        return None
+    with blaming(named, source):
+        return spec.built(own, source, named("layer"))
 
 
 def require_pin(source: str, named: Named, contact: str, remedy: str) -> None:
