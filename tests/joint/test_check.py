@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cylcontact as cc
-from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact import CylinderPair, InputError, Material, laws, limits
 from cylcontact.bodies.iso286 import IsoFit
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.joint.check import check_joint
