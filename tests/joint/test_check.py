@@ -109,6 +109,11 @@ def test_mistakes():
         check_joint(PAIR, 0)
     with pytest.raises(InputError, match="radii"):
         check_joint(CylinderPair.from_dR("internal", 0.05, STEEL), 100.0)
+    on_plane = CylinderPair.external(15.0, np.inf, STEEL, material_j=BRONZE)
+    width = float(limits.hertz_half_width(100.0, on_plane))
+    with pytest.raises(InputError, match="must be at least ten half-widths"):
+        check_joint(on_plane, 100.0, depth=9.9 * width)
+    assert check_joint(on_plane, 100.0, depth=10.1 * width).numbers.penetration_um > 0
 
 
 # --- all laws ---
