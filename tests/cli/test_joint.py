@@ -4,7 +4,6 @@ import json
 import re
 import shlex
 
-import numpy as np
 import pytest
 
 import cylcontact as cc
@@ -92,16 +91,6 @@ def test_a_lug_outside_the_study_says_so(run):
     assert "outside of what finite elements have checked" in answer(run, line, True)["warnings"][0]
 
 
-def test_a_fit_is_answered_for_its_band_in_its_housing(run):
-    line = "--pin 'high-strength steel' --hole bronze --R-o 20 --load 1000 --length 12"
-    band = numbers(run, f"{line} --iso 20H7/g6")
-    for name, share in (("tightest", 0.0), ("middle", 0.5), ("loosest", 1.0)):
-        fit = cc.iso286.IsoFit.read("20H7/g6")
-        R_i, R_j = (float(radius) for radius in fit.radii(share))
-        assert band[name] == numbers(run, f"{line} --Ri {R_i!r} --Rj {R_j!r}")["joint"]
-    assert band["5 %"]["penetration_um"] < band["mean"]["penetration_um"]
-
-
 def test_the_worst_pair_of_a_fit_is_warned_of(run):
     line = "--iso 20H7/g6 --pin 'low-carbon steel' --hole bronze --load 3250"
     out = answer(run, line, warnings=True)
@@ -124,23 +113,6 @@ def test_a_fit_without_yield_stresses_has_all_other_rows(run):
     assert "factor" not in out
 
 
-def test_a_plane_state_and_a_plane_body(run):
-    stress = numbers(run, "--material bronze --Ri 10 --radial-clearance 0.05 --plane stress")
-    bronze = cc.Material.named("bronze")
-    pair = cc.CylinderPair.internal(10.0, 9.95, bronze, plane="stress")
-    expected = 1e3 * float(laws.Conformal().penetration(100.0, pair))
-    assert stress["joint"]["penetration_um"] == pytest.approx(expected, rel=1e-9)
-    line = "--contact external --material bronze --Ri 15 --Rj inf"
-    flat = cc.CylinderPair.external(15.0, np.inf, bronze)
-    expected = 1e3 * float(laws.Johnson(datum=50.0).penetration(100.0, flat))
-    held = numbers(run, f"{line} --depth 50")["joint"]
-    assert held["penetration_um"] == pytest.approx(expected, rel=1e-9)
-    free = numbers(run, line)["joint"]
-    assert free == held | dict.fromkeys(("penetration_um", "stiffness_N_per_mm2"))
-    assert free["first_yield_N_per_mm"] > 0
-    assert "needs the depth at which the plane is held (--depth)" in shown(run, line)
-
-
 def test_a_material_by_numbers_has_a_yield_stress(run):
     line = "--material '207 GPa, 0.3, 350 MPa, 12e-6/K' --Ri 10 --radial-clearance 0.05"
     out = shown(run, line)
@@ -148,15 +120,6 @@ def test_a_material_by_numbers_has_a_yield_stress(run):
     assert f"{float(limits.first_yield(pair).load):,.0f} N/mm (von Mises" in out
     line = "--material '207 GPa, .3' --Ri 10 --radial-clearance .05"
     assert "yield stresses are not given" in shown(run, line)
-
-
-def test_two_rollers_may_have_a_material_each(run):
-    line = (
-        "--contact external --Ri 10 --Rj 20 --load 50 --material bronze --material 'titanium alloy'"
-    )
-    bronze, titanium = (cc.Material.named(name) for name in ("bronze", "titanium alloy"))
-    pair = cc.CylinderPair.external(10.0, 20.0, bronze, None, titanium)
-    assert numbers(run, line) == cc.check_joint(pair, 50.0).to_dict()["numbers"]
 
 
 def test_a_layer_keeps_all_numbers_of_its_material(run):
@@ -173,17 +136,6 @@ def test_a_layer_keeps_all_numbers_of_its_material(run):
     assert numbers(run, f"{warm} '200 GPa, 0.3, 250 MPa, 12e-6/K:12'") == by_name
     own = numbers(run, f"{line} --layer '110 GPa, 0.3:15'")["joint"]
     assert own["first_yield_N_per_mm"] is None
-
-
-def test_the_temperature_is_that_of_the_pair(run):
-    line = "--pin 'high-strength steel' --hole bronze --temperature 80"
-    middle = cc.CylinderPair.from_iso("20H7/g6", cc.Material.named("bronze"), share=0.5)
-    grown = 1e3 * float(middle.R_i * 18e-6 * 60 - middle.R_j * 12e-6 * 60)
-    band = numbers(run, f"{line} --iso 20H7/g6")
-    assert band["middle"]["clearance_um"] == pytest.approx(1e3 * float(middle.dR) + grown)
-    free = numbers(run, f"{line} --Ri 10 --Rj 9.95 --R-o 20 --rim free")["joint"]
-    held = numbers(run, f"{line} --Ri 10 --Rj 9.95 --R-o 20 --rim held")["joint"]
-    assert held["clearance_um"] < free["clearance_um"]
 
 
 # --- size ---------------------------------------------------------------------------------------
@@ -203,27 +155,6 @@ def test_a_clearance_is_found_with_and_without_a_housing(run):
     assert answer(run, f"{line} --R-o 20")["value"] == dR
 
 
-@pytest.mark.parametrize("target", ["--stiffness 1e5", "--penetration 4", "--peak 40"])
-def test_what_is_found_for_a_warm_joint_is_that_of_the_drawing(run, target):
-    """The joint with the clearance that was found, warmed, meets the target."""
-    line = f"size clearance --pin bronze --hole 'low-carbon steel' --Ri 10 --load 300 {target}"
-    found = answer(run, f"{line} --temperature 80")
-    cold = answer(run, line)
-    grown = 10 * 60 * 12e-6 - (10 - found["value"]) * 60 * 18e-6
-    assert found["value"] + grown == pytest.approx(cold["value"], rel=2e-3)
-    key = {"s": "stiffness_N_per_mm2", "p": "penetration_um"}.get(target[2])
-    key = "peak_pressure_MPa" if "peak" in target else key
-    met = found["joint"]["numbers"]["joint"][key]
-    assert met == pytest.approx(float(target.split()[1]), rel=1e-9)
-
-
-def test_a_factor_to_yield_is_met(run):
-    line = "--material 'low-carbon steel' --Ri 10 --load 500 --R-o 20 --clamp lug"
-    found = answer(run, f"size clearance {line} --factor 2")
-    checked = numbers(run, f"{line} --radial-clearance {found['value']!r}")["joint"]
-    assert checked["factor_to_yield"] == pytest.approx(2.0, rel=1e-5)
-
-
 def test_a_size_of_a_fit_serves_all_of_its_pairs(run):
     """The numbers for the middle of the fit, not those for a clearance of 1 mm."""
     line = "--material bronze --iso 20H7/g6"
@@ -233,15 +164,6 @@ def test_a_size_of_a_fit_serves_all_of_its_pairs(run):
     length = answer(run, f"size length {line} --penetration 3 --load 3000")
     assert length["values"]["middle"] == pytest.approx(15.9, rel=1e-3)
     assert length["value"] == length["values"]["loosest"]
-
-
-def test_a_length_of_a_roller_on_a_plane(run):
-    line = "size length --contact external --material bronze --Ri 15 --Rj inf --load 5kN --peak 300"
-    bronze = cc.Material.named("bronze")
-    pair = cc.CylinderPair.external(15.0, np.inf, bronze)
-    length = answer(run, line)["value"]
-    assert float(limits.hertz_stress(5000 / length, pair)) == pytest.approx(300.0)
-    assert answer(run, f"{line} --depth 50")["value"] == pytest.approx(length)
 
 
 # --- what is refused ----------------------------------------------------------------------------

@@ -77,9 +77,26 @@ def cases():
 
 
 ALL = list(cases())
-# Those of the sample take a fraction of a second each.
+# Those of the sample take a fraction of a second each; the first ones are what users ask most.
 FAST = [case for case in ALL if not ("size" in case[0] and "housing" in case[1])]
-SAMPLE = random.Random(84).sample(FAST, 60)
+SAMPLE = [
+    ("check", {"shape": "fit", "housing": "ring"}),
+    ("check", {"shape": "fit", "temperature": "one"}),
+    ("check", {"shape": "plane body"}),
+    ("check", {"shape": "plane body", "depth": "some"}),
+    ("check", {"shape": "rollers"}),
+    ("check", {"plane": "stress"}),
+    ("check", {"housing": "layers", "temperature": "one", "rim": "free"}),
+    ("size clearance stiffness", {"housing": "ring"}),
+    ("size clearance stiffness", {"temperature": "one"}),
+    ("size clearance peak", {"temperature": "one"}),
+    ("size clearance penetration", {"temperature": "two"}),
+    ("size clearance factor", {"materials": "one"}),
+    ("size modulus stiffness", {"shape": "fit"}),
+    ("size length penetration", {"shape": "fit"}),
+    ("size length peak", {"shape": "plane body", "load": "total"}),
+    *random.Random(84).sample(FAST, 40),
+]
 
 
 def options_of(command, chosen):
@@ -344,7 +361,8 @@ CHECKS = [chosen for command, chosen in ALL if command == "check"]
 
 @pytest.mark.parametrize("load", ["per mm", "total"])
 def test_a_row_of_a_table_is_answered_as_the_command_is(run, tmp_path, load):
-    cases = random.Random(85).sample([c for c in CHECKS if "load" not in c], 16)
+    cases = [{"shape": "fit"}, {"housing": "lug"}, {"temperature": "two"}, {"shape": "rollers"}]
+    cases += random.Random(85).sample([c for c in CHECKS if "load" not in c], 12)
     assert hold_table(run, tmp_path / "joints.csv", [c | {"load": load} for c in cases])[0] > 0
 
 

@@ -234,7 +234,7 @@ REFUSED = [
     ("F [N],w [mm]\nkN,mm\n1,2\n", {"columns": {"load": "F [N]"}}, ": columns.load", "has no unit"),
     ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"sheet": "A"}, ": sheet = 'A'", "leave it out"),
     ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"header": 7}, ": header = 7", "is no line with"),
-    ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"columns": {"weight": "1"}}, ": columns.weight", "is gone"),
+    ("F [N],w [mm]\n1,0.1\n2,0.2\n", {"columns": {"weight": "1"}}, ": columns.weight", "a known"),
     ("a,w [mm]\n1,0.1\n2,0.2\n", {"columns": {"load_UNIT": "a"}}, ": columns.load_UNIT", "unit"),
     ("a,w [mm]\n1,0.1\n2,0.2\n", {"columns": {"load_N": "3"}}, ": columns.load_N = '3'", "a, w"),
     ("dR (furlong),F [N],w [mm]\n1,2,3\n", {"_without": "R_j_mm"}, ": columns = 'dR (furlong)'",

@@ -33,6 +33,8 @@ def test_a_script_draws_its_picture_and_prints_what_the_page_shows(script, tmp_p
         pytest.importorskip("mujoco")
     if script.stem == "four_bar_in_exudyn":
         pytest.importorskip("exudyn")
+    if script.stem == "posterior":
+        pytest.importorskip("emcee")  # no extra has it
     env = os.environ | {"MPLBACKEND": "agg"}
     command = [sys.executable, "-W", "error", script]
     done = subprocess.run(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair
+from cylcontact.fitting.noise import positions
 from cylcontact.fitting.readings import Optimum, fit_with_noise
 from tests.support.measured_files import STEEL
 from tests.support.noisy_series import LAW, campaign_of, readings
@@ -82,3 +83,11 @@ def test_errors_are_those_of_the_dense_covariance(case):
         information[2, 2] += 1 / SIGMA_DR**2
     errors = np.sqrt(np.diag(np.linalg.inv(information)))[: point.size]
     assert optimum.errors == pytest.approx(errors, rel=1e-3, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("time", "along"), [(None, [0, 0.5, 1, 0, 0.5]), ([0, 3, 4, 10, 11], [0, 0.75, 1, 0, 0.25])]
+)
+def test_a_position_along_a_series_is_a_part_of_the_longest(time, along):
+    time = None if time is None else np.array(time, float)
+    assert positions(np.array([0, 0, 0, 1, 1]), time).tolist() == along

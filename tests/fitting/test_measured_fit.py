@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import typer
 
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
@@ -156,21 +157,21 @@ def test_conformal_contact_is_fitted_to_rows_of_several_moduli_and_clearances():
 JOHNSON = ("--law", "johnson", "--contact", "internal")
 
 
-@pytest.mark.parametrize("given", [(), ("-o", "elsewhere/fit"), ("--pdf",)])
+@pytest.mark.parametrize("given", [(), ("-o", "elsewhere/fit"), ("--pdf", "--show")])
 def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, given):
     monkeypatch.chdir(tmp_path)
+    opened = []
+    monkeypatch.setattr(typer, "launch", opened.append)
     table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
     options = ("--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--bound", "c=-2:0", "--fix", "offset=0")
     command = ("fit", table, *JOHNSON, *options, "--runs", 2, "--seed", 3, "-j", 1)
     code, said, errors = run(*command, *given)
     assert (code, errors) == (0, "")
-    folder = tmp_path / (given[1] if len(given) == 2 else "results/mine")
+    folder = tmp_path / (given[1] if "-o" in given else "results/mine")
     files = ["result.json", "residuals.csv", "fit.png", *["fit.pdf"] * ("--pdf" in given)]
     assert said.rstrip().endswith(f": {', '.join(files)}")
     assert {path.name for path in folder.iterdir()} == {*files}
-    code, _, errors = run(*command, "--pdf", "-o", "alone.json")
-    assert code == 2
-    assert "--pdf: is for a fit to tables that has a folder; leave it out" in errors
+    assert opened == [str(folder / "fit.png")] * ("--show" in given)
     result = read_result(folder / "result.json")
     assert result.free.keys() == {"stiffness_factor", "c"}
     settings = result.settings["campaign"]
@@ -178,6 +179,26 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     rows = pd.read_csv(folder / "residuals.csv", comment="#")
     assert rows["line"].tolist() == list(range(2, 38))
     assert rows["residual_mm"].to_numpy() == pytest.approx(result.residuals["residual_mm"])
+
+
+def test_coefficients_alone_are_a_table_of_csv_or_latex(tmp_path, run):
+    table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
+    command = ("fit", table, *JOHNSON, "--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--runs", 2)
+    code, said, _ = run(*command, "-o", tmp_path / "one.csv")
+    rows = pd.read_csv(tmp_path / "one.csv", index_col="coefficient")
+    assert code == 0
+    assert f"{rows.loc['stiffness_factor', 'value']:.5g}" in said
+    assert run(*command, "-o", tmp_path / "one.tex")[0] == 0
+    assert r"stiffness\_factor & " in (tmp_path / "one.tex").read_text(encoding="utf-8")
+    before = table.read_bytes()
+    for given, refused in (
+        (("-o", table), "cannot be written (it is an input); choose another file"),
+        (("--pdf", "-o", "one.json"), "--pdf: is for a fit to tables that has a folder"),
+        (("--show", "-o", "one.json"), "--show: is for a fit to tables that has a folder"),
+    ):
+        code, _, errors = run(*command, *given)
+        assert (code, refused in errors) == (2, True), errors
+    assert table.read_bytes() == before
 
 
 # --- the rig ----------------------------------------------------------------------------------

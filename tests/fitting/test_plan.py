@@ -55,6 +55,21 @@ def test_the_choice_is_the_best_of_all(fitted, parameter):
     assert tuple(np.repeat(rows["load_N_per_mm"], rows["number"])) == pytest.approx(best)
 
 
+@pytest.mark.parametrize("parameter", [None, "stiffness_factor"])
+def test_what_one_reading_narrows_is_that_of_a_fit_with_it(fitted, parameter):
+    """The width of one parameter, or the geometric mean of both."""
+
+    def width(loads):
+        J = widened(fitted, loads).slopes
+        inverse = np.linalg.inv(J.T @ J)
+        return np.linalg.det(inverse) ** 0.25 if parameter is None else np.sqrt(inverse[0, 0])
+
+    loads = np.array([10.0, 300.0, 1500.0])
+    gains = fitted.plan(loads, add=1, parameter=parameter).candidates["narrower_percent"]
+    wanted = [100 * (1 - width(np.array([load])) / width(np.empty(0))) for load in loads]
+    assert gains.to_numpy() == pytest.approx(wanted, rel=1e-4)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("series", "settings"),
@@ -130,8 +145,9 @@ def test_intervals_of_a_stiffness_hold_the_truth_as_often_as_they_say():
         return law.stiffness(law.penetration(200.0, PAIR), PAIR)
 
     for frame in frames:
-        value, variance, reach = refitted(campaign, frame).propagated(stiffness, 0.95)
-        hits.append(abs(value - stiffness(LAW)) <= reach * np.sqrt(variance))
+        value, _, reach = refitted(campaign, frame).propagated(stiffness, 0.95)
+        below, above = reach[0]
+        hits.append(value[0] - below <= stiffness(LAW) <= value[0] + above)
     assert np.mean(hits) == pytest.approx(0.95, abs=0.03)
 
 
@@ -171,7 +187,7 @@ def test_commands_predict_and_design(tmp_path, run):
     assert code == 0
     assert "3 further readings that narrow the interval of offset most" in said
     assert (tmp_path / "plan/plan.png").exists()
-    assert "must be two positive" in run("plan", tmp_path / "t.csv", *pair, "--candidates", "9")[2]
+    assert "must be two loads" in run("plan", tmp_path / "t.csv", *pair, "--candidates", "9")[2]
 
 
 @pytest.mark.slow

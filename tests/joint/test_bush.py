@@ -225,6 +225,16 @@ def test_a_transition_seat_may_be_loose():
     assert answer.band["most"].bore_mm == pytest.approx(20.04)  # a gap does not close the bore in
 
 
+def test_at_20_degrees_no_expansion_has_to_be_known():
+    """Nor numbers of a polymer at another temperature."""
+    given = {"bush": Bush(Material.named("POM"), seat=(24.0, 24.1), bore=20.2), "pin": 19.8}
+    answer = check(**given, hole=Material("", 200e3, 0.3))
+    assert answer.loose_at == np.inf
+    assert answer.band["joint"].clearance_um > 0
+    with pytest.raises(InputError, match="temperature: POM is a polymer"):
+        check(**given, temperature=80.0)
+
+
 REFUSED = [
     (lambda: Bush(BRONZE, seat="26H7/s6"), "bore: is missing"),
     (lambda: Bush(BRONZE, seat="26H7/s6", bore=20.0, wall=3.0), "is given, and the wall too"),

@@ -54,6 +54,7 @@ from cylcontact.support.choices import (
     FIT_FILES,
     FIT_PDF,
     PLAN_FILES,
+    RESULT_SUFFIXES,
     is_table,
     listed,
 )
@@ -172,7 +173,8 @@ def fit(
     sources: list[Path] = argument("A campaign, .toml, or tables.", metavar="CAMPAIGN|TABLE"),
     *,
     out: Path | None = output(
-        "A .json, in build; for a table a folder, results/NAME.", metavar="FILE|FOLDER"
+        "A .json, in build; for a table a folder, results/NAME. A .csv or .tex: the coefficients.",
+        metavar="FILE|FOLDER",
     ),
     runs: int | None = RUNS,
     seed: int | None = SEED,
@@ -183,6 +185,7 @@ def fit(
     as_json: bool = JSON,
     quiet: bool = QUIET,
     pdf: bool = flag("Write the picture as a PDF too.", "--pdf", **_PANEL),
+    show: bool = flag("Open the picture.", "--show", **_PANEL),
     law: str | None = option("The law, by name or as MODULE:FUNCTION.", metavar="LAW", **_PANEL),
     settings: dict[str, Any],
     parameters: dict[str, Any],
@@ -194,34 +197,17 @@ def fit(
     in its own units; --group file takes each as a series.
     """
     from cylcontact.datasets.grid import Grid
-    from cylcontact.fitting import Campaign, DataFit, calibrate, fit_table
+    from cylcontact.fitting import DataFit, calibrate, fit_table
     from cylcontact.fitting.stored import require_same_inputs
 
     where, given = scheduler or jobs, pair | settings | ({} if law is None else {"law": law})
-    source = sources[0]
-    if source.suffix.lower() == ".json":
-        remedy = f"print it with: cylcontact compare {source}"
-        raise InputError(str(source), "", None, "is a fit result", remedy)
-    planned: Campaign
-    if is_table(source):
-        planned = _measured(sources, given | parameters, seed, runs).campaign(given["law"])
-        folder, target = _place(sources, given["law"], out)
-    elif len(sources) > 1:
-        rule, remedy = "is a campaign, which is fitted alone", "name one campaign, or tables"
-        raise InputError(str(source), "", None, rule, remedy)
-    else:
-        for name in given:
-            rule = "is an option for tables of measurements, and this is a campaign"
-            remedy = "set it in the campaign file"
-            raise InputError(str(source), option_of(name), None, rule, remedy)
-        planned = Campaign.read(source, runs=runs, seed=seed, **_tables(str(source), parameters))
-        folder, target = None, out or BUILD / f"{source.stem}.json"
-    if pdf and folder is None:
-        rule, remedy = "is for a fit to tables that has a folder", "leave it out"
-        raise InputError("fit", "--pdf", None, rule, remedy)
+    planned, folder, target = _planned(sources, given, parameters, seed, runs, out)
+    rule = "is for a fit to tables that has a folder"
+    for name, is_given in (("--pdf", pdf), ("--show", show)):
+        require(not is_given or folder is not None, "fit", name, None, rule, "leave it out")
     files = (*FIT_FILES, FIT_PDF) if pdf else FIT_FILES
     require_writable(target, *(target.with_name(name) for name in files if folder))
-    require_suffix(target, ".json")
+    require_suffix(target, *RESULT_SUFFIXES)
     if out is None and not force:
         require_same_inputs(target, planned)
     result: LawFit | DataFit
@@ -236,6 +222,8 @@ def fit(
             write_fit(result, folder, pdf=pdf)
         else:
             result.save(target)
+    if show and folder is not None:
+        typer.launch(str(folder / FIT_FILES[-1]))
     if as_json:
         say(result.to_json())
         return
@@ -244,14 +232,43 @@ def fit(
     note(f"\nwritten to {folder or target}{names}", quiet)
 
 
+def _planned(
+    sources: list[Path],
+    given: dict[str, Any],
+    parameters: dict[str, Any],
+    seed: int | None,
+    runs: int | None,
+    out: Path | None,
+) -> tuple[Campaign, Path | None, Path]:
+    """Return the campaign, the folder of its files, if it has one, and where the result goes."""
+    from cylcontact.fitting import Campaign
+
+    source = sources[0]
+    if source.suffix.lower() == ".json":
+        remedy = f"print it with: cylcontact compare {source}"
+        raise InputError(str(source), "", None, "is a fit result", remedy)
+    if is_table(source):
+        measured = _measured(sources, given | parameters, seed, runs)
+        return measured.campaign(given["law"]), *_place(sources, given["law"], out)
+    if len(sources) > 1:
+        rule, remedy = "is a campaign, which is fitted alone", "name one campaign, or tables"
+        raise InputError(str(source), "", None, rule, remedy)
+    for name in given:
+        rule = "is an option for tables of measurements, and this is a campaign"
+        remedy = "set it in the campaign file"
+        raise InputError(str(source), option_of(name), None, rule, remedy)
+    planned = Campaign.read(source, runs=runs, seed=seed, **_tables(str(source), parameters))
+    return planned, None, out or BUILD / f"{source.stem}.json"
+
+
 def _place(sources: list[Path], law: str, out: Path | None) -> tuple[Path | None, Path]:
-    """Return the folder of a fit to tables, none for a .json alone, and its result in it.
+    """Return the folder of a fit to tables, none for a file alone, and its result in it.
 
     A second law has a folder of its own beside that of the first, with its name.
     """
     from cylcontact.fitting import read_result
 
-    if out is not None and out.suffix.lower() == ".json":
+    if out is not None and out.suffix.lower() in RESULT_SUFFIXES:
         return None, out
     folder = out or _folder_of(sources)
     if out is None:

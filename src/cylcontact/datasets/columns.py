@@ -105,9 +105,7 @@ def given_columns(sheet: Sheet, given: Mapping[str, str]) -> dict[int, Column]:
         meaning, k = meaning_of(key), column_at(sheet, where, name)
         if meaning is None or meaning.rank:
             rule, remedy = "is not a known quantity", "give e.g. load_N, penetration_um, time_s"
-            if key == "weight":
-                rule, remedy = "is gone", "give the deviations instead, e.g. penetration_std_um"
-            elif (quantity := key.removesuffix("_UNIT")) in QUANTITIES:
+            if (quantity := key.removesuffix("_UNIT")) in QUANTITIES:
                 rule, remedy = "needs its unit", f"write one of {spellings(quantity)}"
             raise InputError(sheet.source, where, name, rule, remedy)
         quantity = meaning.quantity

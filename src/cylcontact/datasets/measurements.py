@@ -634,9 +634,6 @@ def _divide_by_length(numbers: _Numbers, totals: Sequence[str]) -> None:
 
 def measurements_of(data: MeasuredData, source: str) -> Measurements:
     """Check columns row by row and return the measurements."""
-    if "weight" in data.numbers:
-        rule, remedy = "is no longer used", "give penetration_std in its place, and redo the fit"
-        raise InputError(source, "weight", None, rule, remedy)
     size = len(data.lines)
     columns = {
         name: np.broadcast_to(np.array(values, dtype=np.float64), size).copy()

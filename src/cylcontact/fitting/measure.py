@@ -17,11 +17,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cylcontact.bodies.pair import Contact, CylinderPair
-from cylcontact.datasets.measurements import Constants, Measurements
+from cylcontact.datasets.measurements import Constants
 from cylcontact.files.journal import Journal
 from cylcontact.fitting import findings
 from cylcontact.fitting.campaign import Campaign, read_table
 from cylcontact.fitting.data_fit import DataFit
+from cylcontact.fitting.parameters import LawModel
 from cylcontact.fitting.readings import (
     Optimum,
     agree,
@@ -34,13 +35,13 @@ from cylcontact.fitting.records import (
     Estimate,
     MaxDifference,
     ObjectiveValue,
+    Published,
     RunRecord,
     SampleCounts,
 )
 from cylcontact.fitting.results import on_runs
 from cylcontact.fitting.runs import best_of, descend_from, published_on, run_all
 from cylcontact.fitting.specs import MeasuredSpec
-from cylcontact.laws.law import ContactLaw
 from cylcontact.support.parallel import Workers, call
 from cylcontact.support.progress import Progress, silent
 
@@ -89,7 +90,7 @@ def _fitted(
     checkpoint: Path | None,
     resume: bool,
 ) -> DataFit:
-    spec, data, model = campaign.spec, measurements_in(campaign), campaign.model
+    spec, data = campaign.spec, measurements_in(campaign)
     assert isinstance(spec, MeasuredSpec)
     if isinstance(jobs, int) and len(data) <= _FEW_ROWS:
         jobs = 1
@@ -102,50 +103,31 @@ def _fitted(
     records = run_all(calls[:2], RunRecord, jobs, progress, journal, resume)
     if not agree([record.objective for record in records]):
         records = run_all(calls, RunRecord, jobs, progress, journal, resume or journal is not None)
-    best, published = best_of(records), published_on(fit)
-    point = fit.point(best.coefficients)
+    point = fit.point(best_of(records).coefficients)
     optimum = Optimum(fit.at_best(point), point)
     require_increasing(fit, point)
     progress("profiling", 0, 1)
     level = spec.level or findings.LEVEL
     searched, better = findings.estimates_of(optimum, level, jobs)
     progress("profiling", 1, 1)
-    estimates = {}
-    for p in campaign.parameters:
-        said = f"= {p.tie}" if p.tie else "fixed"
-        known = Estimate(value=best.coefficients[p.name], unit=p.unit, verdict=said)
-        estimates[p.name] = searched.get(p.name, known)
-    undetermined = findings.on_lack_of_determination(optimum, searched)
-    disagreement, agreement = on_runs(records, DataFit.round_off, (), "--fix NAME=VALUE", "starts")
-    notes = [*findings.notes_of(optimum, level, undetermined), *better, *data.data.notes]
-    if published is not None and not optimum.is_rounding:
-        notes.append(
-            "with the published constants of the law the residuals are "
-            f"{published.objective / best.objective:.3g} times as large (root mean square, in "
-            "standard deviations)"
-        )
-    of_published = model.build(published.coefficients) if published else None
-    worst = optimum.law, of_published
+    published = published_on(fit)
+    warnings, notes = _sentences(optimum, searched, better, records, published, level)
     return DataFit(
         name=campaign.name,
-        law=model.law,
-        contact=model.contact,
-        formula=model.formula,
+        law=campaign.model.law,
+        contact=campaign.model.contact,
+        formula=campaign.model.formula,
         reference=campaign.reference,
-        estimates=estimates,
-        objective=ObjectiveValue(name=campaign.objective, value=best.objective, unit="std. dev."),
-        published=published,
-        # Of readings about zero a relative difference says nothing.
-        max_abs_diff_percent=MaxDifference(
-            **{
-                key: _largest_percent(data, law) if law and data.penetration.min() > 0 else None
-                for key, law in zip(("fitted", "published"), worst, strict=True)
-            }
+        estimates=_estimates(campaign, searched, optimum.best),
+        objective=ObjectiveValue(
+            name=campaign.objective, value=best_of(records).objective, unit="std. dev."
         ),
+        published=published,
+        max_abs_diff_percent=_largest_percent(optimum, campaign.model, published),
         runs=records,
         counts=SampleCounts(samples=len(data), masked=0),
-        warnings=[*findings.warnings_of(optimum, searched), *undetermined, *disagreement],
-        notes=[*notes, *agreement],
+        warnings=warnings,
+        notes=notes,
         settings=campaign.settings,
         provenance=provenance,
         level=level,
@@ -161,12 +143,57 @@ def _fitted(
     ).with_optimum(optimum)
 
 
-def _largest_percent(data: Measurements, law: ContactLaw) -> float | None:
-    """Return the largest difference from the measurements in percent; None if undefined."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.abs(law.penetration(data.load, data.pair) / data.penetration - 1)
-    finite = ratio[np.isfinite(ratio)]  # a reading may be 0
-    return float(100 * finite.max()) if finite.size else None
+def _estimates(
+    campaign: Campaign, searched: Mapping[str, Estimate], best: Mapping[str, float]
+) -> dict[str, Estimate]:
+    """Return all coefficients: those that were searched, and the fixed and the tied ones."""
+    estimates = {}
+    for p in campaign.parameters:
+        said = f"= {p.tie}" if p.tie else "fixed"
+        known = Estimate(value=best[p.name], unit=p.unit, verdict=said)
+        estimates[p.name] = searched.get(p.name, known)
+    return estimates
+
+
+def _sentences(
+    optimum: Optimum,
+    searched: Mapping[str, Estimate],
+    better: Sequence[str],
+    records: Sequence[RunRecord],
+    published: Published | None,
+    level: float,
+) -> tuple[list[str], list[str]]:
+    """Return the warnings and the notes of a report."""
+    undetermined = findings.on_lack_of_determination(optimum, searched)
+    disagreement, agreement = on_runs(records, DataFit.round_off, (), "--fix NAME=VALUE", "starts")
+    warnings = [*findings.warnings_of(optimum, searched), *undetermined, *disagreement]
+    of_data = optimum.fit.data.data.notes
+    notes = [*findings.notes_of(optimum, level, undetermined), *better, *of_data]
+    if published is not None and not optimum.is_rounding:
+        notes.append(
+            "with the published constants of the law the residuals are "
+            f"{published.objective / best_of(records).objective:.3g} times as large (root mean "
+            "square, in standard deviations)"
+        )
+    return warnings, [*notes, *agreement]
+
+
+def _largest_percent(
+    optimum: Optimum, model: LawModel, published: Published | None
+) -> MaxDifference:
+    """Return the largest differences from the measurements in percent; None if undefined."""
+    data = optimum.fit.data
+    laws = {"fitted": optimum.law}
+    if published is not None:
+        laws["published"] = model.build(published.coefficients)
+    largest: dict[str, float | None] = dict.fromkeys(("fitted", "published"))
+    if data.penetration.min() > 0:  # about zero a relative difference says nothing
+        for name, law in laws.items():
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ratio = np.abs(law.penetration(data.load, data.pair) / data.penetration - 1)
+            finite = ratio[np.isfinite(ratio)]
+            largest[name] = float(100 * finite.max()) if finite.size else None
+    return MaxDifference(**largest)
 
 
 def fit(

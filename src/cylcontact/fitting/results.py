@@ -110,7 +110,10 @@ class FitResult(Spec):
         return result
 
     def save(self, path: Path | str) -> None:
-        """Write the result as JSON, complete or not at all."""
+        """Write the result as JSON, or the coefficients alone to a .csv or .tex.
+
+        The file appears complete or not at all.
+        """
         with replacing(path) as temporary:
             self.write(temporary)
 
@@ -120,9 +123,14 @@ class FitResult(Spec):
         return json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
 
     def write(self, path: Path | str) -> None:
-        """Write the result as JSON to a file that is not yet in its place."""
+        """Write what `save` does to a file that is not yet in its place."""
+        suffix = Path(path).suffix.lower()
+        if suffix == ".csv":
+            text = self.to_frame().to_csv(index_label="coefficient", lineterminator="\n")
+        else:
+            text = (self.to_latex() if suffix == ".tex" else self.to_json()) + "\n"
         try:
-            Path(path).write_text(self.to_json() + "\n", encoding="utf-8")
+            Path(path).write_text(text, encoding="utf-8", newline="")
         except UnicodeEncodeError as error:
             source = f"fit result {self.name!r}"
             raise InputError(source, "", None, "is not text in UTF-8", "rename it") from error

@@ -22,6 +22,8 @@ JOINT_TARGETS = {**TARGETS, "fmu": ".fmu"}
 CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
 # What the folder of a fit to a table holds, and with --pdf besides.
 FIT_FILES, FIT_PDF = ("result.json", "residuals.csv", "fit.png"), "fit.pdf"
+# A fit in one file: all of it, or its coefficients as a table.
+RESULT_SUFFIXES = (".json", ".csv", ".tex")
 # What `choose` adds to it.
 CHOICE_FILES = ("choice.csv", "choice.png", "choice.pdf")
 PLAN_FILES = ("plan.csv", "plan.png", "plan.pdf")

@@ -12,8 +12,8 @@ from unicodedata import category
 
 # The most characters of a name within a sentence or a cell, and in a figure.
 _NAME, _LABEL = 100, 60
-# The width of reports.
-WIDTH = 100
+# The width of reports: a block of the pages shows 90 columns in a window of 1366 pixels.
+WIDTH = 88
 
 
 # Whether a command prints, so that advice names options, not arguments of Python.
@@ -29,6 +29,8 @@ _IN_PYTHON: list[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]]] =
         (r"--runs (\d+)", r"runs=\1"),
         (r"`cylcontact choose`", "`cylcontact.choose`"),
         (r"--exclude ([^\s;)]+)", lambda found: f"exclude={found[1].split(',')}"),
+        (r"--bound (\w+)=([\w.+-]+):([\w.+-]+)", r'bounds={"\1": (\2, \3)}'),
+        (r"--([a-z][a-z-]+)", lambda found: found[1].replace("-", "_")),  # any other, by its name
     )
 ]
 
@@ -50,6 +52,8 @@ def advice(text: str) -> str:
     --------
     >>> advice("allow for it with --group COLUMN, or --fix n=1.1")
     'allow for it with group="COLUMN", or fixed={"n": 1.1}'
+    >>> advice("give it by --uncertain, or --bound n=1:1.5")
+    'give it by uncertain, or bounds={"n": (1, 1.5)}'
     """
     if not _IN_SHELL.get():
         for option, argument in _IN_PYTHON:
