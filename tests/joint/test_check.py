@@ -25,6 +25,10 @@ def test_a_joint_in_a_housing_by_finite_elements(clamp):
     assert check.numbers.peak_pressure_MPa == pytest.approx(case.pressure.max(), rel=0.02)
     place = np.degrees(case.arc[np.argmax(case.pressure)] / 10.0)
     assert check.numbers.peak_at_deg == pytest.approx(place, abs=4.0)
+    edge = case.arc[case.pressure > 0].max() / 10.0
+    angle = np.radians(check.numbers.contact_angle_deg)
+    assert angle == pytest.approx(edge, rel=0.05)
+    assert check.numbers.width_mm == pytest.approx(20.0 * np.sin(angle), rel=1e-9)
     slopes = solve(setup, 0.05, [990.0, 1010.0])
     slope = 20.0 / (slopes[1].penetration - slopes[0].penetration)
     assert check.numbers.stiffness_N_per_mm2 == pytest.approx(slope, rel=0.02)
@@ -66,6 +70,8 @@ def test_the_percentiles_of_a_band_are_those_of_many_pairs(temperature, rel):
     }.items():  # fmt: skip
         assert check.band[name].penetration_um == pytest.approx(value, rel=rel)
     assert check.joint.seized == pytest.approx(1 - turns.mean(), abs=3e-3)
+    middle = 0.012 - 10.0 * (growths[0] - growths[1])  # 2 µm of the radius do not matter
+    assert check.pair.dR == pytest.approx(middle, abs=1e-5)
     assert (check.joint.seized > 0.01) == (temperature is not None)
 
 
