@@ -32,6 +32,8 @@ def test_a_joint_in_a_housing_by_finite_elements(clamp):
     slopes = solve(setup, 0.05, [990.0, 1010.0])
     slope = 20.0 / (slopes[1].penetration - slopes[0].penetration)
     assert check.numbers.stiffness_N_per_mm2 == pytest.approx(slope, rel=0.02)
+    total = check.numbers.total_stiffness_N_per_mm
+    assert total == pytest.approx(10.0 * check.numbers.stiffness_N_per_mm2, rel=1e-12)
 
 
 def test_rollers_are_hertz_and_johnson():
