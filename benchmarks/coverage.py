@@ -5,8 +5,8 @@
     python -m benchmarks.coverage --sets 40  # a quick look, nothing written
 
 Each kind of data has errors of a known size. It is fitted with the options that describe them, and
-without: the 95 % intervals of the first must contain the truth in 90 to 99 % of the sets, within
-chance of 95 %, and the second must warn and name the option.
+without: the 95 % intervals of the first must contain the truth in 95 % of the sets, within chance,
+and the second must warn and name the option.
 """
 
 from __future__ import annotations

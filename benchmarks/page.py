@@ -49,8 +49,8 @@ comparisons, and `datasets/references` holds them; to add one, fill in `template
 How often do the 95 % intervals of a fit to a table contain the true value? Each kind of data below
 is simulated {sets} times with errors of known size and fitted with the explicit law. The columns
 give the percentage of sets whose interval contains the true stiffness factor and the true offset;
-{sets} sets determine 95 % to ± {precision:.0f} %. With the right options the lowest percentage
-is {lowest:.1f} %, of {worst}.
+{precision}. With the right options
+the lowest percentage is {lowest:.1f} %, of {worst}.
 
 ![Coverage for each kind of data, with the right options and without](pictures/coverage.png)
 
@@ -180,10 +180,11 @@ def page(results: dict[str, Any]) -> str:
     table = pd.read_csv(COVERAGE, keep_default_na=False)
     complete = table[table["options"] == table.groupby("kind")["options"].transform("first")]
     lowest = complete.loc[complete["coverage_percent"].idxmin()]
+    counts = sorted({*complete["sets"]})
     text = TEXT.format(
         references="\n".join(references.lines(sorted(references.FOLDER.glob("*.toml")))),
-        sets=table["sets"].max(),
-        precision=200 * (0.95 * 0.05 / table["sets"].max()) ** 0.5,
+        sets=" or ".join(map(str, counts)),
+        precision=", ".join(f"{n} sets determine 95 % to ± {_precision(n):.0f} %" for n in counts),
         lowest=lowest["coverage_percent"],
         worst=f"the {lowest['parameter'].replace('_', ' ')} for “{lowest['kind']}”",
         coverage="\n".join(_coverage(table)),
@@ -194,6 +195,11 @@ def page(results: dict[str, Any]) -> str:
     )
     skipped = [f"\nNot measured: {name}, {reason}." for name, reason in results["skipped"].items()]
     return "\n".join([text.rstrip("\n"), *skipped]) + "\n"
+
+
+def _precision(sets: int) -> float:
+    """Return two standard errors of a percentage of sets that is 95 %."""
+    return float(200 * (0.95 * 0.05 / sets) ** 0.5)
 
 
 def _coverage(table: pd.DataFrame) -> Iterator[str]:

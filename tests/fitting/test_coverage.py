@@ -25,8 +25,8 @@ def study():
 def test_the_committed_study_is_of_every_kind(study):
     assert list(study["kind"].unique()) == list(KINDS)
     first = study.groupby("kind").head(2)
-    assert (first["sets"] >= 200).all()
-    assert (study["sets"] >= 50).all()
+    assert (first["sets"] >= 100).all()
+    assert (study["sets"] >= 25).all()
 
 
 def test_named_faults_are_covered(study):
