@@ -88,6 +88,13 @@ def test_verify_redoes_a_fit_and_says_that_it_holds(bench, run):
     assert said.count(": holds\n") == said.count("good: ") == 4
     assert said.endswith("1 results verified, 0 checks do not hold\n")
     assert tree(bench) == before
+    rows = json.loads(run("verify", "good.json", "--jobs", "1", "--json")[1])["rows"]
+    lines = [
+        f"good: {row['what']}: committed {row['committed']:.10g}, fresh {row['fresh']:.10g}, "
+        f"deviation {row['deviation']:.1e}, allowed {row['allowed']:.0e}: holds"
+        for row in rows
+    ]
+    assert lines == said.splitlines()[:-1]
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from cylcontact.cli import options
 from cylcontact.cli.app import app as program
 from cylcontact.fitting.noise import NOISES
 from cylcontact.plots.style import WIDTHS
+from tests.support.report_files import CLAIMS
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = typer.main.get_command(program)
@@ -136,4 +137,13 @@ def test_quiet_leaves_the_results_alone(run, shipped, monkeypatch):
     loud, quiet = run(*fit)[1], run(*fit, "-q")[1]
     assert loud.startswith(quiet)
     assert loud.removeprefix(quiet).startswith("\nwritten to build/pin-in-hole: result.json")
-    assert run("figure", "fig12", "-q", "-o", "build/f")[1] == ""
+    assert run("sweep", *shlex.split(CRANK), "-j", 1, "-q", "-o", "build/s.csv")[1:] == ("", "")
+
+
+def test_claims_are_written_and_printed_as_json_at_once(run, tmp_path, monkeypatch):
+    (tmp_path / "reports").mkdir()
+    (tmp_path / "reports/claims.py").write_text(CLAIMS)
+    monkeypatch.chdir(tmp_path)
+    code, said, _ = run("claims", "--json", "-q", "-o", "build/claims.csv")
+    assert (code, len(json.loads(said))) == (0, 2)
+    assert (tmp_path / "build/claims.csv").is_file()

@@ -52,6 +52,18 @@ def test_code_runs_and_prints_what_the_page_says(page, tmp_path, monkeypatch):
         before = printed
 
 
+def test_commands_fit_the_window_of_a_laptop():
+    """A block of the pages shows 90 columns in a window of 1366 pixels."""
+    lines = [
+        line
+        for page in WITH_CODE
+        for block in blocks(page)
+        if block.language == "bash" and page.parent.name != "reports"
+        for line in block.text.splitlines()
+    ]
+    assert [line for line in lines if len(line) > 90 and not line.startswith(("#", "sed"))] == []
+
+
 @pytest.mark.slow
 def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeypatch):
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True)

@@ -6,7 +6,6 @@ import subprocess
 from pathlib import Path
 
 import pandas as pd
-import pytest
 
 from cylcontact.reports.figures import recipes, report_module
 
@@ -21,14 +20,8 @@ def test_the_python_runs_and_prints_what_the_page_shows(monkeypatch, capsys):
     assert capsys.readouterr().out == re.search(r"```text\n(.*?)```", README, re.DOTALL)[1]
 
 
-def rows_of(table):
-    """Return the cells of README's table with this first heading."""
-    lines = README.split(f"| {table} |")[1].split("\n\n")[0].splitlines()[2:]
-    return [[cell.strip().strip("`") for cell in line.split("|")[1:-1]] for line in lines]
-
-
 def test_it_is_read_in_three_minutes():
-    assert len(README.splitlines()) <= 110
+    assert len(README.splitlines()) <= 100
 
 
 def test_pages_say_of_the_choices_what_the_study_gives():
@@ -68,11 +61,6 @@ def test_the_verdicts_are_counted():
     for page in (README, science):
         assert said in " ".join(page.split())
     assert f"compares {counts.sum()} claims" in README
-
-
-@pytest.mark.parametrize("link", re.findall(r"\]\((?!https:)([^)]+)\)", README))
-def test_links_lead_somewhere(link):
-    assert (ROOT / link.partition("#")[0]).exists()
 
 
 def test_the_main_job_writes_nothing_that_is_committed():

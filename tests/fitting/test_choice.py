@@ -40,6 +40,13 @@ def test_the_law_of_the_data_is_the_best_and_its_equal_cannot_be_told_apart(choi
     assert "best" not in set(choice.table["verdict"])
     assert choice.table["aicc"].is_monotonic_increasing
     assert choice.table["weight"].sum() == pytest.approx(1.0)
+    # Akaike's: half of the difference is a logarithm of a likelihood.
+    table = choice.table
+    ratios, behind = (
+        table["weight"] / table["weight"].iloc[0],
+        table["aicc"] - table["aicc"].iloc[0],
+    )
+    assert np.log(ratios).to_numpy() == pytest.approx(-behind.to_numpy() / 2, abs=1e-9)
     said = " ".join(str(choice).split())
     assert "the data cannot tell" in said
     assert "(conformal is its elastic solution)" not in said  # it was not asked for

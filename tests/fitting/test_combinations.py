@@ -5,10 +5,12 @@ from itertools import product
 import numpy as np
 import pytest
 
-from cylcontact import CylinderPair
+from cylcontact import CylinderPair, Material
+from cylcontact.fitting import findings
+from cylcontact.fitting.noise import positions
 from cylcontact.fitting.readings import Optimum, fit_with_noise
 from tests.support.measured_files import STEEL
-from tests.support.noisy_series import LAW, campaign_of, readings
+from tests.support.noisy_series import LAW, PAIR, campaign_of, readings
 
 GIVEN = 5e-5  # mm
 COMBINATIONS = [
@@ -82,3 +84,48 @@ def test_errors_are_those_of_the_dense_covariance(case):
         information[2, 2] += 1 / SIGMA_DR**2
     errors = np.sqrt(np.diag(np.linalg.inv(information)))[: point.size]
     assert optimum.errors == pytest.approx(errors, rel=1e-3, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("time", "along"), [(None, [0, 0.5, 1, 0, 0.5]), ([0, 3, 4, 10, 11], [0, 0.75, 1, 0, 0.25])]
+)
+def test_a_position_along_a_series_is_a_part_of_the_longest(time, along):
+    time = None if time is None else np.array(time, float)
+    assert positions(np.array([0, 0, 0, 1, 1]), time).tolist() == along
+
+
+def test_what_is_known_of_inputs_acts_on_the_pair_and_on_the_load():
+    """A share of a clearance is of its value; loads were read in total, over the length."""
+    uncertain = {"load": "1%", "length": "1%", "dR": "40%"}
+    campaign = campaign_of(readings(1, 1), "explicit", PAIR, uncertain=uncertain, starts=2)
+    known = {p.name: p.known for p in campaign.parameters if p.known is not None}
+    assert known["dR"] == pytest.approx((0.03, 0.012))
+    assert known["load_factor"] == known["length_factor"] == (1.0, 0.01)
+    values = {p.name: p.nominal if p.known is None else p.known[0] for p in campaign.parameters}
+    values |= {"load_factor": 1.02, "length_factor": 1.01, "offset": 0.0, "stiffness_factor": 1.0}
+    law = campaign.model.build(values | {"dR": 0.04})
+    wider = CylinderPair.internal(R_i=10.0, R_j=9.96, material=STEEL, length=20.0)
+    load = np.array([20.0, 400.0])
+    wanted = LAW.penetration(load * 1.02 / 1.01, wider)
+    assert law.penetration(load, PAIR) == pytest.approx(wanted, rel=1e-9)
+    # Body i is the hole.
+    campaign = campaign_of(readings(1, 1), "explicit", PAIR, uncertain={"E_i": "2%"}, starts=2)
+    values = {p.name: p.nominal if p.known is None else 1.1 for p in campaign.parameters}
+    law = campaign.model.build(values | {"offset": 0.0, "stiffness_factor": 1.0})
+    one, other = (
+        CylinderPair.internal(10.0, 9.97, pin=STEEL, hole=Material("bronze", E, 0.34), length=20.0)
+        for E in (110e3, 121e3)
+    )
+    assert law.penetration(load, one) == pytest.approx(LAW.penetration(load, other), rel=1e-9)
+
+
+def test_what_readings_narrow_is_told_in_percent_of_what_was_given():
+    uncertain = {"dR": "20 um"}
+    fit = fit_with_noise(
+        campaign_of(readings(1, 2), "explicit", PAIR, uncertain=uncertain, starts=2)
+    )
+    optimum = Optimum(fit, fit.lowest(np.array([[1.0, 2e-4, 0.03]])))
+    (sentence,) = findings._on_inputs(optimum)
+    share = 100 * optimum.errors[2] / 0.02
+    assert share < 90
+    assert f"dR (±{share:.0f} % of the uncertainty given)" in sentence

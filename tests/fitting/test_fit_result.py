@@ -11,7 +11,7 @@ from scipy import stats
 
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
-from cylcontact.fitting import DataFit, read_result
+from cylcontact.fitting import DataFit, findings, read_result
 from tests.support.measured_files import CONSTANTS, STEEL, USER_LAW, write_measured
 from tests.support.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 
@@ -110,6 +110,24 @@ def test_the_table_of_coefficients_has_their_units_and_intervals(plain):
     held = table.loc[["c", "A", "B", "stiffness_factor"]]
     assert held[["standard_error", "low", "high"]].isna().all(axis=None)
     assert set(held["verdict"]) == {"fixed"}
+
+
+def test_the_largest_difference_is_in_percent_of_the_readings(plain):
+    frame, result = plain
+    off = fitted_reading(result, frame["load_N_per_mm"]) / (1e-3 * frame["penetration_um"]) - 1
+    assert result.max_abs_diff_percent.fitted == pytest.approx(100 * off.abs().max(), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "told"),
+    [(0.5, 0.7, True), (0.5, 0.9, False), (0.9, 1.4, False), (1.3, 2, True)],
+)
+def test_a_stiffness_is_told_if_its_whole_interval_is_unusual(pairs, low, high, told):
+    _, result = pairs
+    own = {"value": (low + high) / 2, "low": low, "high": high}
+    estimate = result.estimates["stiffness_factor"].model_copy(update=own)
+    estimates = result.estimates | {"stiffness_factor": estimate}
+    assert bool(findings._on_stiffness(result.optimum, estimates)) == told
 
 
 def test_figures_of_merit_are_those_of_a_normal_distribution(plain):

@@ -55,6 +55,21 @@ def test_the_choice_is_the_best_of_all(fitted, parameter):
     assert tuple(np.repeat(rows["load_N_per_mm"], rows["number"])) == pytest.approx(best)
 
 
+@pytest.mark.parametrize("parameter", [None, "stiffness_factor"])
+def test_what_one_reading_narrows_is_that_of_a_fit_with_it(fitted, parameter):
+    """The width of one parameter, or the geometric mean of both."""
+
+    def width(loads):
+        J = widened(fitted, loads).slopes
+        inverse = np.linalg.inv(J.T @ J)
+        return np.linalg.det(inverse) ** 0.25 if parameter is None else np.sqrt(inverse[0, 0])
+
+    loads = np.array([10.0, 300.0, 1500.0])
+    gains = fitted.plan(loads, add=1, parameter=parameter).candidates["narrower_percent"]
+    wanted = [100 * (1 - width(np.array([load])) / width(np.empty(0))) for load in loads]
+    assert gains.to_numpy() == pytest.approx(wanted, rel=1e-4)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("series", "settings"),

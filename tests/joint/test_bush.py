@@ -16,6 +16,7 @@ PEEK = Material("PEEK, hot", 3.3e3, 0.38, 70.0, 50e-6)
 ALUMINIUM = Material("aluminium", 70e3, 0.33, 250.0, 23e-6)
 HARD = Material("hard", 207e3, 0.3, 2000.0, 12e-6)
 LUG = Housing(26.0, Sector.lug())
+SIZES = Bush(BRONZE, seat=(26.0, 26.03), bore=20.04)
 S6 = Bush(BRONZE, seat="26H7/s6", bore="20E6")
 
 
@@ -26,6 +27,13 @@ def check(bush=S6, pin="20f7", hole=STEEL, housing=LUG, load=500.0, **given):
 @pytest.fixture(scope="module")
 def warm():
     return check(temperature=80.0, length=20.0)
+
+
+def test_a_pin_that_is_warmer_than_its_bush_takes_its_growth_from_the_clearance():
+    """12e-6/K of a radius of 9.985 mm."""
+    cold, warm = (check(pin=19.97, bush=SIZES, temperature=at) for at in (20.0, (60.0, 20.0)))
+    taken = cold.band["joint"].clearance_um - warm.band["joint"].clearance_um
+    assert taken == pytest.approx(12e-3 * 9.985 * 40.0, rel=1e-6)
 
 
 # --- from the drawing ---------------------------------------------------------------------------
@@ -223,6 +231,16 @@ def test_a_transition_seat_may_be_loose():
     assert any("the bush is loose at 20 °C (95 %, most)" in w for w in answer.warnings)
     assert np.isnan(answer.band["most"].housing_yield_N_per_mm)
     assert answer.band["most"].bore_mm == pytest.approx(20.04)  # a gap does not close the bore in
+
+
+def test_at_20_degrees_no_expansion_has_to_be_known():
+    """Nor numbers of a polymer at another temperature."""
+    given = {"bush": Bush(Material.named("POM"), seat=(24.0, 24.1), bore=20.2), "pin": 19.8}
+    answer = check(**given, hole=Material("", 200e3, 0.3))
+    assert answer.loose_at == np.inf
+    assert answer.band["joint"].clearance_um > 0
+    with pytest.raises(InputError, match="temperature: POM is a polymer"):
+        check(**given, temperature=80.0)
 
 
 REFUSED = [

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cylcontact as cc
-from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact import CylinderPair, InputError, Material, laws, limits
 from cylcontact.bodies.iso286 import IsoFit
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.joint.check import check_joint
@@ -25,9 +25,15 @@ def test_a_joint_in_a_housing_by_finite_elements(clamp):
     assert check.numbers.peak_pressure_MPa == pytest.approx(case.pressure.max(), rel=0.02)
     place = np.degrees(case.arc[np.argmax(case.pressure)] / 10.0)
     assert check.numbers.peak_at_deg == pytest.approx(place, abs=4.0)
+    edge = case.arc[case.pressure > 0].max() / 10.0
+    angle = np.radians(check.numbers.contact_angle_deg)
+    assert angle == pytest.approx(edge, rel=0.05)
+    assert check.numbers.width_mm == pytest.approx(20.0 * np.sin(angle), rel=1e-9)
     slopes = solve(setup, 0.05, [990.0, 1010.0])
     slope = 20.0 / (slopes[1].penetration - slopes[0].penetration)
     assert check.numbers.stiffness_N_per_mm2 == pytest.approx(slope, rel=0.02)
+    total = check.numbers.total_stiffness_N_per_mm
+    assert total == pytest.approx(10.0 * check.numbers.stiffness_N_per_mm2, rel=1e-12)
 
 
 def test_rollers_are_hertz_and_johnson():
@@ -44,19 +50,31 @@ def test_rollers_are_hertz_and_johnson():
     assert peak / STEEL.yield_stress == pytest.approx(1.79, abs=0.01)
 
 
-def test_the_percentiles_of_a_band_are_those_of_many_pairs():
+@pytest.mark.parametrize(
+    ("temperature", "rel"), [(None, 3e-3), ((120.0, 40.0), 0.02)], ids=["cold", "some seize"]
+)
+def test_the_percentiles_of_a_band_are_those_of_many_pairs(temperature, rel):
     fit, load = IsoFit.read("20H7/g6"), 200.0
-    band = check_joint(PAIR, load, iso=fit).band
+    check = check_joint(PAIR, load, iso=fit, temperature=temperature)
     draw = np.random.default_rng(7)
-    radii = [
+    hole, pin = (
         (low + high) / 2 + (high - low) / 6 * draw.normal(size=40_000) for low, high in fit.limits
-    ]
-    pair = CylinderPair.internal(*radii, pin=STEEL, hole=BRONZE)
+    )
+    # The radii grow by α·R·(T − 20 °C).
+    warmer = np.subtract(temperature or (20.0, 20.0), 20.0)
+    growths = warmer * [STEEL.thermal_expansion, BRONZE.thermal_expansion]
+    turns = hole * (1 + growths[1]) > pin * (1 + growths[0])
+    pair = CylinderPair.internal(hole[turns], pin[turns], pin=STEEL, hole=BRONZE)
+    pair = pair if temperature is None else limits.at_temperature(pair, *temperature)
     depth = 1e3 * laws.Conformal().penetration(load, pair)
     for name, value in {
         "mean": np.mean(depth), "5 %": np.quantile(depth, 0.05), "95 %": np.quantile(depth, 0.95)
     }.items():  # fmt: skip
-        assert band[name].penetration_um == pytest.approx(value, rel=3e-3)
+        assert check.band[name].penetration_um == pytest.approx(value, rel=rel)
+    assert check.joint.seized == pytest.approx(1 - turns.mean(), abs=3e-3)
+    middle = 0.012 - 10.0 * (growths[0] - growths[1])  # 2 µm of the radius do not matter
+    assert check.pair.dR == pytest.approx(middle, abs=1e-5)
+    assert (check.joint.seized > 0.01) == (temperature is not None)
 
 
 def test_a_transition_fit_answers_for_the_pairs_with_clearance():
@@ -99,6 +117,11 @@ def test_mistakes():
         check_joint(PAIR, 0)
     with pytest.raises(InputError, match="radii"):
         check_joint(CylinderPair.from_dR("internal", 0.05, STEEL), 100.0)
+    on_plane = CylinderPair.external(15.0, np.inf, STEEL, material_j=BRONZE)
+    width = float(limits.hertz_half_width(100.0, on_plane))
+    with pytest.raises(InputError, match="must be at least ten half-widths"):
+        check_joint(on_plane, 100.0, depth=9.9 * width)
+    assert check_joint(on_plane, 100.0, depth=10.1 * width).numbers.penetration_um > 0
 
 
 # --- all laws ---

@@ -6,10 +6,13 @@ import pytest
 
 import cylcontact as cc
 from cylcontact import InputError, laws
-from cylcontact.joint.check_page import inputs
+from cylcontact.joint import bush, clevis
+from cylcontact.joint.check_page import inputs, page_of
+from cylcontact.joint.page import _SMALLER, _Sheet, _written, write_page
 
 STEEL, BRONZE = map(cc.Material.named, ("high-strength steel", "bronze"))
 PAIR = cc.CylinderPair.internal(10.0, 9.95, pin=STEEL, hole=BRONZE, length=12.0)
+EYE_26 = laws.Housing(26.0, laws.Sector.lug())
 EYE = laws.Housing(20.0, laws.Sector.lug())
 
 
@@ -27,23 +30,30 @@ def test_a_page_has_inputs_answer_warning_and_what_is_not_included(tmp_path):
 
 
 def pages():
-    """A check of each kind."""
+    """A check of each kind, and crowded ones."""
     flat = cc.CylinderPair.external(15.0, float("inf"), BRONZE)
-    yield cc.check_joint(PAIR, 500.0, housing=laws.Housing(20.0, layers=[(STEEL, 13.0)]))
-    yield cc.check_joint(flat, 50.0)
-    bush = cc.joint.Bush(BRONZE, seat=(26.0, 26.03), bore=20.04)
-    yield cc.joint.check_bush(bush, STEEL, 19.97, STEEL, laws.Housing(26.0), 50.0, rim="free")
-    plates = cc.joint.Plate(20.0, STEEL, 15.02), cc.joint.Plate(10.0, STEEL, 15.02)
-    yield cc.joint.check_clevis(cc.joint.Clevis(STEEL, 15.0, *plates, gap=1.0), 10e3)
+    yield page_of(cc.check_joint(flat, 50.0))
+    layers = laws.Housing(20.0, laws.Sector.lug(), [(STEEL, 13.0), (BRONZE, 17.0)])
+    given = {"iso": "20H7/g6", "housing": layers, "temperature": (80.0, 60.0), "rim": "free"}
+    yield page_of(cc.check_joint(PAIR, 2000.0, **given))
+    soft = cc.Material("soft", 1e5, 0.3)  # its yield is not sought
+    wall = cc.joint.Bush(soft, seat="26H7/r6", wall=(2.98, 3.01))
+    yield bush._page(cc.joint.check_bush(wall, soft, "20f7", soft, EYE_26, 500.0, length=20.0))
+    ring = laws.Housing(15.0, laws.Sector.lug(), [(STEEL, 10.0)])
+    eye = cc.joint.Plate(20.0, BRONZE, (15.02, 15.05), ring)
+    cheek = cc.joint.Plate(10.0, STEEL, 15.02)
+    soft = cc.joint.Clevis(cc.Material.named("PEEK"), 15.0, eye, cheek, gap=20.0)
+    yield clevis._page(cc.joint.check_clevis(soft, 10e3))
 
 
-def test_a_page_is_one_sheet_of_any_joint(tmp_path):
-    for check in pages():
-        pdf = check.save(tmp_path / "joint.pdf").read_bytes()
+def test_a_page_of_any_joint_is_one_sheet_with_room_for_all(tmp_path):
+    for each in pages():
+        pdf = write_page(each, tmp_path / "joint.pdf").read_bytes()
         assert pdf.startswith(b"%PDF")
         assert pdf.count(b"/Type /Page ") == 1
         assert b"CreationDate" not in pdf
-    assert check.save(tmp_path / "joint.png").read_bytes().startswith(b"\x89PNG")
+        assert any(_written(each, _Sheet(smaller)) for smaller in _SMALLER)
+    assert write_page(each, tmp_path / "joint.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_source_of_a_material_is_the_table_only_for_its_numbers():

@@ -105,8 +105,8 @@ def test_press_fits_have_the_numbers_of_a_published_table():
 
 @pytest.mark.parametrize(
     ("code", "rule"),
-    [("20", "no class"), ("20H7/g6", "no class"), ("2H7", "outside ISO 286"), ("26t6", "a pin t"),
-     ("20P7", "a hole P"), ("20s12", "grade 12"), ("20j8", "has a pin j8")],
+    [("20", "not a class"), ("20H7/g6", "not a class"), ("2H7", "outside ISO 286"),
+     ("26t6", "a pin t"), ("20P7", "a hole P"), ("20s12", "grade 12"), ("20j8", "has a pin j8")],
 )  # fmt: skip
 def test_a_class_that_the_tables_lack_is_refused(code, rule):
     with pytest.raises(InputError, match=rule):

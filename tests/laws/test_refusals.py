@@ -170,7 +170,7 @@ REFUSED = [
     (joint(iso="20H7/k6"), "iso = '20H7/k6': is a transition fit"),
     (joint(iso="20"), "is not an ISO fit"),
     # Temperatures and sizes.
-    (at(RUBBER, 50, 50), "rubber.thermal_expansion: is not known"),
+    (at(RUBBER, 50, 50), "needs the thermal_expansion of rubber, which is not known"),
     (at(CylinderPair.from_dR("internal", 0.1, STEEL), 50, 50), "needs both radii"),
     (at(ROLLERS, 50, 50), "no pin and no hole"),
     (at(PAIR, np.nan, 20), "temperature = nan: must be a temperature above"),

@@ -249,7 +249,7 @@ REFUSED = {
     "ends = 'glued': must be 'free' or 'bonded'": {
         "housing": laws.Housing(20.0), "rim": "free", "ends": "glued",
     },
-    r"none.thermal_expansion: is not known": {
+    "needs the thermal_expansion of none, which is not known": {
         "housing": laws.Housing(20.0, layers=[(Material("none", 1e4, 0.3), 12.0)]), "rim": "free",
     },
     "is a polymer, whose modulus": {

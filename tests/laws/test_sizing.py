@@ -2,7 +2,7 @@
 
 import pytest
 
-from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact import CylinderPair, InputError, Material, laws, limits
 from cylcontact.limits.sizing import find, half_width
 
 STEEL = Material("steel", 207e3, 0.3, 500.0, 12e-6)
@@ -35,6 +35,19 @@ def test_clearance_modulus_and_length_come_back(law, dR):
     )
     length = find("length", pair, 500.0, stiffness=10 * slope, law=law)
     assert length == pytest.approx(10.0, rel=1e-9)
+
+
+# A factor of a clearance or a modulus takes seconds, and several may have it.
+@pytest.mark.parametrize(
+    ("unknown", "target"),
+    [("clearance", "peak"), ("modulus", "peak"), ("length", "peak"), ("length", "factor")],
+)
+def test_a_peak_and_a_factor_to_yield_come_back(unknown, target):
+    peak, load = LAW.peak_pressure(50.0, PAIR), limits.yield_load(PAIR)
+    wanted = {"peak": float(peak), "factor": float(load) / 50.0}[target]
+    total = 500.0 if unknown == "length" else 50.0
+    value = {"clearance": 0.01, "modulus": 207e3, "length": 10.0}[unknown]
+    assert find(unknown, PAIR, total, **{target: wanted}) == pytest.approx(value, rel=1e-6)
 
 
 def test_next_to_the_end_of_a_law_a_stiffness_is_met_again_and_not_found():

@@ -8,7 +8,7 @@ import pytest
 from cylcontact.laws.conformal import persson_pressure
 from cylcontact.laws.conformal.series import glauert
 from cylcontact.limits.stress import in_pin, in_plate, pressure_along
-from cylcontact.limits.yield_search import equivalent
+from cylcontact.limits.yield_search import FirstYield, equivalent
 
 # Arcs, β and κ of the plate: equal bodies, a soft pin, a stiff pin.
 CASES = [
@@ -122,3 +122,18 @@ def test_the_largest_equivalent_stress_of_a_body_lies_on_the_axis(body, beta):
 
         everywhere = along(depth[depth < 0.99] if body == "pin" else depth, off)
         assert (everywhere <= 1.0005 * along(np.unique(depth), np.zeros(1))).all()
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.2])
+def test_at_the_centre_of_the_pin_the_stresses_are_those_beside_it(beta):
+    radial, hoop, shear = stresses([0.0, 0.004, -0.004, 0.004j], "pin", 0.3, beta, 2.0)
+    for each in (radial, hoop):
+        assert each[0] == pytest.approx((each[1] + each[2]) / 2, rel=1e-4)
+    assert shear[0] == pytest.approx(0.0, abs=1e-3 * abs(hoop[0]))
+
+
+@pytest.mark.parametrize(("angle", "words"), [(0.2, "surface)"), (31.7, "surface, 32° from the")])
+def test_a_place_beside_the_load_line_is_told(angle, words):
+    at = FirstYield(np.float64(1234.5), np.str_("hole"), np.float64(0.0), "von Mises", angle)
+    assert words in str(at)
+    assert str(at).startswith("1,234 N/mm (von Mises, in the hole, at its surface")

@@ -161,7 +161,7 @@ def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):
         (("simulate", SPEC, "--revolutions", 2, "--first", 2), "--first = 2: leaves none of 2"),
         (("simulate", SPEC, "--radial-clearance", "0.5,0.02"), "is not a length"),
         (("simulate", SPEC, "--study", "cases"), "No such option: --study; see cylcontact"),
-        ((*SWEEP, "--radial-clearance", "0.5;1"), "'0.5;1' is not a number"),
+        ((*SWEEP, "--radial-clearance", "0.5;1"), "'0.5;1' is not a length"),
         ((*SWEEP, "--law", "hooke"), "'hooke': is neither a law nor a fit result"),
         ((*SWEEP, "--iso", "20H7/k6"), "--iso = '20H7/k6': is a transition fit"),
         ((*SWEEP, "--iso", "20H7/f7", "--radial-clearance", 1), "conflicts with --radial"),

@@ -244,6 +244,7 @@ REFUSALS = [
      "pair: must hold single numbers, no arrays; call once for each, with the same ax"),
     (plot_limits, LIMIT, {"criterion": None, "johnson": False}, "leave nothing to draw; give"),
     (plot_limits, LIMIT, {"material": BRITTLE}, "yield_stress: is not known for both materials"),
+    (plot_limits, LIMIT, {"dR": (1.0, 0.1)}, "dR = (1.0, 0.1): "),
 ]  # fmt: skip
 
 

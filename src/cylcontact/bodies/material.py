@@ -283,14 +283,18 @@ def find_material(
 POLYMERS = ("PEEK", "PTFE", "POM", "PA 6")
 
 
+def is_known_at(body: Material, warmer: float) -> bool:
+    """Return whether the numbers of a material hold; of polymers of the table only at 20 °C."""
+    of_table = body.name in POLYMERS and body == shipped_materials()[body.name].material
+    return warmer == 0 or not of_table
+
+
 def require_known_at(body: Material, warmer: float) -> None:
     """Refuse a polymer of the table away from room temperature, where its numbers do not hold."""
-    if warmer and body.name in POLYMERS and body == shipped_materials()[body.name].material:
-        rule = (
-            f"{body.name} is a polymer, whose modulus and yield stress in the table hold at 20 °C"
-        )
-        remedy = "in place of its name give its numbers then, '2.5 GPa, 0.38, 60 MPa, 47e-6/K'"
-        raise InputError("a joint", "temperature", None, rule, remedy)
+    polymer = f"{body.name} is a polymer, whose modulus and yield stress in the table"
+    rule = f"{polymer} are those at 20 °C"
+    remedy = "in place of its name give its numbers then, '2.5 GPa, 0.38, 60 MPa, 47e-6/K'"
+    require(is_known_at(body, warmer), "a joint", "temperature", None, rule, remedy)
 
 
 def _plain(name: str) -> str:

@@ -102,7 +102,7 @@ def _warn(source: str, *warnings: str | None) -> None:
         say(f"warning: {source}{warning}", err=True)
 
 
-@takes("pair", JOINT, listed=False)
+@takes("pair", JOINT)
 def export(
     what: str | None = argument(
         "A fit result, a law such as johnson, or your own: mine:load.",

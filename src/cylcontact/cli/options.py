@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
 from functools import wraps
 from itertools import chain
 from pathlib import Path
@@ -160,10 +159,8 @@ class Group(_PlainHelp, TyperGroup):
 Options = Mapping[str, tuple[Any, Any]]
 
 
-def takes(name: str, options: Options, listed: bool = True) -> Callable[..., Callable[..., None]]:
+def takes(name: str, options: Options) -> Callable[..., Callable[..., None]]:
     """Give a command a set of options, as a dictionary of those that are used.
-
-    Without `listed` its help leaves them out.
 
     Examples
     --------
@@ -178,11 +175,10 @@ def takes(name: str, options: Options, listed: bool = True) -> Callable[..., Cal
     (None, None)
     """
     keyword = inspect.Parameter.KEYWORD_ONLY
-    parameters = []
-    for key, (kind, shown) in options.items():
-        details = copy(shown)
-        details.hidden = not listed
-        parameters.append(inspect.Parameter(key, keyword, default=details, annotation=kind))
+    parameters = [
+        inspect.Parameter(key, keyword, default=details, annotation=kind)
+        for key, (kind, details) in options.items()
+    ]
 
     def expand(command: Callable[..., None]) -> Callable[..., None]:
         own = inspect.signature(command, eval_str=True).parameters

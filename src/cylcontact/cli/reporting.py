@@ -102,8 +102,10 @@ def claims(
     from cylcontact.reports.claims import as_records, claims_of, to_text, write_claims
 
     require_output(out, ".csv")
-    if out is not None:
-        note(f"{len(write_claims(Path(), out))} claims written to {out}", quiet)
-        return
-    computed = claims_of(Path())
-    say(json_text(as_records(computed)) if as_json else to_text(computed))
+    computed = claims_of(Path()) if out is None else write_claims(Path(), out)
+    if as_json:
+        say(json_text(as_records(computed)))
+    elif out is None:
+        say(to_text(computed))
+    else:
+        note(f"{len(computed)} claims written to {out}", quiet)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from cylcontact.bodies.iso286 import diameters
-from cylcontact.bodies.material import Material
+from cylcontact.bodies.material import Material, is_known_at
 from cylcontact.bodies.pair import CylinderPair, Plane
 from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.limits import AtRest, at_rest, at_temperature, first_yields, loose_temperatures
@@ -495,8 +495,9 @@ def check_bush(
     for name, drawn in columns.items():
         band[name], yields[name] = under.solved(drawn, name in _ANSWERED)
     low, _ = bush.interference
-    changes = loose_temperatures(joint.materials, joint.radii, low, state)
-    loose = float(changes[0]) if joint.expands and low > 0 else np.inf
+    loose = np.inf
+    if joint.expands and low > 0:
+        loose = float(loose_temperatures(joint.materials, joint.radii, low, state)[0])
     return BushCheck(
         bush, pin, pin_diameter, hole, housing, float(load), length, plane, warm, state, close_in,
         20.0 + loose, band, {name: each for name, each in yields.items() if each},
@@ -573,8 +574,8 @@ class _Joint:
     @property
     def expands(self) -> bool:
         """Whether the expansion of all rings is known."""
-        frame = [self.rim] if isinstance(self.rim, Material) else []
-        return all(each.thermal_expansion is not None for each in (*self.materials, *frame))
+        rings = [*self.materials, *([self.rim] if isinstance(self.rim, Material) else [])]
+        return all(x.thermal_expansion is not None and is_known_at(x, 1.0) for x in rings)
 
     @property
     def close_in(self) -> float:
@@ -661,6 +662,8 @@ class _Load:
             drawn.bore, drawn.pin, pin=self.pin, hole=joint.bush.material, length=self.length,
             plane=self.plane,
         )  # fmt: skip
+        if self.temperature == (20.0, 20.0):  # no expansion has to be known
+            return pair
         ring = Housing(joint.housing.R_o, joint.housing.clamp, [(joint.hole, joint.radii[1])])
         try:
             return at_temperature(

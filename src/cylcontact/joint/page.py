@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 SUFFIXES = (".html", ".pdf", ".png")
 # A sheet of A4 with its margins, in mm, and the dots per inch of a picture of it.
 _WIDTH, _HEIGHT, _DPI = 190.0, 272.0, 200
+# In mm: a line of text for each point of its size, the gap below lines, a letter of 7 points, the
+# place of what is signed, and the least height of a picture.
+_LINE, _GAP, _LETTER, _FOOT, _LEAST = 0.445, 1.9, 1.36, 22.0, 42.0
+# By how much texts are made smaller, one after the other, until all has room.
+_SMALLER = (1.0, 1.1, 1.2, 1.35, 1.5)
 # Columns of an answer beside which the sections stand.
 _FEW = 3
 # A blank at which no line breaks.
@@ -124,39 +129,60 @@ def write_page(page: Page, path: Path | str) -> Path:
 
 
 class _Sheet:
-    """A sheet of A4, written at places in mm from its lower left corner."""
+    """A sheet of A4, written at x mm from its left and y mm from its lower edge.
 
-    def __init__(self) -> None:
+    Texts and lengths along y are smaller by a factor, so that more has room.
+    """
+
+    def __init__(self, smaller: float) -> None:
+        self.smaller, self.height = smaller, _HEIGHT * smaller
         self.figure = new_figure("page", _HEIGHT)
         self.figure.set_size_inches(_WIDTH / 25.4, _HEIGHT / 25.4)
         self.figure.set_layout_engine("none")
 
-    def write(self, x: float, y: float, text: str, **more: Any) -> None:
-        self.figure.text(x / _WIDTH, y / _HEIGHT, text, **{"va": "top", "ha": "left"} | more)
+    def write(self, x: float, y: float, text: str, size: float = 7.0, **more: Any) -> None:
+        place: dict[str, Any] = {"va": "top", "ha": "left", "fontsize": size / self.smaller}
+        place |= more
+        self.figure.text(x / _WIDTH, y / self.height, text, **place)
 
     def lines(
         self, x: float, y: float, rows: Sequence[str], size: float = 7.0, **more: Any
     ) -> float:
         """Write lines, and return where the next ones begin."""
-        self.write(x, y, "\n".join(rows), fontsize=size, linespacing=1.35, **more)
-        return y - 0.3528 * 1.35 * 1.22 * size * len(rows) - 3 * bool(rows)
+        self.write(x, y, "\n".join(rows), size, linespacing=1.35, **more)
+        return y - _LINE * size * len(rows) - _GAP * bool(rows)
+
+    def wrapped(self, text: str, width: float) -> list[str]:
+        """Return a text in lines of a width in mm."""
+        return textwrap.wrap(text, int(self.smaller * width / _LETTER)) or [""]
 
     def heading(self, x: float, y: float, text: str) -> float:
-        self.write(x, y, text, fontsize=9)
-        return y - 6
+        self.write(x, y, text, 9.0)
+        return y - 5.5
 
     def axes(self, x: float, y: float, width: float, height: float) -> Axes:
-        box = (x / _WIDTH, y / _HEIGHT, width / _WIDTH, height / _HEIGHT)
+        box = (x / _WIDTH, y / self.height, width / _WIDTH, height / self.height)
         return self.figure.add_axes(box)
 
-    def answer(self, page: Page, y: float, width: int) -> float:
+    def inputs(self, page: Page, y: float) -> float:
+        """Write the inputs; return where the next part begins."""
+        y = self.heading(96, y, "Inputs")
+        for name, value, source in page.inputs:
+            of = f" [{source}]".replace(" ", _FIXED).replace(_FIXED, " ", 1)
+            text = value + (of if source != "given" else "")
+            self.write(96, y, name)
+            y = self.lines(120, y, self.wrapped(text, 68))
+        return y
+
+    def answer(self, page: Page, y: float, width: float) -> float:
         """Write the numbers and the words; return where the next part begins."""
+        y, step = self.heading(8, y, "Answer"), min(17.5, 115 / len(page.headings))
         for row in [page.headings, *page.rows] if len(page.headings) > 2 else page.rows:
-            self.write(8, y, row[0], fontsize=7)
+            self.write(8, y, row[0])
             for k, cell in enumerate(row[1:]):
-                self.write(84 + 17.5 * k, y, cell, fontsize=7, ha="right")
+                self.write(84 + step * k, y, cell, ha="right")
             y -= 4.1
-        said = [part for line in page.words if line for part in textwrap.wrap(line, width)]
+        said = [part for line in page.words if line for part in self.wrapped(line, width)]
         return self.lines(8, y - 1, said)
 
     def sections(self, page: Page, x: float, y: float) -> float:
@@ -164,54 +190,60 @@ class _Sheet:
         for name, rows in page.sections.items():
             y = self.heading(x, y, name)
             for line in rows:
-                y = self.lines(x, y, textwrap.wrap(line, int((188 - x) / 1.42))) + 2
-            y -= 2
+                y = self.lines(x, y, self.wrapped(line, 184 - x))
+            y -= 1
         return y
 
     def foot(self, page: Page) -> None:
         """Write what is to be signed, and where the page is from."""
         for x, name in zip((8, 54, 100, 146), _TO_FILL, strict=True):
-            line = [x / _WIDTH, (x + 36) / _WIDTH], [16 / _HEIGHT] * 2
+            line = [x / _WIDTH, (x + 36) / _WIDTH], [16 / self.height] * 2
             self.figure.add_artist(
                 Line2D(*line, transform=self.figure.transFigure, color="black", linewidth=0.6,
                        linestyle="-", marker="")
             )  # fmt: skip
-            self.write(x, 15, name, fontsize=6.5)
-        self.write(8, 7, page.fingerprint, fontsize=6.5, color="0.4")
+            self.write(x, 15, name, 6.5)
+        self.write(8, 7, page.fingerprint, 6.5, color="0.4")
 
 
 def _sheet(page: Page) -> StyledFigure:
-    """Return a sheet of A4."""
-    sheet = _Sheet()
-    sheet.write(8, _HEIGHT - 8, page.kind, fontsize=14)
-    sheet.write(8, _HEIGHT - 16, page.title, fontsize=9.5)
-    page.sketch(sheet.axes(4, 178, 88, 72))
-    y = sheet.heading(96, _HEIGHT - 24, "Inputs")
-    for name, value, source in page.inputs:
-        wrapped = textwrap.wrap(value, 46)
-        wrapped[-1] += f"   [{source}]" if source != "given" else ""
-        sheet.write(96, y, name, fontsize=7)
-        y = sheet.lines(118, y, wrapped) + 1.2
-    y = min(y - 4, 172)
+    """Return a sheet of A4, with texts as small as they must be for all to have room."""
+    for smaller in _SMALLER:
+        sheet = _Sheet(smaller)
+        if _written(page, sheet):
+            break
+    return sheet.figure
+
+
+def _written(page: Page, sheet: _Sheet) -> bool:
+    """Write a page on a sheet, and return whether it has room for all."""
+    top = sheet.height
+    sheet.write(8, top - 8, page.kind, 14.0)
+    sheet.write(8, top - 16, page.title, 9.5)
+    page.sketch(sheet.axes(4, top - 94, 88, 72))
+    y = min(sheet.inputs(page, top - 24) - 4, top - 100)
     # Beside an answer of few columns there is room for the sections; below one column they leave
     # the sheet to warnings and picture.
     columns = len(page.headings) - 1
     beside, alone = page.picture is not None and columns <= _FEW, columns == 1
     side = 8.0 if page.picture is None else 112.0 if alone or not beside else 130.0
-    below = sheet.answer(page, sheet.heading(8, y, "Answer"), 72 if beside else 130)
+    below = sheet.answer(page, y, 96.0 if beside else 176.0)
     end = sheet.sections(page, side, y) if beside else below
     y = min(below, end) if alone else below
+    wide = 112.0 if beside and not alone else 176.0
     for warning in page.warnings:
-        rows = textwrap.wrap(f"Warning: {warning}", 78 if beside and not alone else 125)
-        y = sheet.lines(8, y, rows, 7.5, color="#B00000") + 1
+        rows = sheet.wrapped(f"Warning: {warning}", wide / 1.07)
+        y = sheet.lines(8, y, rows, 7.5, color="#B00000")
+    high = y - _FOOT - 18.0
     if page.picture is not None:
-        high, wide = min(70.0, y - 40.0), 150.0 if beside and alone else 92.0 if beside else 82.0
-        page.picture(plot := sheet.axes(20, y - high - 6, wide, high))
+        wide = 150.0 if beside and alone else 92.0 if beside else 82.0
+        box = max(min(70.0, high), 1.0)
+        page.picture(plot := sheet.axes(20, y - box - 6, wide, box))
         plot.set_title("")
     if not beside:
-        sheet.sections(page, side, y)
+        end = sheet.sections(page, side, y)
     sheet.foot(page)
-    return sheet.figure
+    return end > _FOOT and (page.picture is None or high > _LEAST)
 
 
 # --- a page of HTML -----------------------------------------------------------------------------

@@ -107,7 +107,8 @@ def _draw_around(housing: Housing | None, R_i: float, axes: Axes) -> float:
         axes.add_patch(Circle((0, 0), edges[k], facecolor=colour, zorder=1, **OUTLINE))
         if k < len(edges) - 1:
             text = f"$R$ = {R_i * edges[k]:.6g}"
-            _point_at(axes, _toward(edges[k], 255), _toward(1.18 * outer, 255), text)
+            at = 255 - 16 * (k - 1)
+            _point_at(axes, _toward(edges[k], at), _toward(1.18 * outer, at), text)
     if not (isinstance(clamp, Sector) and clamp.shank is not None):
         angle = 360.0 if not isinstance(clamp, Sector) else float(clamp.angle)
         centre = 180.0 if isinstance(clamp, Sector) and clamp.side == "pulled" else 0.0

@@ -282,8 +282,9 @@ def _each(values: ArrayLike | Sequence[ArrayLike]) -> Sequence[ArrayLike]:
 def _growth(body: Material, warmer: float) -> float:
     """Return α·T of a body."""
     known = body.thermal_expansion is not None or warmer == 0
-    key = f"{body.title}.thermal_expansion"
-    require(known, "temperature", key, None, "is not known", "give it in 1/K")
+    rule = f"needs the thermal_expansion of {body.title}, which is not known"
+    remedy = "give it in 1/K: '207 GPa, 0.3, 350 MPa, 12e-6/K'"
+    require(known, "a joint", "temperature", None, rule, remedy)
     require_known_at(body, warmer)
     return (body.thermal_expansion or 0.0) * warmer
 

@@ -55,6 +55,8 @@ REPEATED, LONGEST = 24, 8
 # Assumed: the energy balance expected of every revolution, relative to the largest kinetic energy.
 BALANCE = 1e-6
 
+_AS_COLUMN = str.maketrans({" ": "_", "(": None, ")": None, "µ": "u"})
+
 
 def batch_means(over: FloatArray, under: FloatArray, level: float = LEVEL) -> tuple[Any, Any]:
     """Return Σ over / Σ under, of columns of revolutions, and the half-widths of their intervals.
@@ -247,7 +249,8 @@ class Statistics:
         """Return what `to_text` prints as plain data, for JSON."""
         return {
             "mechanism": self.mechanism.spec.name,
-            **self.summary,
+            # As columns are called: max penetration (µm) is max_penetration_um.
+            **{key.translate(_AS_COLUMN): value for key, value in self.summary.items()},
             "first": self.first,
             "means": self.interval().reset_index(names="quantity").to_dict("records"),
             "period": self.period,

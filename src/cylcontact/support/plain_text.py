@@ -12,8 +12,8 @@ from unicodedata import category
 
 # The most characters of a name within a sentence or a cell, and in a figure.
 _NAME, _LABEL = 100, 60
-# The width of reports.
-WIDTH = 100
+# The width of reports: a block of the pages shows 90 columns in a window of 1366 pixels.
+WIDTH = 88
 
 
 # Whether a command prints, so that advice names options, not arguments of Python.
