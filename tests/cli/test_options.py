@@ -239,6 +239,10 @@ def test_a_plan_takes_its_clearances(run, table):
     code, said_too, _ = run("plan", "plain.csv", *shlex.split(f"{options} {words} -o out"))
     assert (code, said_too) == (0, said)
     assert {path.suffix for path in (table / "out").iterdir()} == {".csv", ".png", ".pdf"}
+    candidates = pd.read_csv(next((table / "out").glob("*.csv")), comment="#")
+    loads = np.unique(candidates["load_N_per_mm"])
+    assert loads == pytest.approx(np.geomspace(5, 400, 41), rel=1e-6)
+    assert set(candidates["dR_mm"]) == {0.03, 0.06}
     fitted = cc.fit(table / "plain.csv", "explicit", contact="internal", constants=constants)
     wanted = fitted.plan(np.geomspace(5, 400, 41), 3, dR=[0.03, 0.06]).to_dict()
     assert json.loads(said) == json.loads(json_text(wanted))

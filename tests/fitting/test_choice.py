@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import read_result
-from cylcontact.fitting.choice import laws_for
+from cylcontact.fitting.choice import _mean, laws_for
 from cylcontact.support.choices import CHOICE_FILES
 from tests.support.measured_files import STEEL
 from tests.support.noisy_series import PAIR, readings
@@ -62,6 +62,12 @@ def test_aicc_is_that_of_the_fits(frame, choice):
         aicc = fit.aic + 2 * k * (k + 1) / (N - k - 1)
         assert choice.table.loc[law, "aicc"] == pytest.approx(aicc, abs=1e-4)
         assert choice.table.loc[law, "parameters"] == k
+
+
+def test_the_error_of_a_mean_is_that_of_its_parts():
+    values = np.array([1.0, 4.0, 2.0, 7.0])
+    mean, error = _mean(values, np.full(4, 3.0))
+    assert (mean, error) == pytest.approx((3.5, values.std(ddof=1) / 2))
 
 
 def test_aicc_has_the_correction_for_few_readings(frame, choice):

@@ -1,5 +1,7 @@
 """A joint under a load: each number by another way, and the band of a fit by brute force."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from cylcontact import CylinderPair, InputError, Material, laws, limits
 from cylcontact.bodies.iso286 import IsoFit
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.joint.check import check_joint
+from cylcontact.laws import compare
 from cylcontact.laws.compare import accuracy, comparison
 
 STEEL, BRONZE = Material.named("high-strength steel"), Material.named("bronze")
@@ -142,6 +145,16 @@ def test_the_accuracy_of_johnsons_law_at_its_end():
     table = accuracy("internal").set_index("law")
     assert table.loc["johnson", "largest_percent"] == pytest.approx(47.8, abs=1.5)
     assert table.loc["explicit", "largest_percent"] < 0.12
+    # The mean of squares over the grid, one joint after the other.
+    (low, high), gaps = compare.RANGES["internal"]
+    squares = []
+    for E, dR in product(np.geomspace(low, high, 15), np.geomspace(*gaps, 15)):
+        pair = CylinderPair.from_dR("internal", dR, Material("any", E, 0.3))
+        loads = np.geomspace(*compare.LOADS, 15)
+        loads = loads[loads <= laws.Johnson().max_load(pair)]
+        ratio = laws.Johnson().penetration(loads, pair) / laws.Conformal().penetration(loads, pair)
+        squares += [*np.log(ratio) ** 2]
+    assert table.loc["johnson", "rms"] == pytest.approx(np.sqrt(np.nanmean(squares)), rel=1e-6)
 
 
 # --- ISO fits and materials ---
