@@ -5,11 +5,12 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from cylcontact import CylinderPair, Material
 from cylcontact.fitting import findings
 from cylcontact.fitting.noise import positions
-from cylcontact.fitting.readings import Optimum, fit_with_noise
+from cylcontact.fitting.readings import MEDIAN_TO_SIGMA, Optimum, fit_with_noise
 from tests.support.measured_files import STEEL
 from tests.support.noisy_series import LAW, PAIR, campaign_of, readings
 
@@ -123,6 +124,10 @@ def test_what_is_known_of_inputs_acts_on_the_pair_and_on_the_load():
     assert law.penetration(load, one) == pytest.approx(LAW.penetration(load, other), rel=1e-9)
 
 
+def test_the_median_of_normal_deviations_gives_their_standard_deviation():
+    assert MEDIAN_TO_SIGMA == pytest.approx(1 / stats.norm.ppf(0.75), rel=1e-4)
+
+
 def test_what_readings_narrow_is_told_in_percent_of_what_was_given():
     uncertain = {"dR": "20 um"}
     fit = fit_with_noise(
@@ -141,6 +146,7 @@ def test_what_readings_narrow_is_told_in_percent_of_what_was_given():
         ({"dR": "2 um"}, "dR", 2e-3), ({"dR": "30 nm"}, "dR", 3e-5), ({"dR": 0.002}, "dR", 2e-3),
         ({"dR": "0.002 mm"}, "dR", 2e-3), ({"R_i": "3 µm", "R_j": "4 um"}, "dR", 5e-3),
         ({"E": "5%"}, "E_factor", 0.05), ({"E_j": "10 GPa"}, "E_j_factor", 10 / 207),
+        ({"c": "10%"}, "c", 0.1 * LAW.coefficients_for("internal").c),
         ({"E": "5000 MPa"}, "E_factor", 5 / 207), ({"length": "0.1 mm"}, "length_factor", 0.005),
     ],
 )  # fmt: skip
