@@ -1,12 +1,12 @@
 """Coverage of the intervals over synthetic tables, fitted by `cylcontact.fit`.
 
-    python -m benchmarks.coverage            # 400 of each kind, half an hour: writes
+    python -m benchmarks.coverage            # 200 of each kind, twenty minutes on one core: writes
                                              # datasets/coverage.csv (then: benchmarks --page)
     python -m benchmarks.coverage --sets 40  # a quick look, nothing written
 
 Each kind of data has errors of a known size. It is fitted with the options that describe them, and
-without: the 95 % intervals of the first must contain the truth in 92 to 98 % of the sets, and the
-second must warn and name the option.
+without: the 95 % intervals of the first must contain the truth in 95 % of the sets, within chance,
+and the second must warn and name the option.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from cylcontact.files.writing import replacing
 from cylcontact.fitting import findings
 
 RESULT = Path(__file__).parents[1] / "datasets" / "coverage.csv"
-SETS, SEED = 400, 20150101
+SETS, SEED = 200, 20150101
 STEEL = cc.Material("steel", E="207 GPa", nu=0.3)
 PAIR = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
 LAW = cc.laws.Explicit()

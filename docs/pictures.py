@@ -397,7 +397,7 @@ def coverage():
     for part, mark, name in ((rows[right], "o", "options that describe the errors"),
                              (rows[~right], "x", "one of them left out")):  # fmt: skip
         axes.plot(part["coverage_percent"], part["kind"].map(kinds.index), mark, label=name)
-    axes.axvspan(92, 98, alpha=0.2)
+    axes.axvspan(90, 99, alpha=0.2)
     axes.set_yticks(range(len(kinds)), kinds)
     axes.invert_yaxis()
     axes.set(xlabel="95 % intervals that contain the true offset (%)", xlim=(0, 101))

@@ -81,6 +81,9 @@ OF_FIT = [
     ("plain.csv", "--runs 3 --seed 5", {"starts": 3, "seed": 5}),
     ("plain.csv", "--R-o 20 --clamp pulled:60 --layer '70 GPa, .33:14' --law conformal",
      {"law": "conformal", "housing": HOUSING}),
+    ("plain.csv", "--R-o 20 --clamp pushed:90 --law conformal",
+     {"law": "conformal", "housing": {"R_o": 20.0, "clamp": "sector", "angle": 90.0,
+      "side": "pushed"}}),
     ("plain.csv", "--material bronze", {}, {"material": "bronze"}, NUMBERS),
     ("plain.csv", "--hole '70 GPa, .33' --pin '207 GPa, .3'", {}, BODIES, NUMBERS),
     ("plain.csv", "--hole mine --pin bronze --materials mine.csv", {"materials": "mine.csv"},
@@ -154,10 +157,11 @@ CRANK = ROOT / "datasets/slider_crank.toml"
 CHANGES = {"law": "johnson", "clearance": 0.04, "restitution": 0.8, "friction": 0.05}
 
 
-def test_the_options_of_a_run_are_the_keys_of_its_file(run):
+def test_the_options_of_a_run_are_the_keys_of_its_file(run, tmp_path, monkeypatch):
     words = "--law johnson --radial-clearance '40 um' --restitution .8 --friction .05"
     words += " --revolutions 3 --first 1 --beyond tangent --tolerance 1e-8"
-    code, said, _ = run("simulate", CRANK, *shlex.split(words), "--json")
+    monkeypatch.chdir(tmp_path)
+    code, said, _ = run("simulate", CRANK, *shlex.split(words), "--json", "--table", "t.csv")
     mechanism = read_mechanism(CRANK, **CHANGES, tolerance=1e-8)
     wanted = simulate(mechanism, 3, beyond="tangent").statistics(1).to_dict()
     answer = json.loads(said)
@@ -171,6 +175,35 @@ def test_the_options_of_a_run_are_the_keys_of_its_file(run):
     assert {name: row[name] for name in means} == pytest.approx(means, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("--contact external --radial-clearance 45 --Rj 30", "--contact external --Ri 15 --Rj 30"),
+        ("--radial-clearance .02 --Rj 9.98", "--Ri 10 --Rj 9.98"),
+        ("--radial-clearance '20 um' --Ri 10", "--hole-diameter 20 --pin-diameter 19.96"),
+    ],
+)
+def test_two_descriptions_of_a_pair_have_one_answer(run, one, other):
+    numbers = [
+        json.loads(run("check", *shlex.split(words), "--material", "bronze", "--json")[1])[
+            "numbers"
+        ]
+        for words in (one, other)
+    ]
+    known = [{k: v for k, v in n["joint"].items() if isinstance(v, float)} for n in numbers]
+    assert known[0] == pytest.approx(known[1], rel=1e-9)
+
+
+def test_a_table_of_joints_takes_materials_of_ones_own(run, table):
+    (table / "joints.csv").write_text("R_i_mm,R_j_mm,hole,pin\n10,9.98,mine,bronze\n")
+    line = ("check", "joints.csv", "--load", 100, "--materials", "mine.csv", "--json")
+    (row,) = json.loads(run(*line)[1])
+    mine = cc.Material("mine", 70e3, 0.33)
+    pair = cc.CylinderPair.internal(10.0, 9.98, pin=cc.Material.named("bronze"), hole=mine)
+    depth = 1e3 * laws.Conformal().penetration(100.0, pair)
+    assert row["penetration_um"] == pytest.approx(float(depth), rel=1e-6)
+
+
 def test_a_law_of_ones_own_is_a_row_of_the_comparison(run, monkeypatch):
     monkeypatch.chdir(ROOT / "tests/support")
     pair = "--pin '207 GPa, .3' --hole '207 GPa, .3' --Ri 10 --Rj 9.97 --load 200"
@@ -181,28 +214,35 @@ def test_a_law_of_ones_own_is_a_row_of_the_comparison(run, monkeypatch):
     assert row["penetration_um"] == pytest.approx(1e3 * float(depth), rel=1e-9)
 
 
-def test_width_style_and_format_are_those_of_the_picture(run, table, monkeypatch):
+@pytest.mark.parametrize(("given", "mm"), [(70, 70), ("page", 190)])
+def test_width_style_and_format_are_those_of_the_picture(run, table, monkeypatch, given, mm):
     monkeypatch.chdir(ROOT)
     style, out = table / "mine.mplstyle", table / "out"
     style.write_text("lines.linewidth: 7.25")
-    where = ("--width", 70, "--style", style, "--format", "svg", "-o", out)
+    where = ("--width", given, "--style", style, "--format", "svg", "-o", out)
     assert run("figure", "fig12", *where)[0] == 0
     assert {path.suffix for path in out.iterdir()} >= {".svg", ".csv"}
     assert not [*out.glob("*.png"), *out.glob("*.pdf")]
     text = (out / "fig12.svg").read_text("utf-8")
     width = float(text.split('width="')[1].split("pt")[0])
-    assert width == pytest.approx(70 * 72 / 25.4, rel=1e-4)
+    assert width == pytest.approx(mm * 72 / 25.4, rel=1e-4)
     assert "stroke-width: 7.25" in text
 
 
 def test_a_plan_takes_its_clearances(run, table):
     options = "--law explicit --contact internal --E 207000 --nu .3 --Ri 10 --length 20"
-    words = (
-        "--candidates 5:400 --add 3 --radial-clearances '30 um,.06' --radial-clearance .03 --json"
-    )
+    options += " --radial-clearance .03"
+    words = "--candidates '100:8000 N' --add 3 --radial-clearances '30 um,.06' --json"
     code, said, errors = run("plan", "plain.csv", *shlex.split(f"{options} {words}"))
     assert (code, errors) == (0, "")
     constants = NUMBERS | {"R_i_mm": 10.0, "dR_mm": 0.03, "length_mm": 20.0}
+    code, said_too, _ = run("plan", "plain.csv", *shlex.split(f"{options} {words} -o out"))
+    assert (code, said_too) == (0, said)
+    assert {path.suffix for path in (table / "out").iterdir()} == {".csv", ".png", ".pdf"}
+    candidates = pd.read_csv(next((table / "out").glob("*.csv")), comment="#")
+    loads = np.unique(candidates["load_N_per_mm"])
+    assert loads == pytest.approx(np.geomspace(5, 400, 41), rel=1e-6)
+    assert set(candidates["dR_mm"]) == {0.03, 0.06}
     fitted = cc.fit(table / "plain.csv", "explicit", contact="internal", constants=constants)
     wanted = fitted.plan(np.geomspace(5, 400, 41), 3, dR=[0.03, 0.06]).to_dict()
     assert json.loads(said) == json.loads(json_text(wanted))

@@ -43,6 +43,7 @@ REFUSED = [
     # Parameters.
     ((*JOINT, "--to", "adams"), "--range: is missing for adams; give total forces in N"),
     ((*JOINT, "--to", "adams", "--range", "9:1"), "'9:1' must be two positive numbers, the "),
+    ((*JOINT, "--to", "drake", "--range", "0:1"), "'0:1' must be two positive numbers"),
     ((*JOINT, "--to", "drake", "--range", "1:inf"), "'1:inf' must be two positive numbers"),
     ((*JOINT, "--to", "mujoco", "--range", "1:9", "--mass", "0"), "--mass = 0.0: must be posit"),
     ((*JOINT, "--to", "c", "--range", "1:9"), "is for a code's own contact; leave it out"),

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import read_result
-from cylcontact.fitting.choice import laws_for
+from cylcontact.fitting.choice import _mean, laws_for
 from cylcontact.support.choices import CHOICE_FILES
 from tests.support.measured_files import STEEL
 from tests.support.noisy_series import PAIR, readings
@@ -40,6 +40,13 @@ def test_the_law_of_the_data_is_the_best_and_its_equal_cannot_be_told_apart(choi
     assert "best" not in set(choice.table["verdict"])
     assert choice.table["aicc"].is_monotonic_increasing
     assert choice.table["weight"].sum() == pytest.approx(1.0)
+    # Akaike's: half of the difference is a logarithm of a likelihood.
+    table = choice.table
+    ratios, behind = (
+        table["weight"] / table["weight"].iloc[0],
+        table["aicc"] - table["aicc"].iloc[0],
+    )
+    assert np.log(ratios).to_numpy() == pytest.approx(-behind.to_numpy() / 2, abs=1e-9)
     said = " ".join(str(choice).split())
     assert "the data cannot tell" in said
     assert "(conformal is its elastic solution)" not in said  # it was not asked for
@@ -55,6 +62,12 @@ def test_aicc_is_that_of_the_fits(frame, choice):
         aicc = fit.aic + 2 * k * (k + 1) / (N - k - 1)
         assert choice.table.loc[law, "aicc"] == pytest.approx(aicc, abs=1e-4)
         assert choice.table.loc[law, "parameters"] == k
+
+
+def test_the_error_of_a_mean_is_that_of_its_parts():
+    values = np.array([1.0, 4.0, 2.0, 7.0])
+    mean, error = _mean(values, np.full(4, 3.0))
+    assert (mean, error) == pytest.approx((3.5, values.std(ddof=1) / 2))
 
 
 def test_aicc_has_the_correction_for_few_readings(frame, choice):

@@ -11,6 +11,10 @@ pytestmark = pytest.mark.slow
 
 NAMED = 0  # the first row of each kind and parameter
 FEW = 8
+# What leaves no trace in the residuals.
+NO_TRACE = ("load", "clearance")
+# Of 22 numbers none is beyond these quantiles, in 98 of 100 studies.
+CHANCE = (0.0005, 0.9995)
 
 
 @pytest.fixture(scope="module")
@@ -21,14 +25,15 @@ def study():
 def test_the_committed_study_is_of_every_kind(study):
     assert list(study["kind"].unique()) == list(KINDS)
     first = study.groupby("kind").head(2)
-    assert (first["sets"] >= 400).all()
-    assert (study["sets"] >= 100).all()
+    assert (first["sets"] >= 100).all()
+    assert (study["sets"] >= 25).all()
 
 
 def test_named_faults_are_covered(study):
     for kind, rows in study.groupby("kind", sort=False):
         named = rows[rows["options"] == rows["options"].iloc[NAMED]]
-        assert named["coverage_percent"].between(92, 98).all(), kind
+        hits = named["coverage_percent"] * named["sets"] / 100
+        assert hits.between(*(binom.ppf(p, named["sets"], 0.95)[0] for p in CHANCE)).all(), kind
 
 
 def test_what_is_left_out_is_warned_of(study):
@@ -37,7 +42,7 @@ def test_what_is_left_out_is_warned_of(study):
         assert (rows.loc[named, "warned_percent"] <= 12).all(), kind
         unnamed = rows.loc[~named]
         harmful = (unnamed["coverage_percent"] < 85).any()
-        if harmful and "load" not in kind:  # errors of the load leave no trace
+        if harmful and not any(word in kind for word in NO_TRACE):
             assert (unnamed["warned_percent"] >= 75).all(), kind
 
 

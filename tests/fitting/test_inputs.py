@@ -8,7 +8,7 @@ import cylcontact as cc
 from cylcontact import InputError, laws
 from cylcontact.fitting import read_result
 from tests.support.measured_files import STEEL
-from tests.support.noisy_series import PAIR
+from tests.support.noisy_series import PAIR, readings
 
 LOAD = np.geomspace(10.0, 1000.0, 12)
 KNOWN = {"dR": "2 um", "E": "5%"}
@@ -140,6 +140,27 @@ def test_the_option_says_the_same(run, tmp_path, fits):
     assert (code, errors) == (0, "")
     actual = read_result(tmp_path / "r.json").coefficients
     assert actual == pytest.approx(fits[1].coefficients, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("settings", "more"),
+    [
+        ({"load_error": 0.02}, {}),
+        ({"group": "group"}, {}),
+        ({"group": "group", "load_error": 0.01}, {"load": "1%"}),
+        ({"fixed": {"compliance": 0.0}}, {"compliance": 1e-8}),
+    ],
+)
+def test_laws_are_compared_with_uncertain_inputs_beside_other_noise(settings, more):
+    table = readings(2, 6, 6, offset=2e-4, gain=0.03) if "group" in settings else frame(1)
+    choice = cc.choose(
+        table, PAIR, laws=["explicit", "johnson"], uncertain=KNOWN | more, **settings
+    )
+    assert "explicit" in choice.undecided
+    names = {"dR", "E_factor", "compliance", *["load_factor"] * ("load" in more)}
+    assert all(names <= {*law.optimum.fit.names} for law in choice.laws)
+    assert choice.best.optimum.best["dR"] == pytest.approx(0.03, abs=3 * 0.002)
 
 
 # --- what a sampler needs, and a table for a paper ----------------------------------------------

@@ -285,6 +285,15 @@ def test_errors_likelihood_and_effects_are_those_of_the_full_covariance():
     assert effects.ravel() == pytest.approx(solution[2:], rel=1e-9)
 
 
+@pytest.mark.parametrize("noise", ["constant", "both"])
+def test_one_noise_has_one_aic_however_it_is_stated(noise):
+    frame = readings(1, 1, 15).drop(columns="group")
+    stated = frame.assign(load_std_N_per_mm=1e-9 * frame["load_N_per_mm"])
+    ways = ((frame, {}), (frame, {"load_error": 1e-9}), (stated, {}))
+    aic = [cc.fit(data, "explicit", PAIR, noise=noise, starts=2, **more).aic for data, more in ways]
+    assert np.ptp(aic) == pytest.approx(0.0, abs=1e-6)
+
+
 # --- limits -----------------------------------------------------------------------------------
 
 

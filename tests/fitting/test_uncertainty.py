@@ -3,10 +3,12 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy import stats
 
-from cylcontact import CylinderPair
+import cylcontact as cc
+from cylcontact import CylinderPair, laws
 from cylcontact.fitting import findings, fit_table
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.noise import NoiseModel
@@ -35,11 +37,11 @@ NOISE = 0.03
 REPLICATES = 200
 
 
-def descended(problem, start):
-    """The optimum next to a start, and the noise there; without given deviations it is constant."""
+def descended(problem, start, noise="constant"):
+    """The optimum next to a start, and the noise there, of this kind if it is not given."""
     point, _ = problem.minimise(np.array(start, dtype=float))
     if not problem.noise.is_given:
-        problem = problem.estimating(NoiseModel(noise="constant"), point)
+        problem = problem.estimating(NoiseModel(noise=noise), point)
         point, _ = problem.minimise(point)
     return point, Optimum(problem, point)
 
@@ -218,7 +220,7 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
     for _ in range(replicates):
         seen = with_columns(data, penetration=exact * np.exp(size * rng.normal(size=len(data))))
         again = replace(problem, data=seen)
-        point, noise = descended(again, start)
+        point, noise = descended(again, start, "proportional")
         best = again.coefficients(point)
         errors = half_width(LEVEL, noise.degrees_of_each()) * np.sqrt(np.diag(noise.covariance))
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
@@ -296,6 +298,20 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
     bands = [r.optimum.band(pair, LEVEL, load=[1.0]) for r in (result, fixed)]
     assert np.ravel(bands[0]) == pytest.approx(np.ravel(bands[1]), rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 2])
+def test_an_interval_does_not_end_at_its_estimate_because_another_is_at_its_bound(seed):
+    pair = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
+    load = np.geomspace(10.0, 1000.0, 24)
+    scatter = 1 + 0.01 * np.random.default_rng(seed).normal(size=24)
+    depth = 1e3 * laws.Explicit().penetration(load, pair) * scatter
+    frame = pd.DataFrame({"load_N_per_mm": load, "penetration_um": depth})
+    result = cc.fit(frame, "explicit", pair, free=["c", "A", "B"], starts=3)
+    assert result.estimates["B"].verdict == "at a bound"
+    stiffness = result.estimates["stiffness_factor"]
+    assert stiffness.low < stiffness.value < 1 < stiffness.high
 
 
 # --- bands ------------------------------------------------------------------------------------

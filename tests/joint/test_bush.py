@@ -16,6 +16,7 @@ PEEK = Material("PEEK, hot", 3.3e3, 0.38, 70.0, 50e-6)
 ALUMINIUM = Material("aluminium", 70e3, 0.33, 250.0, 23e-6)
 HARD = Material("hard", 207e3, 0.3, 2000.0, 12e-6)
 LUG = Housing(26.0, Sector.lug())
+SIZES = Bush(BRONZE, seat=(26.0, 26.03), bore=20.04)
 S6 = Bush(BRONZE, seat="26H7/s6", bore="20E6")
 
 
@@ -26,6 +27,13 @@ def check(bush=S6, pin="20f7", hole=STEEL, housing=LUG, load=500.0, **given):
 @pytest.fixture(scope="module")
 def warm():
     return check(temperature=80.0, length=20.0)
+
+
+def test_a_pin_that_is_warmer_than_its_bush_takes_its_growth_from_the_clearance():
+    """12e-6/K of a radius of 9.985 mm."""
+    cold, warm = (check(pin=19.97, bush=SIZES, temperature=at) for at in (20.0, (60.0, 20.0)))
+    taken = cold.band["joint"].clearance_um - warm.band["joint"].clearance_um
+    assert taken == pytest.approx(12e-3 * 9.985 * 40.0, rel=1e-6)
 
 
 # --- from the drawing ---------------------------------------------------------------------------

@@ -1,5 +1,7 @@
 """A joint under a load: each number by another way, and the band of a fit by brute force."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from cylcontact import CylinderPair, InputError, Material, laws, limits
 from cylcontact.bodies.iso286 import IsoFit
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.joint.check import check_joint
+from cylcontact.laws import compare
 from cylcontact.laws.compare import accuracy, comparison
 
 STEEL, BRONZE = Material.named("high-strength steel"), Material.named("bronze")
@@ -25,9 +28,15 @@ def test_a_joint_in_a_housing_by_finite_elements(clamp):
     assert check.numbers.peak_pressure_MPa == pytest.approx(case.pressure.max(), rel=0.02)
     place = np.degrees(case.arc[np.argmax(case.pressure)] / 10.0)
     assert check.numbers.peak_at_deg == pytest.approx(place, abs=4.0)
+    edge = case.arc[case.pressure > 0].max() / 10.0
+    angle = np.radians(check.numbers.contact_angle_deg)
+    assert angle == pytest.approx(edge, rel=0.05)
+    assert check.numbers.width_mm == pytest.approx(20.0 * np.sin(angle), rel=1e-9)
     slopes = solve(setup, 0.05, [990.0, 1010.0])
     slope = 20.0 / (slopes[1].penetration - slopes[0].penetration)
     assert check.numbers.stiffness_N_per_mm2 == pytest.approx(slope, rel=0.02)
+    total = check.numbers.total_stiffness_N_per_mm
+    assert total == pytest.approx(10.0 * check.numbers.stiffness_N_per_mm2, rel=1e-12)
 
 
 def test_rollers_are_hertz_and_johnson():
@@ -66,6 +75,8 @@ def test_the_percentiles_of_a_band_are_those_of_many_pairs(temperature, rel):
     }.items():  # fmt: skip
         assert check.band[name].penetration_um == pytest.approx(value, rel=rel)
     assert check.joint.seized == pytest.approx(1 - turns.mean(), abs=3e-3)
+    middle = 0.012 - 10.0 * (growths[0] - growths[1])  # 2 µm of the radius do not matter
+    assert check.pair.dR == pytest.approx(middle, abs=1e-5)
     assert (check.joint.seized > 0.01) == (temperature is not None)
 
 
@@ -134,6 +145,16 @@ def test_the_accuracy_of_johnsons_law_at_its_end():
     table = accuracy("internal").set_index("law")
     assert table.loc["johnson", "largest_percent"] == pytest.approx(47.8, abs=1.5)
     assert table.loc["explicit", "largest_percent"] < 0.12
+    # The mean of squares over the grid, one joint after the other.
+    (low, high), gaps = compare.RANGES["internal"]
+    squares = []
+    for E, dR in product(np.geomspace(low, high, 15), np.geomspace(*gaps, 15)):
+        pair = CylinderPair.from_dR("internal", dR, Material("any", E, 0.3))
+        loads = np.geomspace(*compare.LOADS, 15)
+        loads = loads[loads <= laws.Johnson().max_load(pair)]
+        ratio = laws.Johnson().penetration(loads, pair) / laws.Conformal().penetration(loads, pair)
+        squares += [*np.log(ratio) ** 2]
+    assert table.loc["johnson", "rms"] == pytest.approx(np.sqrt(np.nanmean(squares)), rel=1e-6)
 
 
 # --- ISO fits and materials ---

@@ -66,7 +66,9 @@ def test_a_row_is_its_joint_by_itself(law, units):
     of = rng.permutation(np.repeat(np.arange(N), 3))
     unit, data = {"SI": 1e3, "mm": 1.0}[units], numbers(law)
     clearance = (data["R"] * data["gap"])[of]
-    away = clearance * rng.choice([0.5, 1.001, 1.02], of.size) * np.exp(6j * rng.random(of.size))
+    away = (
+        clearance * rng.choice([0.5, 1.001, 1.02, 1.7], of.size) * np.exp(6j * rng.random(of.size))
+    )
     away += data["point"][of] @ [1, 1j]
     pins = rng.normal(size=(of.size, 6)) * [0, 0, 1, 50 / unit, 50 / unit, 5]
     pins[:, 0], pins[:, 1] = away.real / unit, away.imag / unit

@@ -176,9 +176,10 @@ def test_power_is_the_slope_of_the_energy_and_no_work_is_left_around_a_loop(kind
 def test_without_tilt_it_is_the_planar_joint():
     """Damping and friction included, to 1e-12 of the peak of each number."""
     points = {"bearing.point": [2.0, 3.0], "pin.point": [-4.0, 1.0]}
-    joint = joint_for(**{key: [*point, 0.0] for key, point in points.items()})
+    weak = {"bearing.yield_stress": 30.0, "pin.yield_stress": 30.0}
+    joint = joint_for(**{key: [*point, 0.0] for key, point in points.items()}, **weak)
     plane = dict.fromkeys(("kind", "edge", "bearing.axis", "pin.axis"), DROP)
-    planar = joint_from(changed(EXAMPLE, {**plane, **points}))
+    planar = joint_from(changed(EXAMPLE, {**plane, **points, **weak}))
     rng, n = np.random.default_rng(2), 4000
     towards, rate = rng.uniform(0, 6, n), rng.uniform(0.01, 1, n)
     away = 5e-5 * (1 + 10 ** rng.uniform(-2.5, -0.5, n))
@@ -200,6 +201,9 @@ def test_without_tilt_it_is_the_planar_joint():
         if got.ndim > 1:
             got = got[:, parts[name.split("_")[0]]]
         np.testing.assert_allclose(got, plane, rtol=0, atol=1e-12 * np.abs(plane).max())
+    above = wanted.flag & 1  # first yield
+    assert 0.01 < above.mean() < 0.99
+    np.testing.assert_array_equal(w.flag & 1, above)
     np.testing.assert_allclose(w.force_pin[:, 2], 0.0, atol=1e-9)
     np.testing.assert_allclose(w.moment_pin[:, :2], 0.0, atol=1e-12 * np.abs(w.moment_pin).max())
     assert (w.touched == 0.02).all()

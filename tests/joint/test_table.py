@@ -73,6 +73,18 @@ def test_a_table_is_read_in_its_units_from_every_kind_of_file(tmp_path):
         np.testing.assert_allclose(found[list(NUMBERS)].astype(float), wanted, rtol=1e-9)
 
 
+def test_a_plane_in_a_text_has_a_pressure_and_needs_a_depth(tmp_path):
+    path = tmp_path / "planes.csv"
+    head = "contact,R_i_mm,R_j_mm,material,load_N_per_mm,depth_mm\n"
+    path.write_text(f"{head}external,15,inf,bronze,100,\nexternal,15,inf,bronze,100,50\n")
+    table = check_table(path).table
+    bronze = cc.Material.named("bronze")
+    pair = cc.CylinderPair.external(15.0, np.inf, bronze)
+    depth = 1e3 * cc.laws.Johnson(datum=50.0).penetration(100.0, pair)
+    np.testing.assert_allclose(table["penetration_um"], [np.nan, depth], rtol=1e-9)
+    np.testing.assert_allclose(table["peak_pressure_MPa"], cc.limits.hertz_stress(100.0, pair))
+
+
 def test_a_row_with_a_fit_has_the_worst_of_its_band():
     frame = pd.DataFrame({"iso": ["20H7/g6"], "material": "bronze", "load_N_per_mm": 200.0})
     table = check_table(frame).table

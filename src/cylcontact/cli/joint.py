@@ -91,7 +91,7 @@ def joint_of(
 @takes("around", AROUND)
 def check(
     file: Path | None = argument(
-        "A table of joints, the file of a joint, of one with a bush, or of a clevis.",
+        "A table of joints or clevises, or the file of a joint, of one with a bush, of a clevis.",
         metavar="FILE",
         default=None,
     ),
