@@ -138,12 +138,13 @@ class LogarithmicLaw(Law):
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm; NaN outside [0, max_load]."""
+        f_max, deepest = self.numbers_at(pair)
         f = numbers_for(pair, load=load)
         with np.errstate(over="ignore"):
-            q = f / self.max_load(pair)
+            q = f / f_max
         inside = np.asarray((q >= 0) & (q <= 1))
         p = q * (1 - log(np.where(inside & (q > 0), q, 1.0)))
-        return inside_or_nan(self.max_penetration(pair) * p, inside)
+        return inside_or_nan(deepest * p, inside)
 
 
 @dataclass(frozen=True)
