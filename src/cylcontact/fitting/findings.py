@@ -217,9 +217,8 @@ def _on_scatter(optimum: Optimum) -> str:
         words = f"noise: {texts['constant']} and {texts['proportional']} ({found})"
         words += f", equal at {1e3 * constant / share:.3g} µm"
     else:
-        kind, none = ("constant", "in proportion to the penetration")
-        kind, none = (kind, none) if share == 0 else ("proportional", "at any load")
-        words = f"noise: {texts[kind]} ({found}); none {none} was found"
+        kind, other = ("constant", "proportional") if share == 0 else ("proportional", "constant")
+        words = f"noise: {texts[kind]} ({found}); no {other} part"
     if optimum.mixture is not None:
         words += (
             f"; {optimum.r.size} readings hardly tell the two kinds apart, and the intervals allow "
