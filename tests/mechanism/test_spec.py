@@ -16,6 +16,7 @@ MISTAKES = [
     ({"joint.clearance": 0.0}, "joint.clearance = 0.0: must be greater than 0"),
     ({"joint.pin.R": 9.0}, "joint.pin.R = 9.0: is given twice"),
     ({"joint.clearance": DROP}, "joint.pin.R: is required; give R of the pin, or the clearance"),
+    ({"joint.law": "power-clearance"}, "'power-clearance': has no fixed coefficients; name a fit"),
     ({"joint.law": "jonson"}, "joint.law = 'jonson': is neither a law nor a fit result"),
     ({"joint.law": "mine.json"}, "joint.law = 'mine.json': is neither beside this file nor in"),
     ({"joint.pin.material": "soap", "joint.pin.E": DROP, "joint.pin.nu": DROP},

@@ -691,6 +691,9 @@ def named_law(what: str, source: str) -> tuple[ContactLaw, str]:
     if ":" in what:
         return user_law(what, Path(source).parent, Path.cwd()), "a function of the user's own"
     if Path(what).suffix != ".json":
+        if what.startswith("power"):
+            rule, remedy = "has no fixed coefficients", "name a fit result of it"
+            raise InputError(source, "law", what, rule, remedy)
         raise InputError(
             source, "law", what, "is neither a law nor a fit result",
             f"choose {', '.join(LAWS)}, your module:function, or the path of a result",
