@@ -83,6 +83,16 @@ def mass(u: Any, v: Any, w: Any) -> Any:
     return w.x[0] * dot(u, v)
 
 
+def in_harmonics(basis: skfem.Basis) -> tuple[tuple[Any, Any, Any], IndexArray]:
+    """Return the matrices of 1, m and m² in the stiffness, and the component of each unknown."""
+    minus, zero, plus = (stiffness(basis, m) for m in (-1, 0, 1))
+    component = np.empty(basis.N, int)
+    for number in range(3):
+        for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs):
+            component[dofs[number]] = number
+    return (zero, (plus - minus) / 2, (plus + minus) / 2 - zero), component
+
+
 def compliances(r: FloatArray, z: FloatArray, half: float, plane: bool = False) -> FloatArray:
     """Return S_m of the bands of the wall r = 1 with z < half, as (parity, m, bands, bands)."""
     mesh = skfem.MeshQuad.init_tensor(r, z)
@@ -95,13 +105,8 @@ def compliances(r: FloatArray, z: FloatArray, half: float, plane: bool = False) 
     for band, (facet, size) in enumerate(zip(wall, np.abs(length), strict=True)):
         loads[basis.nodal_dofs[0, mesh.facets[:, facet]], band] = size / 6
         loads[basis.facet_dofs[0, facet], band] = 4 * size / 6
-    minus, zero, plus = (stiffness(basis, m) for m in (-1, 0, 1))
-    linear, square = (plus - minus) / 2, (plus + minus) / 2 - zero
+    (zero, linear, square), component = in_harmonics(basis)
     weight = mass.assemble(basis)
-    component = np.empty(basis.N, int)
-    for number in range(3):
-        for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs):
-            component[dofs[number]] = number
     along = np.flatnonzero(component == 1)
     x, y = basis.doflocs
     outside = np.flatnonzero(x > OUTER - 1e-9)

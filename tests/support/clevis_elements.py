@@ -22,7 +22,7 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse.linalg import splu
 
-from benchmarks.tilted_pin import HARMONICS, graded, mass, stiffness
+from benchmarks.tilted_pin import HARMONICS, graded, in_harmonics, mass
 
 OUTER, SOFT = 4.0, 1e-7
 
@@ -58,13 +58,8 @@ def compliances(r, z, R, bands, *, clamped=None, pin=False, half=False):
             loads[basis.nodal_dofs[0, mesh.facets[:, wall[k]]], band] += R * length[k] / 6
             loads[basis.facet_dofs[0, wall[k]], band] += R * 4 * length[k] / 6
     loads *= -1 if pin else 1
-    minus, zero, plus = (stiffness(basis, m) for m in (-1, 0, 1))
-    linear, square = (plus - minus) / 2, (plus + minus) / 2 - zero
+    (zero, linear, square), component = in_harmonics(basis)
     weight = mass.assemble(basis)
-    component = np.empty(basis.N, int)
-    for number in range(3):
-        for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs):
-            component[dofs[number]] = number
     x, y = basis.doflocs
     held = np.zeros(basis.N, bool)
     if clamped is not None:

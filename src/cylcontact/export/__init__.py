@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from cylcontact.laws import LAWS
 from cylcontact.laws.law import ContactLaw
+from cylcontact.laws.power import require_coefficients
 from cylcontact.laws.user import user_law
 from cylcontact.support.arrays import require
 from cylcontact.support.choices import CODES, CONTACTS, JOINT_TARGETS, TARGETS, Contact, listed
@@ -117,9 +118,6 @@ def law_named(what: str, contact: str | None) -> tuple[ContactLaw, str | None, s
     """Return a law by its name or by the path of a fit result, its contact and its origin."""
     if what in LAWS:
         return LAWS[what](), contact, ""
-    if what.startswith("power"):
-        rule, remedy = "has no fixed coefficients", "name a fit result of it"
-        raise InputError("export", "law", what, rule, remedy)
     is_path = Path(what).suffix == ".json"
     with suppress(OSError):  # of a name that is too long
         is_path = is_path or Path(what).exists()
@@ -127,6 +125,7 @@ def law_named(what: str, contact: str | None) -> tuple[ContactLaw, str | None, s
         return _of_result(what, contact)
     if ":" in what:
         return user_law(what, Path.cwd()), contact, "a function of the user's own"
+    require_coefficients(what, "export")
     rule = "is neither a law that can be exported nor a fit result"
     names = ", ".join(EXPORTABLE)
     remedy = f"choose {names}, your module:function, or the path of a result"

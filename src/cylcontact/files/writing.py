@@ -143,18 +143,19 @@ def json_text(data: Any) -> str:
     >>> json_text([1.5, float("nan"), float("-inf")]).split()
     ['[', '1.5,', 'null,', '"-inf"', ']']
     """
-    return json.dumps(_plain(data), ensure_ascii=False, indent=1)
+    return json.dumps(plain(data), ensure_ascii=False, indent=1)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return plain data, arrays and tables for JSON, as `json_text` writes them."""
     if hasattr(value, "to_dict"):
         value = value.to_dict("records")
     elif hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, dict):
-        return {key: _plain(each) for key, each in value.items()}
+        return {key: plain(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
+        return [plain(each) for each in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None if math.isnan(value) else str(value)
     return value

@@ -94,17 +94,9 @@ NUMBERS = tuple(field.name for field in fields(Numbers) if field.name != "first_
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """The numbers of a joint under a load; `JointCheck` adds advice and drawings.
+    """The numbers of a joint under a load, for its text, pictures and page.
 
-    Attributes
-    ----------
-    joint : LoadedJoint
-        The joint as it was understood: pairs, housing, temperatures, depth, load.
-    numbers : Numbers
-        Of the joint; with a fit, of its middle.
-    band : dict of Numbers
-        With a fit: "tightest", "5 %", "middle", "95 %", "loosest" and "mean". The percentiles are
-        those of the clearance of produced pairs.
+    `JointCheck`, which users get, describes the attributes.
     """
 
     joint: LoadedJoint

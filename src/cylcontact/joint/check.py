@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import numpy as np
 
 from cylcontact.bodies.iso286 import IsoFit
 from cylcontact.bodies.pair import CylinderPair
+from cylcontact.files.writing import json_text, plain
 from cylcontact.joint.answer import (
     NO_CLEARANCE,
     NUMBERS,
@@ -75,16 +75,16 @@ class JointCheck(Answer):
         """
         joint, pair = self.joint, self.pair
         R_i, R_j = (float(radius) for radius in pair.radii("the joint"))
-        return {
+        values = {
             "contact": pair.contact,
             "load_N_per_mm": self.load,
-            "dR_mm": _finite(float(pair.dR)),
+            "dR_mm": float(pair.dR),
             "R_i_mm": R_i,
-            "R_j_mm": _finite(R_j),
+            "R_j_mm": R_j,
             "length_mm": pair.length,
             "plane": pair.plane,
-            "material_i": _plain(pair.material_i),
-            "material_j": _plain(pair.material_j),
+            "material_i": asdict(pair.material_i),
+            "material_j": asdict(pair.material_j),
             "housing": str(joint.housing) if joint.housing else None,
             "temperature_C": list(joint.temperature) if joint.temperature else None,
             "depth_mm": joint.depth,
@@ -96,14 +96,16 @@ class JointCheck(Answer):
             "warnings": list(self.warnings),
             "not_included": list(not_included(joint)),
             "numbers": {
-                name: _plain(numbers)
+                name: asdict(numbers)
                 for name, numbers in ({"joint": self.numbers} | self.band).items()
             },
         }
+        converted: dict[str, Any] = plain(values)
+        return converted
 
     def to_json(self) -> str:
         """Return `to_dict` as JSON."""
-        return json.dumps(self.to_dict(), ensure_ascii=False, indent=1)
+        return json_text(self.to_dict())
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the penetration against the load up to first yield, with the band of a fit.
@@ -278,15 +280,3 @@ def _advice(check: JointCheck) -> list[str]:
         lines.append(f"{'':<20}The housing may deform by more than this penetration: give its "
                      "outer radius (--R-o)")  # fmt: skip
     return lines
-
-
-def _plain(record: Any) -> dict[str, Any]:
-    """Return a record for JSON, None in the place of NaN."""
-    return {name: _finite(value) for name, value in asdict(record).items()}
-
-
-def _finite(value: Any) -> Any:
-    """Return a number for JSON: none for NaN, a text for infinity."""
-    if isinstance(value, float) and not np.isfinite(value):
-        return None if np.isnan(value) else "inf"
-    return value

@@ -28,6 +28,7 @@ from cylcontact.joint import contact, derivatives
 from cylcontact.laws import LAWS, ContactLaw, Housing
 from cylcontact.laws.housing_spec import HousingSpec, in_housing
 from cylcontact.laws.kernels import Kernel, kernel, kernel_load, kernel_stiffness
+from cylcontact.laws.power import require_coefficients
 from cylcontact.laws.user import user_law
 from cylcontact.limits import yield_load
 from cylcontact.support.arrays import FloatArray, as_floats, require
@@ -691,9 +692,7 @@ def named_law(what: str, source: str) -> tuple[ContactLaw, str]:
     if ":" in what:
         return user_law(what, Path(source).parent, Path.cwd()), "a function of the user's own"
     if Path(what).suffix != ".json":
-        if what.startswith("power"):
-            rule, remedy = "has no fixed coefficients", "name a fit result of it"
-            raise InputError(source, "law", what, rule, remedy)
+        require_coefficients(what, source)
         raise InputError(
             source, "law", what, "is neither a law nor a fit result",
             f"choose {', '.join(LAWS)}, your module:function, or the path of a result",

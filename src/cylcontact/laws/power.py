@@ -50,6 +50,12 @@ def power_formula(numbers: Any, equation: str, remark: str) -> Formula:
     return Formula(load, stiffness, numbers, energy, deepest_at, equation, remark)
 
 
+def require_coefficients(what: str, source: str) -> None:
+    """Refuse the name of a power law, which has coefficients only after a fit."""
+    rule, remedy = "has no fixed coefficients", "name a fit result of it"
+    require(not what.startswith("power"), source, "law", what, rule, remedy)
+
+
 class PowerShaped(Law):
     """The common form f = K·δⁿ at each pair; a law supplies K and n."""
 
