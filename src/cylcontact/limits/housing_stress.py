@@ -50,8 +50,9 @@ Equivalent = Callable[[FloatArray, FloatArray], FloatArray]
 _ALONG, _THROUGH, _NEAR_ALONG, _NEAR_THROUGH = 33, 13, 17, 13
 _PASSES, _FINE = 5, 7
 _END, _CENTRE = np.pi - 1e-6, 0.02
-# The arcs of the search, 1 − e^−t times the largest, and the accuracy of t.
-_FIRST, _LAST, _EXACT = 1e-6, 23.0, 1e-6
+# The arcs of the search, 1 − e^−t times the largest, and the accuracy of t: so fine that a result
+# does not depend on the bracket from which its search began.
+_FIRST, _LAST, _EXACT = 1e-6, 23.0, 1e-12
 # With stress at rest: where the scan of the arcs begins, and their number; points along a seat.
 _SCAN_FROM, _SCANNED, _ALONG_SEAT = 0.02, 20, 361
 # Terms of the pressure are left out from where all are below this part of the largest.
