@@ -9,7 +9,6 @@ both are answered, and each yield is the lower of the two.
 from __future__ import annotations
 
 import itertools
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -21,6 +20,7 @@ import numpy as np
 from cylcontact.bodies.iso286 import diameters
 from cylcontact.bodies.material import Material, is_known_at
 from cylcontact.bodies.pair import CylinderPair, Plane
+from cylcontact.files.writing import json_text
 from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.limits import AtRest, at_rest, at_temperature, first_yields, loose_temperatures
 from cylcontact.limits import seat_opens as opening_load
@@ -409,7 +409,7 @@ class BushCheck:
 
     def to_json(self) -> str:
         """Return `to_dict` as JSON."""
-        return json.dumps(self.to_dict(), ensure_ascii=False, indent=1)
+        return json_text(self.to_dict())
 
     def save(self, path: Path | str) -> Path:
         """Write the answer on one page, .html, .pdf or .png."""

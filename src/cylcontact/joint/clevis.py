@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cylcontact.files.writing import json_text
 from cylcontact.joint.bush import limits_of, shown
 from cylcontact.joint.clevis_beam import SOURCE, Clevis, PinBeam, Plate, PlateLaw, State, sizes_of
 from cylcontact.support.arrays import FloatArray, require_positive
@@ -164,7 +164,7 @@ class ClevisCheck:
 
     def to_json(self) -> str:
         """Return `to_dict` as JSON."""
-        return json.dumps(self.to_dict(), ensure_ascii=False, indent=1)
+        return json_text(self.to_dict())
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the line load along the pin beside the uniform one.
