@@ -1,5 +1,6 @@
 """Which law describes measurements: the ranking, what it rests on, and when it does not decide."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +52,14 @@ def test_the_law_of_the_data_is_the_best_and_its_equal_cannot_be_told_apart(choi
     assert "the data cannot tell" in said
     assert "(conformal is its elastic solution)" not in said  # it was not asked for
     assert "cannot tell the law from the compliance" in said
+
+
+@pytest.mark.parametrize(("behind", "verdict"), [(6.9, "undecided"), (7.1, "worse")])
+def test_a_law_that_predicts_worse_is_ruled_out_by_an_aicc_7_behind(choice, behind, verdict):
+    best, johnson = choice.best, next(law for law in choice.laws if law.law == "johnson")
+    assert johnson.behind(best) > 1
+    rival = replace(johnson, aicc=best.aicc + behind)
+    assert replace(choice, laws=(best, rival)).table.loc["johnson", "verdict"] == verdict
 
 
 @pytest.mark.slow
