@@ -71,8 +71,8 @@ REFUSED = {
     LINE.replace("bronze", "bronce"): "--bush = 'bronce': is not in the tables",
     LINE.replace(", 26H7/s6", ""): "is not a bush; write MATERIAL, BORE, HOLE/BUSH",
     f"check {BODIES} --Ri 10 --pin-diameter 20f7": "--pin-diameter = '20f7': is a class",
-    f"check {ROOT / 'datasets/bush.toml'} --load 3": "--load: is in the file already",
-    f"check {ROOT / 'datasets/bush.toml'} --bush 'bronze, 20E6, 26H7/s6'": "--bush: is in the file",
+    f"check {ROOT / 'datasets/bush.toml'} --load 3": "--load: belongs in the file",
+    f"check {ROOT / 'datasets/bush.toml'} --bush 'bronze, 20E6, 26H7/s6'": "--bush: belongs in the",
 }
 
 

@@ -46,6 +46,8 @@ REFUSED = [
     ((*JOINT, "--to", "drake", "--range", "0:1"), "'0:1' must be two positive numbers"),
     ((*JOINT, "--to", "drake", "--range", "1:inf"), "'1:inf' must be two positive numbers"),
     ((*JOINT, "--to", "mujoco", "--range", "1:9", "--mass", "0"), "--mass = 0.0: must be posit"),
+    (("liu", *JOINT, "--to", "adams", "--range", "1:9"), "RESULT|LAW = 'liu': is in the file of"),
+    ((*JOINT, "--to", "adams", "--range", "1:9", "--Ri", 9), "--Ri = 9.0: is in the file of the"),
     ((*JOINT, "--to", "c", "--range", "1:9"), "is for a code's own contact; leave it out"),
 ]  # fmt: skip
 

@@ -1,5 +1,7 @@
 """Inputs known only so well: Gaussian statements about them count as further readings."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -135,11 +137,20 @@ def test_the_option_says_the_same(run, tmp_path, fits):
     options = ("--contact", "internal", "--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--Rj", 9.97)
     code, _, errors = run(
         *("fit", tmp_path / "t.csv", "--law", "explicit", *options, "--length", 20),
-        *("--uncertain", "dR=2 um", "--uncertain", "E=5%", "-o", tmp_path / "r.json"),
+        *("--uncertain", "dR=2um", "--uncertain", "E=5%", "-o", tmp_path / "r.json"),
     )
     assert (code, errors) == (0, "")
     actual = read_result(tmp_path / "r.json").coefficients
     assert actual == pytest.approx(fits[1].coefficients, rel=1e-6)
+
+
+def test_compared_fits_of_one_table_are_called_by_their_folders(run, tmp_path, fits):
+    paths = [tmp_path / name / "result.json" for name in ("exact", "uncertain")]
+    for fit, path in zip(fits, paths, strict=True):
+        path.parent.mkdir()
+        fit.save(path)
+    (one,), (other,) = (kind["results"] for kind in json.loads(run("compare", *paths, "--json")[1]))
+    assert (one["name"], other["name"]) == ("exact", "uncertain")
 
 
 @pytest.mark.slow

@@ -417,6 +417,11 @@ def _aligned(columns: Mapping[str, Any]) -> str:
     return "\n".join("  ".join(row) for row in rows)
 
 
+def _title(path: Path) -> str:
+    """Return what a result is called: by its folder if its file has the name of all fits."""
+    return path.resolve().parent.name if path.name == FIT_FILES[0] else path.stem
+
+
 def compare(
     results: list[Path] = argument("Result files, e.g. fitting/results/*.json.", metavar="RESULT"),
     as_json: bool = JSON,
@@ -428,7 +433,7 @@ def compare(
     read = [fitting.read_result(path) for path in results]
     often = Counter(result.name for result in read)
     named = [  # fits of one table have its name
-        result.model_copy(update={"name": path.stem}) if often[result.name] > 1 else result
+        result.model_copy(update={"name": _title(path)}) if often[result.name] > 1 else result
         for path, result in zip(results, read, strict=True)
     ]
     say(json_text(compared(named)) if as_json else fitting.compare(named))
@@ -457,7 +462,7 @@ def verify(
         rows += [{"result": str(path), **check.to_dict()} for check in checks]
         failed += sum(not check.holds for check in checks)
         if not as_json:
-            say("\n".join(f"{path.stem}: {check}" for check in checks))
+            say("\n".join(f"{_title(path)}: {check}" for check in checks))
     if as_json:
         say(json_text({"rows": rows}))
     else:

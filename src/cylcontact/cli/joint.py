@@ -185,7 +185,7 @@ def _checked(
         materials = pair.pop("materials", None)
         options = [*map(option_of, (*pair, *around)), *["--bush"] * (bush is not None)]
         for name in options:
-            rule, remedy = f"is in the file already: {file}", "leave one of them out"
+            rule, remedy = f"belongs in the file: {file}", "write it there, and leave it out here"
             raise InputError("check", name, None, rule, remedy)
         return check_file(file, materials)
     if bush is not None:

@@ -137,6 +137,10 @@ def export(
     forces = force_range and "{:g}:{:g}".format(*force_range)
     own_contact = {"--range": forces, "--mass": mass, "--speed": speed}
     require_output(out)
+    if joint is not None:
+        _refuse({"RESULT|LAW": what}, "is in the file of the joint already", "leave it out")
+        others = {option_of(name): value for name, value in pair.items() if name != "materials"}
+        _refuse(others, "is in the file of the joint already", "leave it out, or --joint")
     if target in CODES:
         _export_parameters(
             joint, target, force_range, mass, speed, pair.get("materials"), out, quiet
@@ -145,8 +149,7 @@ def export(
     remedy = f"leave it out, or choose --to {listed(CODES)}"
     _refuse(own_contact, "is for a code's own contact", remedy)
     if joint is not None:
-        _refuse({"RESULT|LAW": what}, "is in the file of the joint already", "leave it out")
-        _export_joint(joint, target, out, pair, quiet)
+        _export_joint(joint, target, out, pair.get("materials"), quiet)
     else:
         remedy = "name one, e.g. explicit, or a joint with --joint"
         require(what is not None, "export", "RESULT|LAW", None, "is missing", remedy)
@@ -232,7 +235,7 @@ def _export_parameters(
 
 
 def _export_joint(
-    path: Path, target: str, out: Path | None, pair: Mapping[str, Any], quiet: bool
+    path: Path, target: str, out: Path | None, materials: str | None, quiet: bool
 ) -> None:
     """Write a joint as a force element, next to the file `out`."""
     from cylcontact.bodies.pair import unusual_lengths
@@ -240,14 +243,12 @@ def _export_joint(
     from cylcontact.files.spec import read_toml
     from cylcontact.mechanism import ClearanceJoint, SpatialJoint, read_joint
 
-    others = {option_of(name): value for name, value in pair.items() if name != "materials"}
-    _refuse(others, "is in the file of the joint already", "leave it out, or --joint")
     joint: SpatialJoint | ClearanceJoint
     if read_toml(path).get("kind") == "spatial":
-        joint = SpatialJoint.read(path, pair.get("materials"))
+        joint = SpatialJoint.read(path, materials)
         planar = joint.planar
     else:
-        joint = planar = read_joint(path, pair.get("materials"))
+        joint = planar = read_joint(path, materials)
     texts = export_joint(joint, target, out.stem if out else "")
     suffix = JOINT_TARGETS[target]
     if out is None:

@@ -447,10 +447,10 @@ def _brackets(plain: str) -> tuple[str, list[str]]:
 # --- numbers with a unit, as options give them --------------------------------------------------
 
 
-def _number_and_unit(text: str) -> tuple[str, str]:
+def split_number(text: str) -> tuple[str, str]:
     """Return a number and what stands behind it, with or without a blank between.
 
-    >>> _number_and_unit("5kN"), _number_and_unit("1e3 N/mm"), _number_and_unit("many")
+    >>> split_number("5kN"), split_number("1e3 N/mm"), split_number("many")
     (('5', 'kN'), ('1e3', 'N/mm'), ('many', ''))
     """
     match = re.fullmatch(r"\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(.*?)\s*", text)
@@ -463,7 +463,7 @@ def length_in_mm(text: str) -> float:
     >>> length_in_mm("0.04"), length_in_mm("40 µm")
     (0.04, 0.04)
     """
-    number, unit = _number_and_unit(text)
+    number, unit = split_number(text)
     factor = LENGTHS.get(unit_of(unit or "mm"))
     if factor is None:
         raise ValueError(f"{text!r} is not a length")
@@ -472,7 +472,7 @@ def length_in_mm(text: str) -> float:
 
 def load_in_N_per_mm(text: str, length: float | None) -> float:
     """Return a load with a unit, such as 4500 N or 225 N/mm, per unit of length in N/mm."""
-    number, written = _number_and_unit(text)
+    number, written = split_number(text)
     unit = unit_of(written)
     whole, comma, decimals = number.partition(",")
     if comma and len(decimals) != 3 and "." not in number:  # 4,5 is 4.5; 4,500 may be 4500

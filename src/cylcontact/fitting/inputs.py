@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from cylcontact.files.reading import plain_number
+from cylcontact.files.units import split_number
 from cylcontact.fitting.adapters import CorrectedInputs
 from cylcontact.fitting.parameters import LawModel, Parameter
 from cylcontact.laws.law import Coefficients, ContactLaw
@@ -127,14 +128,14 @@ def _require_known(model: LawModel, uncertain: Mapping[str, float | str], source
 
 def _size(key: str, text: float | str, source: str) -> tuple[float, bool]:
     """Return a standard uncertainty, and whether it is a share."""
-    number, _, unit = str(text).strip().partition(" ")
-    is_share = number.endswith("%") or unit.strip() == "%"
+    number, unit = split_number(str(text))
+    is_share = unit == "%"
     allowed = _ALLOWED.get(key, ())
     try:
-        value = plain_number(number.removesuffix("%"))
+        value = plain_number(number)
     except ValueError:
         value = math.nan
-    unit = "" if is_share else unit.strip()
+    unit = "" if is_share else unit
     if not (0 < value < math.inf) or (unit and unit not in allowed):
         example = '"2 um"' if allowed == _LENGTHS else '"5%"'
         rule = "must be a positive standard uncertainty"

@@ -302,6 +302,7 @@ def _sizes(
         key = {"radial_clearance": "dR", **_DIAMETERS}.get(name, name)
         if name in _DIAMETERS:
             require_pin(source, named, contact, f"leave out {named(name)}; rollers have radii")
+            require(value > 0, source, named(name), value, "must be positive", "give it in mm")
             value /= 2
         rule, remedy = f"says the same as {named(origin.get(key, ''))}", "keep one of them"
         require(key not in sizes, source, named(name), None, rule, remedy)
@@ -309,7 +310,7 @@ def _sizes(
     if free:
         for key in {"dR", "R_j"} & {*sizes}:
             rule, remedy = "is what is sought (size clearance)", "leave it out"
-            raise InputError(source, named(origin[key]), sizes[key], rule, remedy)
+            raise InputError(source, named(origin[key]), given[origin[key]], rule, remedy)
         rule, remedy = "is missing", "give the radius of the hole, or of the first roller"
         require("R_i" in sizes, source, named("R_i"), None, rule, remedy)
         return sizes | {"dR": sizes["R_i"] / 2 if contact == "internal" else 2 * sizes["R_i"]}
@@ -340,6 +341,10 @@ def _require_clearance(
             remedy += f"{named('R_i')} {-sizes[key]:g}, with the smaller radius as {named('R_j')}"
             rule = "must be positive"
             raise InputError(source, named(origin[key]), sizes[key], rule, remedy)
+    if {*_DIAMETERS} <= {*origin.values()} and sizes["R_j"] > sizes["R_i"]:
+        rule = f"must be smaller than the hole ({named('hole_diameter')} {2 * sizes['R_i']:g})"
+        remedy = "give the larger diameter to the hole"
+        raise InputError(source, named("pin_diameter"), 2 * sizes["R_j"], rule, remedy)
     if sizes.get("dR") == 0 or sizes.get("R_i") == sizes.get("R_j", math.nan):
         key = "dR" if "dR" in sizes else "R_j"
         rule = "leaves no clearance, and the laws need one"
