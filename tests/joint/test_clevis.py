@@ -68,10 +68,8 @@ FRESH = {
 }
 
 
-@pytest.mark.parametrize(
-    "name",
-    [n if n.startswith("bronze") else pytest.param(n, marks=pytest.mark.slow) for n in FRESH],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FRESH)
 def test_joints_that_no_number_was_fitted_to_are_near_fresh_elements(name):
     joint, force, edge = FRESH[name]
     plate, hole = Material("plate", joint.E_plates, 0.3), 2 * (joint.R + joint.clearance)
@@ -83,6 +81,7 @@ def test_joints_that_no_number_was_fitted_to_are_near_fresh_elements(name):
         assert abs(found[key]) < wide, (key, found[key])
 
 
+@pytest.mark.slow
 def test_the_elements_are_those_of_another_program():
     """CalculiX, of the joint with d = 15 mm; the table has the finer mesh."""
     coarse = ClevisOfElements(Joint(7.5, 20.0, 10.0, 1.0, 0.01)).solved(10e3)

@@ -144,20 +144,6 @@ def test_a_bush_that_yields_by_its_press_fit_has_the_load_zero():
     assert limits.first_yield(pair_of(), housing=eye("sliding"), at_rest=rest).load == 0
 
 
-def test_arrays_of_pairs_with_a_state_of_each():
-    pair = CylinderPair.from_dR("internal", [0.02, 0.03], BRONZE, R_i=10.0, material_j=PIN)
-    both = limits.at_rest([BRONZE, STEEL], RADII, np.array([0.012, 0.006]))
-    found = limits.first_yields(pair, eye("sliding"), both)
-    opens = limits.seat_opens(pair, eye("sliding"), both)
-    for k, (dR, i) in enumerate(((0.02, 0.012), (0.03, 0.006))):
-        alone = CylinderPair.from_dR("internal", dR, BRONZE, R_i=10.0, material_j=PIN)
-        rest = limits.at_rest([BRONZE, STEEL], RADII, i)
-        one = limits.first_yields(alone, eye("sliding"), rest)
-        for body in range(2):
-            assert found[body].load[k] == pytest.approx(float(one[body].load), rel=1e-9)
-        assert opens[k] == pytest.approx(float(limits.seat_opens(alone, eye("sliding"), rest)))
-
-
 def test_tresca_is_never_above_von_mises():
     rest = limits.at_rest([BRONZE, STEEL], RADII, 0.012)
     mises, tresca = (

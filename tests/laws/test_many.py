@@ -31,7 +31,7 @@ def random_joints(count, seed, plane):
 @pytest.mark.parametrize("plane", ["strain", "stress"])
 def test_many_joints_are_the_arcs_of_each(plane):
     """All answers by the load and by the penetration, from tiny to huge ones."""
-    w_i, beta, C = random_joints(120, 3, plane)
+    w_i, beta, C = random_joints(60, 3, plane)
     phi = 10 ** np.random.default_rng(4).uniform(-12, 6, w_i.size)
     joints = Many(w_i, beta, C)
     under = joints.state(phi, by_load=True)
@@ -122,14 +122,12 @@ def test_a_joint_that_is_not_found_is_left_to_the_arcs(monkeypatch):
 
 
 def test_a_datum_as_a_number_is_refused_where_the_penetration_would_decrease():
-    pair, load = pairs_of(30)
-    least = []
-    for k in range(30):
-        bodies = Conformal(0.0).curve(one_of(pair, k)).bodies
-        least.append(-float(bodies.last.L))
+    pair, load = pairs_of(6)
+    curves = (Conformal(0.0).curve(one_of(pair, k)) for k in range(6))
+    least = [-float(curve.bodies.last.L) for curve in curves]
     law = Conformal(max(least) + 1e-6)
     assert (law.penetration(load, pair) > 0).all()
-    with pytest.raises(InputError, match=f"datum = -1.18.*needs C > {max(least):.6g}"):
+    with pytest.raises(InputError, match=f"datum = -1.33.*needs C > {max(least):.6g}"):
         Conformal(max(least) - 1e-6).penetration(load, pair)
 
 
