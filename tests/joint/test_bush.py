@@ -204,7 +204,7 @@ def test_a_polymer_may_lose_its_stress_at_rest():
 
 def test_a_wrapped_bush_presses_its_hole_with_no_more_than_its_plastic_pressure():
     weak = Material("weak", 110e3, 0.34, 50.0, 18e-6)
-    wrapped = check(Bush(weak, seat=(26.0, 26.06), bore=20.0, wrapped=True), 19.9)
+    wrapped = check(Bush(weak, seat=(26.0, 26.06), bore=20.0, wrapped=True), 19.9, **FRAME)
     bore = wrapped.band["joint"].bore_mm / 2
     most = 2 / np.sqrt(3) * 50 * np.log(13 / bore)
     assert wrapped.band["joint"].seat_pressure_MPa == pytest.approx(most)
@@ -225,7 +225,7 @@ def test_a_load_that_opens_the_seat_is_warned_of():
 
 def test_a_transition_seat_may_be_loose():
     """From 7.5 µm of interference to a gap of 3 µm."""
-    answer = check(Bush(BRONZE, seat=((26.0, 26.021), 26.015), bore=20.04), 19.97)
+    answer = check(Bush(BRONZE, seat=((26.0, 26.021), 26.015), bore=20.04), 19.97, **FRAME)
     assert answer.bush.interference == pytest.approx((-0.003, 0.0075))
     assert answer.loose_at == np.inf
     assert any("some bushes have no interference (-3 µm" in w for w in answer.warnings)

@@ -91,8 +91,8 @@ CASES = [  # σ_Y·R/(E*·ΔR) of the hole
     pytest.param("full", 2.0, 0.05, marks=pytest.mark.slow),
     pytest.param("near60", 2.0, 1.0, marks=pytest.mark.slow),
     pytest.param("far180", 1.3, 0.02, marks=pytest.mark.slow),  # above the contact on the rim
-    ("far180", 1.3, 0.5),
-    ("far60", 1.5, 0.5),
+    pytest.param("far180", 1.3, 0.5, marks=pytest.mark.slow),
+    pytest.param("far60", 1.5, 0.5, marks=pytest.mark.slow),
     ("far60", 2.0, 3.0),
 ]
 

@@ -40,12 +40,6 @@ def folder(tmp_path):
     return tmp_path
 
 
-def drawn(name, monkeypatch, **arguments):
-    monkeypatch.chdir(ROOT)
-    with figure_style():
-        return draw(ROOT, name, arguments)
-
-
 # --- golden numbers ---
 
 
@@ -261,7 +255,14 @@ def test_a_map_explains_what_it_draws_and_its_numbers_are_a_rectangle(number):
     assert np.array_equal(np.isnan(grid.to_numpy()), grid.columns.to_numpy() > ends)
 
 
-@pytest.mark.parametrize("name", ["fig06", "fig07", "fig09"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name != "fig07"))
+        for name in recipes(ROOT)
+        if name not in SLOW
+    ],
+)
 def test_a_narrow_figure_keeps_its_labels_and_fits_a_page(name, monkeypatch):
     monkeypatch.chdir(ROOT)
     with figure_style(width=85.0):
@@ -310,10 +311,10 @@ def test_shares_of_time_add_up_and_settled_runs_agree():
     assert 0 < (depth * settled["percent"]).sum() / settled["percent"].sum() < 4
 
 
-def test_a_fresh_fit_takes_the_place_of_the_published_law(monkeypatch):
+def test_a_fresh_fit_takes_the_place_of_the_published_law():
     result = "fitting/results/internal.json"
-    _, table = drawn("fig12", monkeypatch, result=result)
-    _, refit = drawn("fig_refit", monkeypatch, result="internal")
+    _, table = shipped_figure("fig12", result=result)
+    _, refit = shipped_figure("fig_refit", result="internal")
     rows = refit[refit["material"] == "low-carbon steel"]
     assert table["difference_percent"].to_numpy() == pytest.approx(
         rows["difference_percent"].to_numpy()
@@ -322,5 +323,6 @@ def test_a_fresh_fit_takes_the_place_of_the_published_law(monkeypatch):
 
 
 def test_an_unknown_result_is_refused(monkeypatch):
+    monkeypatch.chdir(ROOT)
     with pytest.raises(InputError, match="neither a law nor a fit result"):
-        drawn("fig12", monkeypatch, result="build/none.json")
+        draw(ROOT, "fig12", {"result": "build/none.json"})

@@ -5,7 +5,7 @@ import functools
 from pathlib import Path
 
 from cylcontact.plots import figure_style
-from cylcontact.reports.figures import draw
+from cylcontact.reports.figures import recipes
 
 ROOT = Path(__file__).parents[2]
 
@@ -44,7 +44,7 @@ def wrong_sum():
 
 
 @functools.cache
-def shipped_figure(name):
-    """Return a figure of the checkout with its numbers; each is drawn once in a process."""
+def shipped_figure(name, **arguments):
+    """Return a figure of the checkout, not yet arranged, with its numbers; once in a process."""
     with contextlib.chdir(ROOT), figure_style():
-        return draw(ROOT, name)
+        return recipes(ROOT)[name](**arguments)

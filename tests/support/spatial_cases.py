@@ -1,5 +1,6 @@
 """Spatial joints and random motions in all kinds of contact."""
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -31,8 +32,13 @@ def motions(joint, rows, seed=0):
 
     Some faces are touched too if there are any, and some states know no contact yet.
     """
-    rng, mm = np.random.default_rng(seed), joint.planar.in_mm
-    radial, half = joint.planar.radial, joint.spec.length / 2
+    sizes = joint.planar.in_mm, joint.planar.radial, joint.spec.length / 2
+    return tuple(part.copy() for part in _motions(rows, seed, *sizes))
+
+
+@cache
+def _motions(rows, seed, mm, radial, half):
+    rng = np.random.default_rng(seed)
     pins, rates = np.empty((rows, 13)), np.zeros((rows, 4))
     for pin, rate in zip(pins, rates, strict=True):
         heading, towards = rng.uniform(0, 2 * np.pi, 2)
