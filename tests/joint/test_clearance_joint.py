@@ -2,17 +2,18 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from cylcontact import CylinderPair, InputError, Material, dissipation, laws
+from cylcontact import CylinderPair, InputError, Material, impact, laws
 from cylcontact.export import export_joint
 from cylcontact.files.spec import read_toml
 from cylcontact.fitting.adapters import ScaledLaw
 from cylcontact.joint.contact import BEYOND_LAW, LEFT_HOLE, NOT_A_NUMBER, YIELDS
-from cylcontact.mechanism import joint_from, read_joint, simulate
+from cylcontact.mechanism import JointState, joint_from, read_joint, simulate
 from tests.support.export_runners import compile_with, run_program
 from tests.support.joint_runners import RUNNERS, run_c, run_library, write
 from tests.support.mechanism_cases import slider_crank
@@ -153,6 +154,35 @@ def test_forces_and_moments_balance_and_dissipate(case):
     np.testing.assert_allclose(balance, 0.0, atol=1e-12 * peak * np.abs(rows[:, 3:]).max())
 
 
+@pytest.mark.parametrize("law", laws.LAWS)
+@pytest.mark.parametrize("clearance", [0.5, 0.02])
+def test_the_forces_are_those_of_the_law_the_dissipation_and_the_friction(law, clearance):
+    joint = joint_for(law, clearance)
+    depths, rates, slips = (1e-9, 1e-7, 3e-6), (-1.0, 0.0, 0.4), (-3.0, -5e-3, -5e-4, 0.0, 2e-2)
+    depth, rate, slip = np.array(list(product(depths, rates, slips))).T
+    still = 0 * depth
+    pin = np.column_stack([still, 1e-3 * joint.radial + depth, still, slip, rate, still])
+    wrench = joint.evaluate(JointState(0.7), np.zeros(6), pin)
+    elastic = joint.law.load(depth * 1e3, joint.pair) * 10.0
+    normal = impact.dissipative_load(elastic, rate * 1e3, 0.7e3, joint.chi)
+    # δ is a difference of numbers of the size of the clearance.
+    digits = 1e-8 + 1e-18 / depth
+    assert (np.abs(wrench.normal_force - normal) <= digits * normal).all()
+    np.testing.assert_allclose(wrench.force_pin[:, 1], -wrench.normal_force, rtol=1e-12)
+    friction = impact.friction_load(wrench.normal_force, slip * 1e3, 0.1, 1.0, 10.0)
+    np.testing.assert_allclose(wrench.force_pin[:, 0], friction, rtol=0, atol=1e-9)
+    lost = (wrench.normal_force - elastic) * rate - friction * slip
+    np.testing.assert_allclose(wrench.dissipated_power, lost, rtol=1e-6, atol=1e-9)
+
+
+def test_the_force_never_pulls():
+    joint = joint_for("enhanced", 0.5, **{"dissipation.restitution": 0.3})
+    pin = [0.0, 1e-3 * joint.radial + 1e-6, 0.0, 0.0, -50.0, 0.0]
+    wrench = joint.evaluate(JointState(1.0), np.zeros(6), pin)
+    assert wrench.penetration > 0
+    assert (wrench.normal_force, *wrench.force_pin) == (0, 0, 0)
+
+
 # --- in other languages ---
 
 
@@ -273,7 +303,7 @@ def test_a_grazing_start_cannot_make_the_damping_run_away():
     for rate in (1e-3, 0.1, 10.0, 1e4):
         wrench = joint.evaluate(grazing, *motion(joint, DEEP, rate))
         elastic = float(joint.law.load(wrench.penetration * 1e3, joint.pair)) * 10.0
-        wanted = dissipation.dissipative_load(elastic, rate * 1e3, 1.0, joint.chi)
+        wanted = impact.dissipative_load(elastic, rate * 1e3, 1.0, joint.chi)
         assert wrench.normal_force == pytest.approx(float(wanted), rel=1e-9)
         assert wrench.normal_force <= elastic * (1 + 20 * joint.chi)
 

@@ -82,8 +82,10 @@ def test_the_energy_balance_closes_over_ten_revolutions(case):
     assert np.abs(run.energy_error).max() < 1e-7 * run.kinetic_energy.max()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("clearance", [0.5, 0.02])
+@pytest.mark.parametrize(
+    "clearance",
+    [pytest.param(0.5, marks=pytest.mark.slow), pytest.param(0.02, marks=pytest.mark.long)],
+)
 def test_energy_is_conserved_over_a_thousand_revolutions_without_dissipation(clearance):
     run = long_run(slider_crank("enhanced", clearance, 1.0, 0.0), 1000)
     assert run.revolutions["energy_error_J"].abs().max() < 1e-2

@@ -2,14 +2,11 @@
 
 import json
 import os
-import signal
-import time
 from dataclasses import replace
 
 import pytest
 
 from cylcontact import InputError
-from cylcontact.files.reading import require_file
 from cylcontact.fitting import calibrate
 from cylcontact.support import parallel
 from cylcontact.support.parallel import Cluster, call, run_calls
@@ -48,20 +45,6 @@ def bits(result):
 def test_one_process_two_and_a_cluster_agree_to_the_bit(loopback, small_campaign, small_result):
     assert bits(calibrate(small_campaign, 2)) == bits(small_result)
     assert bits(calibrate(small_campaign, Cluster(loopback.address))) == bits(small_result)
-
-
-@pytest.mark.long
-def test_results_come_in_the_order_of_the_calls(loopback):
-    calls = [call(abs, -number) for number in range(20)]
-    assert list(run_calls(calls, Cluster(loopback.address))) == list(range(20))
-    actual = run_calls(calls, Cluster(loopback.address), ordered=False)
-    assert sorted(actual) == list(range(20))
-    assert set(run_calls([call(os.getpid)] * 4, Cluster(loopback.address))) <= {
-        worker.pid for worker in loopback.workers
-    }
-    with pytest.raises(InputError) as caught:  # which comes back whole
-        list(run_calls([call(require_file, "none.csv")], Cluster(loopback.address)))
-    assert_told(caught, "none.csv", "", None, "cannot be read", "check the path")
 
 
 @pytest.mark.long
@@ -110,21 +93,6 @@ def test_another_version_is_refused_before_any_work(tmp_path):
     remedy = "install the same on all machines"
     rule = "a worker has numpy 0.0.0, here"
     assert_told(caught, "--scheduler", "", started.address, rule, remedy)
-
-
-@pytest.mark.long
-def test_calls_that_end_every_worker_they_meet(tmp_path):
-    """Dask gives a call up after some workers; here after the first."""
-    at_once = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
-    with LoopbackCluster(tmp_path, environment=at_once) as started:
-        calls = [call(_end_this_process), *(call(time.sleep, 0.1) for _ in range(5))]
-        with pytest.raises(InputError) as caught:
-            list(run_calls(calls, Cluster(started.address)))
-    assert_told(caught, "--scheduler", "", started.address, "lost a call (", "more memory")
-
-
-def _end_this_process():
-    os.kill(os.getpid(), signal.SIGKILL)
 
 
 @pytest.mark.long

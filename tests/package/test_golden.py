@@ -1,4 +1,4 @@
-"""What users see is what tests/golden holds: exit codes, files, results.
+"""What users see is what tests/golden holds: exit codes and files of commands.
 
 The figures are held by tests/reports/test_figures.py, which draws them.
 
@@ -29,13 +29,6 @@ GROUPS = [
     for group in sorted({*map(group_of, frozen.frozen("exit_codes"))})
 ]
 ROOT = frozen.ROOT
-
-
-def test_committed_results():
-    frozen.hold("results", frozen.committed_results(), frozen.close(1e-9))
-
-
-# --- commands -----------------------------------------------------------------------------------
 
 
 @pytest.fixture

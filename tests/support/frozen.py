@@ -1,4 +1,4 @@
-"""What users see, as plain values for tests/golden: files, results, figures."""
+"""What users see, as plain values for tests/golden: files and figures."""
 
 import json
 import operator
@@ -71,20 +71,6 @@ def outline(path):
     if path.suffix == ".parquet":
         return " ".join(pd.read_parquet(path).columns)
     return " ".join(pd.read_csv(path, comment="#").columns) if path.suffix == ".csv" else ""
-
-
-def committed_results():
-    """Return coefficients and objectives of the committed results."""
-    digest = {}
-    for path in sorted((ROOT / "fitting/results").glob("*.json")):
-        result = json.loads(path.read_text("utf-8"))
-        numbers = {name: each["value"] for name, each in result["estimates"].items()} | {
-            result["objective"]["name"]: result["objective"]["value"],
-            "bound": result.get("bound"),
-            "samples": result["counts"]["samples"],
-        }
-        digest |= {f"{path.stem}: {name}": number for name, number in numbers.items()}
-    return digest
 
 
 def summary(table):

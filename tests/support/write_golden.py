@@ -1,6 +1,6 @@
 """Write the golden files of tests/package anew: python -m tests.support.write_golden.
 
-Options are pytest's: `-k results`, `-k "commands and fit"`.
+Options are pytest's: `-k "commands and fit"`.
 """
 
 import os
