@@ -71,9 +71,11 @@ def _rows(chosen: BoolArray) -> str:
 
 def equal_rows(columns: Sequence[FloatArray], size: int) -> IndexArray:
     """Return a number for each of N rows, the same for rows that are equal in all columns."""
-    if not columns:
-        return np.zeros(size, dtype=np.intp)
-    return np.unique(np.column_stack(columns), axis=0, return_inverse=True)[1].reshape(-1)
+    number = np.zeros(size, dtype=np.intp)
+    for column in columns:  # faster than whole rows at once
+        _, own = np.unique(column, return_inverse=True, equal_nan=False)
+        number = np.unique(number * (own.size + 1) + own, return_inverse=True)[1]
+    return number
 
 
 def is_unloading(load: FloatArray, series: IndexArray, in_order: bool = False) -> BoolArray | None:

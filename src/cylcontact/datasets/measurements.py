@@ -41,7 +41,7 @@ from cylcontact.datasets.reading import (
 from cylcontact.files.spec import Spec
 from cylcontact.files.units import LABELS, Column, column_named, spellings
 from cylcontact.laws import Housing
-from cylcontact.support.arrays import BoolArray, FloatArray
+from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.support.choices import BRANCHES, first_of, listed
 from cylcontact.support.errors import InputError
 
@@ -181,9 +181,37 @@ class Measurements:
                 "add a column group or name one with --group, or choose rows, material, dR or pair"
             )
             raise InputError(self.data.source, "group", None, rule, remedy)
-        names = [self._group_name(over, k) for k in range(len(self))]
-        index = {name: number for number, name in enumerate(dict.fromkeys(names))}
-        return list(index), np.array([index[name] for name in names], dtype=np.intp)
+        if over not in self._groups:
+            self._groups[over] = self._grouped(over)
+        return self._groups[over]
+
+    @cached_property
+    def _groups(self) -> dict[str, tuple[list[str], Indices]]:
+        """The groups that have been asked for."""
+        return {}
+
+    def _grouped(self, over: str) -> tuple[list[str], Indices]:
+        """Return groups in the order of their first rows; rows that are alike are named once."""
+        alike = equal_rows(self._keys(over), len(self))
+        _, first, index = np.unique(alike, return_index=True, return_inverse=True)
+        names = [self._group_name(over, int(k)) for k in first]
+        in_order = dict.fromkeys(names[k] for k in np.argsort(first))  # some have the same name
+        number = {name: k for k, name in enumerate(in_order)}
+        return [*number], np.array([number[name] for name in names], dtype=np.intp)[index]
+
+    def _keys(self, over: str) -> list[FloatArray]:
+        """Return numbers that are equal in rows of one group, each of shape (N,)."""
+        if over == "rows":
+            return [as_floats(self.rows)]
+        if over == "dR":
+            return [self.columns["dR"]]
+        if over == "pair":
+            return [*self._keys("material"), self.columns["dR"]]
+        keys = []
+        for words in (words for name, words in self.data.labels.items() if name.startswith(over)):
+            number = {word: k for k, word in enumerate(dict.fromkeys(words))}
+            keys.append(as_floats([number[word] for word in words])[self.rows % len(words)])
+        return keys or [self.columns["E_i"], self.columns["E_j"]]
 
     def duplicates(self) -> list[list[int | str]]:
         """Return the positions of identical rows, one list for each group of them."""

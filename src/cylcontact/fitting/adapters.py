@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +21,25 @@ _ROUNDING = 4e-15
 _SAME_CLEARANCE = 1e-9
 # The stiffness may be infinite where a law ends; the search stays below the end by this fraction.
 _SHORT_OF_THE_END = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class ContactAlone:
+    """A contact under loads in N/mm, without its rig."""
+
+    law: ContactLaw
+    load: FloatArray
+    pair: CylinderPair
+
+    @cached_property
+    def penetration(self) -> FloatArray:
+        """In mm."""
+        return self.law.penetration(self.load, self.pair)
+
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """In N/mm²."""
+        return self.law.stiffness(self.penetration, self.pair)
 
 
 @dataclass(frozen=True)
@@ -48,12 +68,16 @@ class RigCompliance:
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the reading in mm under `load` in N/mm."""
-        f = as_floats(load)
-        alone = self.base.penetration(f, pair)
-        reading = as_floats(alone + self.compliance * f + self.offset)
+        return self.reading_of(ContactAlone(self.base, as_floats(load), pair))
+
+    def reading_of(self, contact: ContactAlone) -> FloatArray:
+        """Return the reading in mm of a contact under its loads."""
+        reading = as_floats(contact.penetration + self.compliance * contact.load + self.offset)
         if self.compliance >= 0:
             return reading
-        return inside_or_nan(reading, np.asarray(self._slope(alone, pair) > 0))
+        with np.errstate(invalid="ignore"):
+            rises = 1 + self.compliance * contact.stiffness > 0
+        return inside_or_nan(reading, np.asarray(rises))
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at a reading `penetration` in mm; 0 before first touch."""

@@ -35,8 +35,7 @@ from cylcontact.fitting.findings import COMPLIANCE, LEVEL, describes, estimates_
 from cylcontact.fitting.law_models import RIG_NAMES, fittable_laws, is_user_law
 from cylcontact.fitting.measure import fit_table
 from cylcontact.fitting.noise import Covariance
-from cylcontact.fitting.readings import Optimum, fit_with_noise
-from cylcontact.fitting.search import descend, polish
+from cylcontact.fitting.readings import Optimum, fit_and_starts
 from cylcontact.laws.housing_spec import takes_housing
 from cylcontact.support.arrays import FloatArray, as_floats, on_one_thread
 from cylcontact.support.errors import InputError
@@ -396,10 +395,8 @@ def _parts(optimum: Optimum, seed: int) -> tuple[list[Indices], str]:
 
 
 def _fitted(campaign: Campaign) -> Optimum:
-    fit = fit_with_noise(campaign)
-    starts = fit.starts(campaign.nominal, _STARTS, campaign.spec.seed)
-    ends, values = descend(fit, starts)
-    return Optimum(fit, fit.minimise(ends[values.argmin()])[0])
+    fit, starts = fit_and_starts(campaign)
+    return Optimum(fit, fit.lowest(starts))
 
 
 def _aicc(optimum: Optimum, source: str) -> float:
@@ -417,7 +414,7 @@ def _missed(optimum: Optimum, parts: Sequence[Indices]) -> FloatArray:
     with on_one_thread():
         for part in parts:
             rest = fit.take(np.setdiff1d(np.arange(missed.size), part))
-            point, _ = polish(rest, optimum.point)  # one descent from a bound may stay near it
+            point, _ = rest.minimise(optimum.point)
             added = _of_series(Optimum(rest, point), fit.noise)
             missed[part] = (fit.differences(point[None])[0] + added)[part]
     return missed

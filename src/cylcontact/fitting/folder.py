@@ -69,8 +69,9 @@ def _write(
     with replacing_all(folder / name for name in names) as files:
         paths = {file.suffix: file for file in files}
         with figure_style():
-            figure.draw_without_rendering()  # arranged once for all formats
-            figure.set_layout_engine("none")
+            if layout := figure.get_layout_engine():
+                layout.execute(figure)  # once for all formats
+                figure.set_layout_engine("none")
             for kind in ("png", "pdf"):
                 if path := paths.get(f".{kind}"):
                     save(figure, path, kind)

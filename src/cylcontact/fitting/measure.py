@@ -3,7 +3,7 @@
 table, pair, law, options
 → `read_table`        MeasuredTable: checked readings and the settings of a fit
 → `.campaign`         Campaign: the law, its parameters and the noise
-→ `fit_with_noise`    Fit: free parameters and residuals, with the noise estimated
+→ `fit_and_starts`    Fit: free parameters and residuals, with the noise estimated
 → `fit_table`         descends from several starts, and finds intervals and tests
 → `DataFit`           the result
 """
@@ -26,7 +26,7 @@ from cylcontact.fitting.parameters import LawModel
 from cylcontact.fitting.readings import (
     Optimum,
     agree,
-    fit_with_noise,
+    fit_and_starts,
     measurements_in,
     require_increasing,
     singular,
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 # Descents to so few measurements take less time than starting worker processes.
-_FEW_ROWS = 2_000
+_FEW_ROWS = 200_000
 
 
 def fit_table(
@@ -95,9 +95,8 @@ def _fitted(
     if isinstance(jobs, int) and len(data) <= _FEW_ROWS:
         jobs = 1
     provenance = campaign.provenance  # of what is run, not of what is there when it ends
-    fit = fit_with_noise(campaign)
+    fit, starts = fit_and_starts(campaign)
     journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
-    starts = fit.starts(campaign.nominal, spec.starts, spec.seed)
     calls = [call(descend_from, fit, start, k, spec.seed) for k, start in enumerate(starts)]
     # Where two starts agree, the others do.
     records = run_all(calls[:2], RunRecord, jobs, progress, journal, resume)

@@ -34,6 +34,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -56,9 +57,11 @@ FEWEST_RANDOM = 5
 RELATIVE = ("proportional", "gain")
 # Deviations are searched by their logarithms, within these of a first guess.
 _LEAST, _MOST = -14.0, 9.0
+# The smallest share of a first guess from which a deviation is sought.
+_SMALL = 0.02
 # Steps of the derivatives of ℓ, and of its curvature.
 _STEP, _WIDE_STEP = 1e-4, 1e-2
-_OPTIONS: Any = {"ftol": 1e-14, "gtol": 1e-7, "maxiter": 500}
+_OPTIONS: Any = {"ftol": 1e-14, "maxiter": 500}
 # A deviation is zero if −2ℓ loses no more than this by it.
 _NO_LOSS = 1e-6
 
@@ -415,20 +418,23 @@ class Likelihood:
         return np.concatenate([V.white(values[..., :N].copy()), values[..., N:]], axis=-1)
 
 
-def estimate(likelihood: Likelihood) -> dict[str, float]:
-    """Return the deviations of largest restricted likelihood.
+def estimate(
+    likelihood: Likelihood, start: Mapping[str, float] = MappingProxyType({})
+) -> dict[str, float]:
+    """Return the deviations of largest restricted likelihood, sought from `start`, if given.
 
     "constant", "offset" and "drift" are in mm, "proportional" and "gain" relative; 0 where the
     readings show none, NaN where the information matrix is singular at all deviations tried.
     """
     names = likelihood.covariance.names
-    return _largest(likelihood, names, likelihood._first()) if names else {}
+    return _largest(likelihood, names, likelihood._first(), start) if names else {}
 
 
 def _largest(
     minus_twice: Callable[[Mapping[str, float]], float],
     names: tuple[str, ...],
     first: Mapping[str, float],
+    start: Mapping[str, float] = MappingProxyType({}),
 ) -> dict[str, float]:
     """Return the deviations of the lowest −2ℓ; NaN if it is infinite at all that were tried."""
 
@@ -441,11 +447,14 @@ def _largest(
 
     from scipy.optimize import minimize  # slow to import
 
+    # L-BFGS-B would wait for threads of OpenBLAS at each step.
+    # From 0 the search could not return.
+    shares = [max(start.get(name, first[name]) / first[name], _SMALL) for name in names]
     solution = minimize(
         value,
-        np.zeros(len(names)),
+        np.log(shares),
         jac=slopes,
-        method="L-BFGS-B",
+        method="SLSQP",
         bounds=[(_LEAST, _MOST)] * len(names),
         options=_OPTIONS,
     )

@@ -21,6 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ from numpy.typing import ArrayLike
 
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.measurements import Indices, Measurements
-from cylcontact.fitting.adapters import CorrectedInputs, RigCompliance, ScaledLaw
+from cylcontact.fitting.adapters import ContactAlone, CorrectedInputs, RigCompliance, ScaledLaw
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.noise import (
     DEPENDENT,
@@ -70,6 +71,8 @@ _INVOLVED, _ALONG = 0.1, 1e-4
 _FIRST_STEP, _FAR = 1e-6, 1e6
 # Starts that end relatively this close together are of one minimum.
 _SAME = 1e-8
+# Starts are compared on at most so many readings.
+_LOOKED_AT = 2_000
 # Numbers in arrays of points by readings; of more points some at a time are evaluated.
 _AT_ONCE = 1 << 20
 # Half-widths of the interval on either side of the optimum in a profile, and the values there.
@@ -99,14 +102,31 @@ class Fit(Space):
         return law_of(self.model, self.complete(point[None, :])[0])
 
     def predicted(self, points: FloatArray) -> FloatArray:
-        """Return the penetrations of P points in mm, shape (P, N); NaN outside the domain."""
+        """Return the penetrations of P points in mm, shape (P, N); NaN outside the domain.
+
+        Points that differ in the rig alone share the penetration of their contact.
+        """
         depths = np.full((len(points), len(self.data)), np.nan)
+        load, pair = self.data.load, self.data.pair
+        of_contact: dict[bytes, ContactAlone] = {}
         for depth, values in zip(depths, self.complete(points), strict=True):
             law = law_of(self.model, values)
-            if law is not None:
-                with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                    depth[:] = law.penetration(self.data.load, self.data.pair)
+            if law is None:
+                continue
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                if isinstance(law, RigCompliance):
+                    key = values[self._beside_rig].tobytes()
+                    if key not in of_contact:
+                        of_contact[key] = ContactAlone(law.base, load, pair)
+                    depth[:] = law.reading_of(of_contact[key])
+                else:
+                    depth[:] = law.penetration(load, pair)
         return depths
+
+    @cached_property
+    def _beside_rig(self) -> BoolArray:
+        """Which parameters are not of the rig alone."""
+        return np.array([p.name not in ("offset", "compliance") for p in self.parameters])
 
     def differences(self, points: FloatArray) -> FloatArray:
         """Return the predicted less the measured penetrations in mm, shape (P, N)."""
@@ -190,10 +210,14 @@ class Fit(Space):
         points = np.where(wide, logarithmic, low + unit * (high - low))
         if nominal is not None:
             points = np.vstack([np.clip(nominal, low, high), points])
-        values = self.values(points)
-        first = [] if nominal is None or not np.isfinite(values[0]) else [0]
+        last = len(self.data) - 1
+        rows = np.unique(np.linspace(0, last, min(last + 1, _LOOKED_AT)).astype(np.intp))
+        values = self.take(rows).values(points)
         order = [k for k in np.argsort(values, kind="stable") if np.isfinite(values[k])]
-        return as_floats(points[[*first, *(k for k in order if k not in first)][:number]])
+        if nominal is not None and np.isfinite(values[0]):
+            order = [0, *(k for k in order if k != 0)]
+        defined = (k for k in order if np.isfinite(self.value(points[k])))
+        return as_floats(points[[*islice(defined, number)]])
 
     def minimise(self, start: FloatArray, precision: float = EXACT) -> tuple[FloatArray, float]:
         """Return the minimum below a point, and its value."""
@@ -241,6 +265,7 @@ class Fit(Space):
         residuals, until neither moves. `start` is the best point by plain least squares.
         """
         point, source = start, self.data.data.source
+        deviations: dict[str, float] = {}
         for _ in range(_ROUNDS):
             noise = self.with_noise(model, point, {}).noise
             likelihood = self.likelihood(point, noise)
@@ -249,7 +274,7 @@ class Fit(Space):
                 rule = f"are not more than {free} parameters and {effects} effects of the series"
                 remedy = "measure more points, or leave group and drift out"
                 raise InputError(source, "group", f"{rows} rows", rule, remedy)
-            deviations = estimate(likelihood)
+            deviations = estimate(likelihood, deviations)
             if not np.isfinite([*deviations.values()]).all():
                 raise singular(source)
             weighed = replace(self, noise=replace(noise, deviations=deviations))
@@ -299,7 +324,12 @@ def independent(data: Measurements, given: FloatArray | None = None) -> Covarian
 
 
 def fit_with_noise(campaign: Campaign) -> Fit:
-    """Return the fit of a campaign on measurements, with its noise estimated.
+    """Return the fit of a campaign on measurements, as `fit_and_starts` does."""
+    return fit_and_starts(campaign)[0]
+
+
+def fit_and_starts(campaign: Campaign) -> tuple[Fit, FloatArray]:
+    """Return the fit of a campaign on measurements, with its noise estimated, and its starts.
 
     Raises
     ------
@@ -310,15 +340,16 @@ def fit_with_noise(campaign: Campaign) -> Fit:
     assert isinstance(spec, MeasuredSpec)
     assert campaign.noise is not None
     _require_defined(campaign, plain)
-    point = plain.lowest(plain.starts(campaign.nominal, spec.starts, spec.seed))
+    starts = plain.starts(campaign.nominal, spec.starts, spec.seed)
+    point = plain.lowest(starts)
     size, observed = (
         float(np.sqrt((values**2).mean()))
         for values in (plain.differences(point[None])[0], plain.observed)
     )
     if size < ROUNDING * observed and not campaign.noise.is_given:
         rounding = {"constant": max(size, np.finfo(float).eps * observed)}
-        return replace(plain, noise=plain.noise.at(rounding))
-    return plain.estimating(campaign.noise, point)
+        return replace(plain, noise=plain.noise.at(rounding)), starts
+    return plain.estimating(campaign.noise, point), starts
 
 
 def measurements_in(campaign: Campaign) -> Measurements:

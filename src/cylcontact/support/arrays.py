@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -121,7 +122,7 @@ def on_one_thread() -> Iterator[None]:
     with _Limit.lock:
         _Limit.users += 1
         if _Limit.users == 1:
-            _Limit.limiter = _threads().limit(limits=1)
+            _Limit.limiter = _threads("scipy.linalg" in sys.modules).limit(limits=1)
     try:
         yield
     finally:
@@ -131,8 +132,8 @@ def on_one_thread() -> Iterator[None]:
                 _Limit.limiter.restore_original_limits()
 
 
-@lru_cache(maxsize=1)
-def _threads() -> ThreadpoolController:
+@lru_cache(maxsize=2)
+def _threads(with_scipy: bool) -> ThreadpoolController:  # noqa: ARG001 - it has threads of its own
     """Return what limits threads; to look for the libraries takes milliseconds."""
     from threadpoolctl import ThreadpoolController
 
