@@ -15,6 +15,7 @@ from cylcontact.fitting.cases import (
     factors_over_clearance,
     fit_cases,
     in_sequence,
+    routes,
 )
 from cylcontact.fitting.nodes import Axes, fit_many, gauss
 from cylcontact.reports.figures import report_module
@@ -131,6 +132,20 @@ def test_one_steel_in_sequence_returns_six_numbers():
     off = STUDY.deviations(found.to_frame().T, "internal").abs().max(axis=None)
     nearest = SUMMARY[(SUMMARY["way"] == "in sequence") & (SUMMARY["end_mm"] == "2.0")]
     assert 100 * off == pytest.approx(nearest["nearest_percent"].iloc[0], rel=1e-4)
+
+
+def test_a_line_of_relative_squares_is_fitted_to_relative_squares():
+    """Each row of a route has the numbers of the choices that it names."""
+    grid = Axes(np.array([2e5]), np.geomspace(0.05, 2.0, 12), np.linspace(10.0, 1000.0, 8))
+    cases = fit_cases(grid)
+    rows = pd.DataFrame(routes("internal", [grid], {"fitted": {}}, [2.0])).set_index("line")
+    for line, relative in (("absolute squares", False), ("relative squares", True)):
+        for way, expected in (
+            ("case by case", factors_over_clearance(cases, relative=relative)),
+            ("in sequence", in_sequence(cases, 2.0, relative=relative)),
+        ):
+            row = rows[rows["way"] == way].loc[line].iloc[0]
+            assert (row["a"], row["b"]) == pytest.approx((expected["a"], expected["b"]), rel=1e-12)
 
 
 def test_nodes_are_exact_for_polynomials():
