@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike
 from cylcontact.bodies.pair import CylinderPair
 from cylcontact.datasets.measurements import MeasuredData, Measurements, measurements_of
 from cylcontact.files.spec import parse_spec
-from cylcontact.files.units import column_named, load_in_N_per_mm, symbol
+from cylcontact.files.units import column_named, load_in_N_per_mm
 from cylcontact.fitting.adapters import without_rig
 from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.findings import stated_in
 from cylcontact.fitting.law_models import user_model, with_rig
 from cylcontact.fitting.readings import Optimum, plain_fit
 from cylcontact.fitting.records import Estimate, FittedDeviations, RunRecord
@@ -503,14 +504,13 @@ class DataFit(FitResult):
 
     def _in_its_unit(self, estimate: Estimate) -> Estimate:
         """Return a coefficient; one in mm is stated in the unit of the readings."""
-        unit = self.data.data.units.get("penetration", "mm")
-        column = column_named(f"penetration_{unit}")
-        if estimate.unit != "mm" or column is None:
+        size, unit = stated_in(self.data, estimate.unit)
+        if unit == estimate.unit:
             return estimate
         numbers = ("value", "low", "high", "standard_error")
         scaled = {key: getattr(estimate, key) for key in numbers}
-        scaled = {k: None if v is None else v / column.factor for k, v in scaled.items()}
-        return estimate.model_copy(update={**scaled, "unit": symbol(column.unit)})
+        scaled = {k: None if v is None else v / size for k, v in scaled.items()}
+        return estimate.model_copy(update={**scaled, "unit": unit})
 
     @property
     def read_lines(self) -> list[str]:

@@ -11,7 +11,8 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from cylcontact.datasets.measurements import Indices
+from cylcontact.datasets.measurements import Indices, Measurements
+from cylcontact.files.units import column_named, symbol
 from cylcontact.fitting.adapters import CorrectedInputs
 from cylcontact.fitting.noise import positions
 from cylcontact.fitting.readings import MEDIAN_TO_SIGMA, Interval, Optimum, half_width
@@ -167,14 +168,26 @@ def _on_stiffness(optimum: Optimum, estimates: Mapping[str, Estimate]) -> list[s
     return sentences
 
 
+def stated_in(data: Measurements, unit: str) -> tuple[float, str]:
+    """Return the size and the name of the unit of a report: for mm that of the readings."""
+    column = column_named(f"penetration_{data.data.units.get('penetration', 'mm')}")
+    if unit != "mm" or column is None:
+        return 1.0, unit
+    return column.factor, symbol(column.unit)
+
+
 def _on_outliers(optimum: Optimum) -> str:
     far, line = outliers(optimum), optimum.fit.data.line
     if not far:
         return ""
     lines = [f"{line(row)} ({size:+.1f})" for row, size in far.items()]
     without = _without(optimum, far)
-    values = zip(optimum.fit.names, optimum.point, strict=True)
-    changes = [f"{k} {v:.4g} → {without[k]:.4g}" for k, v in values if k in without]
+    changes = []
+    for p, value in zip(optimum.fit.free, optimum.point, strict=True):
+        if p.name in without:
+            size, unit = stated_in(optimum.fit.data, p.unit)
+            change = f"{p.name} {value / size:.4g} → {without[p.name] / size:.4g}"
+            changes.append(f"{change} {unit}".rstrip())
     return (
         "outliers, far from a fit to the others (in robust standard deviations), included in the "
         f"fit: lines {_listed(lines, ', ')}{'; without them ' if changes else ''}"
