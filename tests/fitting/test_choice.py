@@ -124,6 +124,13 @@ def test_so_it_is_with_a_parameter_at_its_bound():
     )
 
 
+def test_a_reading_is_predicted_with_what_its_series_adds():
+    series = readings(2, 5, 8, offset=2e-4, gain=0.03)
+    fixed = {"compliance": 0.0}
+    (ranked,) = cc.choose(series, PAIR, laws="explicit", group="group", fixed=fixed).laws
+    assert ranked.cv_error[0] < 1.6  # in standard deviations of the scatter alone
+
+
 @pytest.mark.slow
 def test_a_series_left_out_is_what_is_predicted():
     series = readings(2, 5, 8, offset=2e-4, gain=0.03)

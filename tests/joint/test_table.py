@@ -157,6 +157,8 @@ def test_what_a_file_is_decides_and_what_is_none_names_all_three(run):
     assert code == 0
     check = cc.check_joint(joint.pair, 5000 / joint.pair.length)
     assert f'"penetration_um": {check.numbers.penetration_um!r}' in out
+    text = run("check", "datasets/joint.toml", "--load", "5kN")[1]
+    assert text.startswith("207 GPa pin (R_j = 9.95 mm) in bronze hole (R_i = 10 mm)")
 
 
 def test_a_map_shows_each_joint_that_has_an_answer():
