@@ -620,8 +620,12 @@ def _yield_notes(measured: Measurements, own: Path | None, housing: Housing | No
         part = measured.take(np.flatnonzero((names == words).all(axis=1)))
         hole, pin = (rows[word].material for word in words)
         if hole.yield_stress is not None and pin.yield_stress is not None:
-            pair = replace(part.pair, material_i=hole, material_j=pin)
-            above += int(np.count_nonzero(part.load > limits.yield_load(pair, housing=housing)))
+            sizes = [part.columns[name] for name in ("dR", "R_i", "R_j")]
+            alike = equal_rows(sizes, len(part))
+            _, first, index = np.unique(alike, return_index=True, return_inverse=True)
+            pair = replace(part.take(first).pair, material_i=hole, material_j=pin)
+            largest = limits.yield_load(pair, housing=housing)
+            above += int(np.count_nonzero(part.load > largest[index]))
     if not above:
         return []
     return [

@@ -447,17 +447,24 @@ def _largest(
 
     from scipy.optimize import minimize  # slow to import
 
+    k = len(names)
+    if start:  # from 0 the search could not return
+        starts = np.array([[max(start[name] / first[name], _SMALL) for name in names]])
+    else:  # few readings may have several minima: one for each deviation that exceeds the others
+        starts = np.vstack([np.ones(k), np.where(np.eye(k) > 0, 1.0, _SMALL)])[: k + (k > 1)]
     # L-BFGS-B would wait for threads of OpenBLAS at each step.
-    # From 0 the search could not return.
-    shares = [max(start.get(name, first[name]) / first[name], _SMALL) for name in names]
-    solution = minimize(
-        value,
-        np.log(shares),
-        jac=slopes,
-        method="SLSQP",
-        bounds=[(_LEAST, _MOST)] * len(names),
-        options=_OPTIONS,
-    )
+    ends = [
+        minimize(
+            value,
+            np.log(shares),
+            jac=slopes,
+            method="SLSQP",
+            bounds=[(_LEAST, _MOST)] * k,
+            options=_OPTIONS,
+        )
+        for shares in starts
+    ]
+    solution = min(ends, key=lambda end: float(end.fun))
     best, lowest = _scaled(first, names, solution.x), float(solution.fun)
     for name in sorted(names, key=lambda name: best[name] / first[name]):
         without = best | {name: 0.0}
