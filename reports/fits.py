@@ -118,14 +118,20 @@ def fig03() -> tuple[Figure, pd.DataFrame]:
 
 def exponents(contact: str, dR: FloatArray) -> pd.DataFrame:
     """Fit a power law to Johnson's for each E, ν and ΔR, over the loads up to its end."""
-    rows = []
-    for E, nu, gap in product(MODULI, RATIOS, dR):
-        pair = CylinderPair.from_dR(contact, gap, Material("any", 1e3 * E, nu))
-        load = LOADS[LOADS <= Johnson().max_load(pair)]
-        fit = fit_power(load, Johnson().penetration(load, pair))
-        rows.append((contact, E, nu, gap, load.size, fit.n, fit.K, fit.r_squared))
-    columns = ["contact", "E_GPa", "nu", "dR_mm", "points", "n", "K_N_per_mm_n", "R2"]
-    return pd.DataFrame(rows, columns=columns)
+    tables = []
+    for E, nu in product(MODULI, RATIOS):
+        pair = CylinderPair.from_dR(contact, dR[:, None], Material("any", 1e3 * E, nu))
+        inside = LOADS <= Johnson().max_load(pair)
+        load = np.where(inside, LOADS, np.nan)
+        x, y = np.log(Johnson().penetration(load, pair)), np.log(load)
+        x_mean, y_mean = (np.nanmean(each, axis=1) for each in (x, y))
+        x, y = x - x_mean[:, None], y - y_mean[:, None]
+        xx, xy, yy = (np.nansum(each, axis=1) for each in (x * x, x * y, y * y))
+        n = xy / xx
+        fit = {"n": n, "K_N_per_mm_n": np.exp(y_mean - n * x_mean), "R2": xy**2 / (xx * yy)}
+        case = {"contact": contact, "E_GPa": E, "nu": nu, "dR_mm": dR}
+        tables.append(pd.DataFrame({**case, "points": inside.sum(axis=1), **fit}))
+    return pd.concat(tables, ignore_index=True)
 
 
 FIGURES = {"fig02": fig02, "fig03": fig03}
