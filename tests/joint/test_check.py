@@ -155,25 +155,3 @@ def test_the_accuracy_of_johnsons_law_at_its_end():
         ratio = laws.Johnson().penetration(loads, pair) / laws.Conformal().penetration(loads, pair)
         squares += [*np.log(ratio) ** 2]
     assert table.loc["johnson", "rms"] == pytest.approx(np.sqrt(np.nanmean(squares)), rel=1e-6)
-
-
-# --- ISO fits and materials ---
-
-
-@pytest.mark.parametrize(
-    ("code", "hole", "pin"),
-    [  # from the tables of ISO 286-2
-        ("20F8/h7", (20, 53), (-21, 0)),
-        ("40E9/h9", (50, 112), (-62, 0)),
-        ("60D10/h9", (100, 220), (-74, 0)),
-        ("25C11/h11", (110, 240), (-130, 0)),
-    ],
-)
-def test_fits_of_the_shaft_basis(code, hole, pin):
-    fit = IsoFit.read(code)
-    assert (1e3 * np.array([fit.hole, fit.pin])).round(6).tolist() == [list(hole), list(pin)]
-
-
-def test_half_a_micrometre_is_printed():
-    assert "±" not in str(IsoFit.read("10JS7/js6"))
-    assert "-0.0075 +0.0075" in str(IsoFit.read("10JS7/js6"))

@@ -200,67 +200,6 @@ def test_the_derivative_along_a_direction_is_that_of_the_jacobian_and_of_the_wre
         assert np.median(np.abs(slope - got)) < 1e-5 * np.abs(slope).max(), name
 
 
-@pytest.mark.parametrize("law", ["conformal", "enhanced"])
-def test_only_the_motion_against_each_other_matters(law):
-    """Both bodies moved together change nothing; turned together they turn the force."""
-    joint = joint_for(law)
-    state, bearing, pin = motions(joint, 300, seed=2)
-    J, wrench = whole(joint, state, bearing, pin), joint.evaluate(state, bearing, pin)
-    for column in (0, 1, 6, 7):
-        np.testing.assert_array_equal(J[:, :, column], -J[:, :, column + 3])
-    # A rotation of both bodies about the origin, velocities included.
-    turn = np.zeros((300, 12))
-    for body, place in ((bearing, 0), (pin, 3)):
-        turn[:, [place, place + 1]] = np.column_stack([-body[:, 1], body[:, 0]])
-        turn[:, place + 2] = 1.0
-        turn[:, [place + 6, place + 7]] = np.column_stack([-body[:, 4], body[:, 3]])
-    change = np.einsum("nij,nj->ni", J, turn)
-    f = forces(wrench)
-    wanted = np.column_stack([-f[:, 1], f[:, 0], 0 * f[:, 0], -f[:, 4], f[:, 3], 0 * f[:, 0]])
-    scale = np.abs(J * turn[:, None]).sum(axis=2)  # of the terms that cancel
-    assert (np.abs(change - wanted) <= 1e-12 * (scale + np.abs(wanted))).all()
-
-
-@pytest.mark.parametrize(
-    ("law", "units", "points"),
-    [
-        ("conformal", "SI", ((3.0, -2.0), (-1.0, 4.0))),
-        ("johnson", "mm", ((3.0, -2.0), (-1.0, 4.0))),
-        ("enhanced", "mm", ((0.0, 0.0), (0.0, 0.0))),
-        ("lankarani-nikravesh", "SI", ((0.0, 0.0), (0.0, 0.0))),
-    ],
-)
-def test_a_mirrored_joint_has_the_mirrored_wrench(law, units, points):
-    """Mirrored in the x axis, and with the pin described from another point of it."""
-    (x, y), (u, v) = points
-
-    def joint(bearing_point, pin_point):
-        own = {"bearing.point": bearing_point, "pin.point": pin_point}
-        return joint_from(changed(EXAMPLE, {"law": law, "units": units} | own))
-
-    joints = joint([x, y], [u, v]), joint([x, -y], [u, -v])
-    state, bearing, pin = motions(joints[0], 200, seed=3)
-    mirror = np.array([1, -1, -1, 1, -1, -1])
-    one = joints[0].evaluate(state, bearing, pin)
-    other = joints[1].evaluate(state, bearing * mirror, pin * mirror)
-    flips = {"tangential_velocity": -1, "friction_force": -1, "moment_bearing": -1}
-    flips |= {"moment_pin": -1, "force_bearing": np.array([1, -1]), "force_pin": np.array([1, -1])}
-    for name, values in one._asdict().items():
-        scale = np.abs(values).max()
-        mirrored = getattr(other, name) * flips.get(name, 1)
-        np.testing.assert_allclose(mirrored, values, rtol=0, atol=1e-10 * scale, err_msg=name)
-    # From a point 7 mm further along the pin: the same force, and its moment about that point.
-    moved = joint([x, y], [u - 7.0, v])
-    arm = 7.0 * np.exp(1j * pin[:, 2]) / joints[0].in_mm
-    turning = 1j * pin[:, 5] * arm
-    rows = [arm.real, arm.imag, 0 * arm.real, turning.real, turning.imag, 0 * arm.real]
-    far = moved.evaluate(state, bearing, pin + np.column_stack(rows))
-    peak = np.abs(one.force_pin).max()
-    np.testing.assert_allclose(far.force_pin, one.force_pin, rtol=0, atol=1e-9 * peak)
-    about = one.moment_pin - (arm.real * one.force_pin[:, 1] - arm.imag * one.force_pin[:, 0])
-    np.testing.assert_allclose(far.moment_pin, about, rtol=0, atol=1e-8 * np.abs(about).max())
-
-
 def test_kinks_take_the_piece_of_evaluate():
     # Without contact, up to the touch, all is zero.
     centred = joint_from(changed(EXAMPLE, {"law": "explicit"}))

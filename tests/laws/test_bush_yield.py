@@ -6,9 +6,8 @@ import pytest
 from cylcontact import CylinderPair, InputError, Material, limits
 from cylcontact.files.spec import parse_spec
 from cylcontact.laws import Conformal, Housing, Sector
-from cylcontact.laws.conformal import series as glauert
 from cylcontact.laws.housing_spec import HousingSpec
-from tests.support.ring_elements import SlidingRings
+from tests.support.ring_elements import Pressed, SlidingRings
 
 PIN = Material("pin", 207e3, 0.3, 9000.0, 12e-6)
 BRONZE = Material("bronze", 110e3, 0.34, 220.0, 18e-6)
@@ -63,21 +62,12 @@ def test_without_stress_at_rest_each_body_yields_where_the_first_of_all_does():
 
 def largest_by_elements(pair, housing, rest, load, cells):
     """Von Mises' largest stress in MPa of bush and eye, and its angle, with the stress at rest."""
-    (kernel,) = housing.kernels(pair)[1]
+    under = Pressed(pair, housing, load)
     R, R_i = float(np.sqrt(pair.R_i * pair.R_j)), float(pair.R_i)
-    arc = np.radians(float(Conformal(housing).contact_angle(load, pair)))
-    b = np.tan(arc / 2)
-    a = glauert.glauert(np.array([b]), float(pair.beta), 96, kernel.g).coefficients[0]
-    radii = [1.0, *(radius / R_i for _, radius in housing.layers), housing.R_o / R_i]
-    materials = [pair.material_i, *(material for material, _ in housing.layers)]
-    rings = SlidingRings(radii, materials, housing.clamp, cells, arc, pair.plane)
-
-    def pressure(theta):
-        v = np.arccos(np.clip(np.tan(theta / 2) / b, -1, 1))
-        return np.sin(np.multiply.outer(v, 2 * np.arange(a.size) + 1)) @ a
-
-    moved, found = rings.moved(pressure), []
-    for k in range(len(materials)):
+    sizes = under.radii, under.materials
+    rings = SlidingRings(*sizes, housing.clamp, cells, under.arc, pair.plane)
+    moved, found = rings.moved(under.pressure), []
+    for k in range(len(under.materials)):
         r, theta, (xx, yy, xy, zz) = rings.stresses(moved, k)
         radial, hoop, axial = rest.stress(k, r * R_i)
         c, s = np.cos(theta), np.sin(theta)
@@ -86,11 +76,8 @@ def largest_by_elements(pair, housing, rest, load, cells):
         xy = xy * load / R + (radial - hoop) * s * c
         zz = zz * load / R + axial
         mises = np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2)
-        if k == len(materials) - 1 and housing.clamp != "rim":  # the ends of the clamp are singular
-            half, wall = np.radians(housing.clamp.angle / 2), radii[-1] - radii[-2]
-            end = half if housing.clamp.side == "pushed" else np.pi - half
-            out = (r > radii[-1] - wall / 2) & (radii[-1] * np.abs(theta - end) < wall)
-            mises = np.where(out, 0, mises)
+        if k == len(under.materials) - 1:
+            mises = under.away_from_the_clamp(r, theta, mises)
         found.append((mises.max(), np.degrees(theta.flat[mises.argmax()])))
     return found
 
@@ -167,20 +154,13 @@ def test_a_seat_opens_where_the_radial_stress_of_the_load_takes_its_pressure_awa
 
 def seat_by_elements(pair, housing, load, cells):
     """The largest radial stress of the load at the seat in MPa."""
-    (kernel,) = housing.kernels(pair)[1]
-    arc = np.radians(float(Conformal(housing).contact_angle(load, pair)))
-    b = np.tan(arc / 2)
-    a = glauert.glauert(np.array([b]), float(pair.beta), 96, kernel.g).coefficients[0]
-    rings = SlidingRings([1.0, 1.2, 2.0], [BRONZE, STEEL], housing.clamp, cells, arc, pair.plane)
-
-    def pressure(theta):
-        v = np.arccos(np.clip(np.tan(theta / 2) / b, -1, 1))
-        return np.sin(np.multiply.outer(v, 2 * np.arange(a.size) + 1)) @ a
-
-    r, theta, (xx, yy, xy, _) = rings.stresses(rings.moved(pressure), 0)  # its mesh is finer
+    under = Pressed(pair, housing, load)
+    sizes = under.radii, under.materials
+    rings = SlidingRings(*sizes, housing.clamp, cells, under.arc, pair.plane)
+    r, theta, (xx, yy, xy, _) = rings.stresses(rings.moved(under.pressure), 0)  # its mesh is finer
     c, s = np.cos(theta), np.sin(theta)
     radial = (xx * c**2 + yy * s**2 + 2 * xy * s * c) * load / np.sqrt(pair.R_i * pair.R_j)
-    return radial[np.abs(r - 1.2) < 1e-9].max()
+    return radial[np.abs(r - under.radii[1]) < 1e-9].max()
 
 
 def test_a_weak_body_in_a_housing_yields_as_a_contact_of_hertz():

@@ -11,41 +11,6 @@ from tests.support.joint_runners import run_c
 STEEL, BRONZE = Material("steel", 207e3, 0.3), Material("bronze", 110e3, 0.34)
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.95, pin=STEEL, hole=BRONZE, length=20.0)
 
-OPTIONS = ["--pin", "207GPa,0.3", "--hole", "110GPa,0.34", "--Ri", "10", "--Rj", "9.95"]
-BUSH = Housing(20.0, layers=[(Material.named("low-carbon steel"), 12.0)])
-
-
-@pytest.mark.parametrize(
-    ("options", "housing"),
-    [
-        ("--R-o 20", Housing(20.0)),
-        ("--R-o 15 --clamp pulled:60", Housing(15.0, Sector(60, "pulled"))),
-        ("--R-o 20 --layer", BUSH),
-    ],
-)
-def test_the_check_of_a_joint_takes_a_housing(run, options, housing):
-    layer = ["low-carbon steel:12"] if housing is BUSH else []
-    code, said, _ = run("check", *OPTIONS, "--load", 1000, *options.split(), *layer)
-    micrometres = 1e3 * laws.Conformal(housing).penetration(1000.0, PAIR)
-    assert (code, f"{micrometres:.4g} µm" in said) == (0, True)
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ("--R-o 20 --layer bronze", "'--layer': 'bronze' is not a material with an inner radius"),
-        ("--R-o 20 --layer bronze:25", "--layer = [25.0, 20.0]: must have inner radii that incr"),
-        ("--R-o 9", "--R-o = 9.0: must be larger than the hole"),
-        ("--R-o 20 --clamp half", "'--clamp': 'half' is not a clamp; write rim, lug, pushed:60"),
-        ("--clamp rim", "--R-o: is required; add the radius of the rim"),
-        ("--R-o 20 --contact external", "leave out --R-o, or --contact"),
-    ],
-)
-def test_options_that_are_no_housing_are_refused(run, options, words):
-    code, _, errors = run("check", *OPTIONS, *options.split())
-    assert (code, len(errors.splitlines())) == (2, 1)
-    assert words in errors
-
 
 def readings(tmp_path):
     """Readings of a rod eye that is pulled, with one percent of scatter."""

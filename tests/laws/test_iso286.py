@@ -26,7 +26,8 @@ def upper(code):
 @pytest.mark.parametrize(
     ("code", "low", "high"),
     [("20H7/g6", 3.5, 20.5), ("10H7/f7", 6.5, 21.5), ("20H7/h6", 0, 17), ("20H7/k6", -7.5, 9.5),
-     ("20JS7/h6", -5.25, 11.75), ("500H11/c11", 240, 640), ("60H8/e8", 30, 76), ("3H7/g6", 1, 9)],
+     ("20JS7/h6", -5.25, 11.75), ("500H11/c11", 240, 640), ("60H8/e8", 30, 76), ("3H7/g6", 1, 9),
+     ("20F8/h7", 10, 37), ("40E9/h9", 25, 87), ("60D10/h9", 50, 147), ("25C11/h11", 55, 185)],
 )  # fmt: skip
 def test_the_radial_clearance_is_that_of_the_standard(code, low, high):
     assert [1e3 * value for value in IsoFit.read(code).clearance] == pytest.approx([low, high])
@@ -142,3 +143,8 @@ def test_a_joint_of_a_fit_is_that_of_the_middle_of_its_band():
     assert joint.radial == pytest.approx(0.012)
     by_hand = changed(JOINT, {"iso": DROP, "bearing.R": 10.00525, "pin.R": 9.99325})
     assert joint.first_yield == pytest.approx(joint_from(by_hand).first_yield)
+
+
+def test_half_a_micrometre_is_printed():
+    assert "±" not in str(IsoFit.read("10JS7/js6"))
+    assert "-0.0075 +0.0075" in str(IsoFit.read("10JS7/js6"))

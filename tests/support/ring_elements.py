@@ -8,6 +8,9 @@ from scipy.sparse import block_diag, coo_matrix
 from scipy.sparse.linalg import splu
 from skfem.helpers import ddot, eye, sym_grad, trace
 
+from cylcontact.laws import Conformal
+from cylcontact.laws.conformal.series import glauert
+
 ELEMENT = skfem.ElementVector(skfem.ElementQuad2())
 
 
@@ -39,6 +42,36 @@ def grid(radii, clamp, cells, arc):
     r = apart(np.concatenate(r), radii)
     theta = apart(theta, [0, end, np.pi, *([] if arc is None else [arc])])
     return r, theta, end
+
+
+class Pressed:
+    """A pair in its housing under a load: rings over the bore's radius, and the pressure on it."""
+
+    def __init__(self, pair, housing, load):
+        R_i, (kernel, *_) = float(pair.R_i), housing.kernels(pair)[1]
+        self.housing, self.arc = (
+            housing,
+            np.radians(float(Conformal(housing).contact_angle(load, pair))),
+        )
+        self._b = np.tan(self.arc / 2)
+        self._a = glauert(np.array([self._b]), float(pair.beta), 96, kernel.g).coefficients[0]
+        self.radii = [1.0, *(radius / R_i for _, radius in housing.layers), housing.R_o / R_i]
+        self.materials = [pair.material_i, *(material for material, _ in housing.layers)]
+
+    def pressure(self, theta):
+        """The pressure of the series under f = 1 and R = 1."""
+        v = np.arccos(np.clip(np.tan(theta / 2) / self._b, -1, 1))
+        return np.sin(np.multiply.outer(v, 2 * np.arange(self._a.size) + 1)) @ self._a
+
+    def away_from_the_clamp(self, r, theta, values):
+        """The values, and 0 by the ends of the clamp, which are singular."""
+        clamp, radii = self.housing.clamp, self.radii
+        if clamp == "rim":
+            return values
+        half, wall = np.radians(clamp.angle / 2), radii[-1] - radii[-2]
+        end = half if clamp.side == "pushed" else np.pi - half
+        near = (r > radii[-1] - wall / 2) & (radii[-1] * np.abs(theta - end) < wall)
+        return np.where(near, 0, values)
 
 
 class RingOfElements:
