@@ -17,7 +17,9 @@ STEEL, BRONZE = Material.named("high-strength steel"), Material.named("bronze")
 PAIR = CylinderPair.internal(10.0, 9.95, pin=STEEL, hole=BRONZE, length=10.0)
 
 
-@pytest.mark.parametrize("clamp", ["rim", laws.Sector(60, "pulled")])
+@pytest.mark.parametrize(
+    "clamp", ["rim", pytest.param(laws.Sector(60, "pulled"), marks=pytest.mark.slow)]
+)
 def test_a_joint_in_a_housing_by_finite_elements(clamp):
     check = check_joint(PAIR, 1000.0, housing=laws.Housing(20.0, clamp))
     setup = Setup(
