@@ -148,11 +148,6 @@ def test_below_the_floor_the_floor_counts(impact_rate):
     assert dissipative_load(100.0, 3.0, 6.0, 0.5, floor=2.0) == 125.0
 
 
-def test_the_damping_of_a_grazing_start_is_bounded():
-    """Of a rate that is a hundred times the impact rate, as by a ratio below 20."""
-    assert dissipative_load(1.0, 100.0, 1.0, 0.5) == 1 + 0.5 * bounded_ratio(100.0)
-
-
 @given(st.floats(-1e300, 1e300))
 def test_the_damping_is_bounded_and_that_of_the_paper_in_an_isolated_impact(u):
     bounded = float(bounded_ratio(u))

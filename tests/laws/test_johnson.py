@@ -1,5 +1,3 @@
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,7 +7,6 @@ from mpmath import mp
 from cylcontact import CylinderPair, Material
 from cylcontact.bodies.material import material_in_MPa
 from cylcontact.laws import Johnson, lambert
-from cylcontact.laws.kernels import kernel
 from tests.support.strategies import ROUNDING, fractions, gaps, moduli, pairs, ratios
 
 LAW = Johnson()
@@ -78,18 +75,6 @@ def test_w_is_right_to_a_few_roundings_at_both_ends_and_between():
         np.testing.assert_array_equal(ends, [0.0, np.inf, np.inf, np.nan, np.nan])
 
 
-def test_the_polynomials_leave_no_more_than_a_rounding():
-    """At 40 digits, with the coefficients as stored."""
-    worst = 0
-    for r in map(mp.mpf, np.linspace(0.01, 27.3, 400)):
-        exact = -mp.lambertw(-mp.exp(-r * r - 1), -1).real - 1
-        P, Q = (
-            sum(mp.mpf(c) * r**k for k, c in enumerate(each)) for each in (lambert.P, lambert.Q)
-        )
-        worst = max(worst, abs(r * P / Q / exact - 1))
-    assert ROUNDING / 2 < worst < 1.5 * ROUNDING
-
-
 def test_numbers_arrays_and_compiled_code_are_equal_to_the_bit(monkeypatch):
     """The loop over arrays and NumPy's passes, of a whole array, of parts and of single numbers."""
     p = np.concatenate(
@@ -106,17 +91,6 @@ def test_numbers_arrays_and_compiled_code_are_equal_to_the_bit(monkeypatch):
         np.testing.assert_array_equal(shares, by_numpy)
     assert lambert.compiled_shares().signatures  # the compiled loop has run
     np.testing.assert_array_equal(by_numpy[-4:], [0, 1, np.nan, np.nan])
-
-
-def test_compiled_code_differs_by_its_logarithm_alone():
-    pair = build(*PAIRS["paper's Fig 2"])
-    made, depths = kernel(LAW, pair), LAW.max_penetration(pair) * np.sort(DENSE[DENSE > 1e-300])
-    loads = np.array([made.load(depth) for depth in depths])
-    p = depths / LAW.max_penetration(pair)
-    same = np.array([math.log(x) for x in p]) == np.log(p)
-    np.testing.assert_array_equal(loads[same], LAW.load(depths, pair)[same])
-    np.testing.assert_allclose(loads, LAW.load(depths, pair), rtol=4 * ROUNDING)
-    assert same.mean() > 0.9
 
 
 # --- the law against Eq 1 ---------------------------------------------------------------------
