@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from benchmarks import __main__ as program
-from benchmarks import harness, page
+from benchmarks import page
 from benchmarks.calibration import PEERS, Samples, calibrations, reach, space_of
-from benchmarks.harness import Row, compare, require_agreement, rows
+from benchmarks.harness import require_agreement
 from tests.support.programs import require_program
 
 
@@ -62,27 +62,11 @@ def test_least_squares_on_samples_reach_our_minimum():
     assert ours.note == theirs.note == ""  # it has arrived
 
 
-# --- the harness --------------------------------------------------------------------------------
-
-
 def test_answers_that_differ_end_a_benchmark():
     sides = {"right": lambda: np.array([1.0, 2.0]), "wrong": lambda: [1.0, 2.1]}
     require_agreement(sides, 0.1)
     with pytest.raises(AssertionError, match="wrong"):
         require_agreement(sides, 0.01)
-
-
-def test_ratios_are_formed_round_by_round():
-    one, other = rows("a case", {"one": [1.0, 2.0, 4.0], "other": [3.0, 2.0, 80.0]}, "ms", 1e3)
-    assert one == Row("a case", "one", 2e3, "ms", 1.0)
-    assert other == Row("a case", "other", 3e3, "ms", 3.0)
-
-
-def test_sides_take_turns(monkeypatch):
-    order = []
-    monkeypatch.setattr(harness, "LEAST_SECONDS", 0.0)
-    compare("turns", {name: lambda name=name: order.append(name) for name in "abc"}, rounds=3)
-    assert "".join(order[-9:]) == "abcbcacab"
 
 
 def test_the_page_shows_the_results():
