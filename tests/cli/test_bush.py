@@ -27,12 +27,16 @@ def answer():
     )  # fmt: skip
 
 
-def test_the_line_the_file_and_python_have_one_answer(run, answer):
-    for line in (FULL, f"check {ROOT / 'datasets/bush.toml'}"):
-        code, out, err = run(*shlex.split(line))
-        assert code == 0
-        assert out == f"{answer}\n"
-        assert err == "".join(f"warning: {each}\n" for each in answer.warnings)
+@pytest.mark.parametrize(
+    "line",
+    [f"check {ROOT / 'datasets/bush.toml'}", pytest.param(FULL, marks=pytest.mark.slow)],
+    ids=["file", "line"],
+)
+def test_the_line_the_file_and_python_have_one_answer(run, answer, line):
+    code, out, err = run(*shlex.split(line))
+    assert code == 0
+    assert out == f"{answer}\n"
+    assert err == "".join(f"warning: {each}\n" for each in answer.warnings)
 
 
 def test_numbers_in_the_place_of_names_and_classes(run):

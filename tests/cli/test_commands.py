@@ -134,9 +134,9 @@ def test_a_sweep_prints_the_rows_that_it_writes(run, shipped, monkeypatch):
 def test_quiet_leaves_the_results_alone(run, shipped, monkeypatch):
     monkeypatch.chdir(shipped)
     fit = shlex.split("fit datasets/examples/pin-in-hole.csv --law explicit --contact internal")
+    fit += ["--runs", "1", "-o", "build/one.json"]
     loud, quiet = run(*fit)[1], run(*fit, "-q")[1]
-    assert loud.startswith(quiet)
-    assert loud.removeprefix(quiet).startswith("\nwritten to build/pin-in-hole: result.json")
+    assert loud == f"{quiet}\nwritten to build/one.json\n"
     assert run("sweep", *shlex.split(CRANK), "-j", 1, "-q", "-o", "build/s.csv")[1:] == ("", "")
 
 

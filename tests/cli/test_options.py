@@ -233,11 +233,9 @@ def test_a_plan_takes_its_clearances(run, table):
     options = "--law explicit --contact internal --E 207000 --nu .3 --Ri 10 --length 20"
     options += " --radial-clearance .03"
     words = "--candidates '100:8000 N' --add 3 --radial-clearances '30 um,.06' --json"
-    code, said, errors = run("plan", "plain.csv", *shlex.split(f"{options} {words}"))
+    code, said, errors = run("plan", "plain.csv", *shlex.split(f"{options} {words} -o out"))
     assert (code, errors) == (0, "")
     constants = NUMBERS | {"R_i_mm": 10.0, "dR_mm": 0.03, "length_mm": 20.0}
-    code, said_too, _ = run("plan", "plain.csv", *shlex.split(f"{options} {words} -o out"))
-    assert (code, said_too) == (0, said)
     assert {path.suffix for path in (table / "out").iterdir()} == {".csv", ".png", ".pdf"}
     candidates = pd.read_csv(next((table / "out").glob("*.csv")), comment="#")
     loads = np.unique(candidates["load_N_per_mm"])

@@ -102,6 +102,7 @@ class TestContact:
 
 
 class TestHertz:
+    @pytest.mark.slow
     def test_pressure_converges_with_the_mesh(self):
         hertz = float(limits.hertz_stress(20.0, SETUP.pair(1.0)))
         cases = [solve(changed(SETUP, cells=cells), 1.0, [20.0])[0] for cells in (4, 16)]

@@ -458,7 +458,7 @@ def count_layouts(path, separator, kind, examples):
     return counts
 
 
-@pytest.mark.parametrize("examples", [25, pytest.param(400, marks=pytest.mark.long)])
+@pytest.mark.parametrize("examples", [10, pytest.param(400, marks=pytest.mark.long)])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("separator", SEPARATORS)
 def test_a_random_layout_is_read_right_or_refused(tmp_path, separator, kind, examples):

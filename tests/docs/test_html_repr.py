@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import pytest
 
-from cylcontact import CylinderPair, Material, choose, laws
+from cylcontact import CylinderPair, Material, choose, fit, laws
 from cylcontact.support.html_repr import table_html
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -51,20 +50,16 @@ def test_constants_of_a_law_have_their_units():
 # --- campaigns, results, choices and trajectories ---
 
 
-@pytest.fixture(scope="module")
-def hostile_choice():
+def test_no_text_of_a_result_or_a_choice_is_markup():
     steel = Material(HOSTILE, E=207e3, nu=0.3)
     pair = CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
     load, noise = np.geomspace(10.0, 3000.0, 30), 1 + 0.01 * np.cos(np.arange(30))
     depth = laws.Explicit().penetration(load, pair) * noise
     data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
-    return choose(data, pair, laws=["explicit", "johnson"], name=HOSTILE)
-
-
-def test_no_text_of_a_result_or_a_choice_is_markup(hostile_choice):
-    result = hostile_choice.fit()
-    best, *others = hostile_choice.laws
-    named = replace(hostile_choice, laws=(replace(best, law=HOSTILE), *others))
+    result = fit(data, "johnson", pair, name=HOSTILE, starts=1)
+    choice = choose(data, pair, laws=["johnson"], name=HOSTILE)
+    (law,) = choice.laws
+    named = replace(choice, laws=(replace(law, law=HOSTILE),))
     for shown in (result._repr_html_(), named._repr_html_()):
         assert "<script" not in shown
         assert "&lt;script&gt;" in shown

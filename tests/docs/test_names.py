@@ -30,8 +30,13 @@ OTHERS = {
 }
 
 
+@cache
 def texts_of(kind):
-    """Yield a name and a text of pages, of docstrings and messages, or of notebooks."""
+    """The texts of pages, of docstrings and messages, or of notebooks, each with its name."""
+    return [*_texts_of(kind)]
+
+
+def _texts_of(kind):
     if kind == "pages":
         for page in sorted({page for place in PLACES for page in ROOT.glob(place)}):
             if page.name != "CHANGELOG.md" and page.relative_to(ROOT) in committed():
@@ -62,6 +67,11 @@ def committed():
 
 
 @cache
+def committed_names():
+    return {path.name for path in committed()}
+
+
+@cache
 def options():
     """The options of all commands, and of the project's own scripts."""
     named, left = {"--help", "--version"} | OTHERS, [typer.main.get_command(app)]
@@ -77,9 +87,8 @@ def options():
 def stale_files(text):
     names = set(re.findall(r"(?<![\w.*/{}-])((?:[\w-]+/)*[\w-]+\.(?:toml|csv|py|ipynb))\b", text))
     for name in names:
-        path = Path(name)
-        here = {each for each in committed() if each == path or each.name == path.name}
-        if not here and not THEIRS.match(path.name):
+        name_alone = Path(name).name
+        if name_alone not in committed_names() and not THEIRS.match(name_alone):
             yield name
 
 

@@ -121,7 +121,7 @@ def bounce(force, mass, speed, time):
     return -run.y[1, -1] / speed, run.y[0].max()
 
 
-@pytest.mark.parametrize("restitution", [0.3, 0.9])
+@pytest.mark.parametrize("restitution", [0.3, pytest.param(0.9, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("code", ["adams", "simscape"])
 def test_the_bounce_of_the_typed_formula(code, restitution):
     p = parameters_of(code, restitution)
@@ -136,7 +136,10 @@ def test_the_bounce_of_the_typed_formula(code, restitution):
     assert bounced[0] == pytest.approx(restitution, abs=1e-6)
 
 
-@pytest.mark.parametrize("restitution", [0.05, 0.5, 0.9, 0.99])
+@pytest.mark.parametrize(
+    "restitution",
+    [0.05, 0.9, *(pytest.param(e, marks=pytest.mark.slow) for e in (0.5, 0.99))],
+)
 def test_drakes_and_chronos_bounces_are_closed_forms(restitution):
     """Chrono's spring does not pull: Schwager and Pöschel, Granular Matter 9 (2007) 465."""
     p = parameters_of("drake", restitution)

@@ -121,7 +121,14 @@ def test_the_bounds_of_a_campaign_do_not_cut_its_optimum_off(name):
     assert lowest >= best.objective.value * (1 - 1e-4)
 
 
-@pytest.mark.parametrize(("count", "objective"), [(4, 0.0636), (5, 0.0594), (6, 0.0580)])
+@pytest.mark.parametrize(
+    ("count", "objective"),
+    [
+        pytest.param(4, 0.0636, marks=pytest.mark.slow),
+        pytest.param(5, 0.0594, marks=pytest.mark.slow),
+        (6, 0.0580),
+    ],
+)
 def test_few_constants_that_follow_the_clearance_reach_what_seven_do(count, objective):
     """Once more by scipy, from the samples themselves."""
     bent = dict([("q", (-0.2, 0.2)), ("n2", (-0.05, 0.05))][: count - 4])

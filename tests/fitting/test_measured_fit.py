@@ -36,7 +36,7 @@ EXAMPLE = ROOT / "fitting/examples/pin-in-hole.toml"
 
 @pytest.mark.parametrize(("law", "contact"), TRUTHS, ids=lambda word: word)
 def test_exact_points_of_a_law_give_its_coefficients_back(tmp_path, law, contact):
-    result = fit_table(measured_campaign(tmp_path, law, contact, starts=4))
+    result = fit_table(measured_campaign(tmp_path, law, contact, starts=2))
     truth = whole_truth(law, contact, result.coefficients)
     assert result.coefficients == pytest.approx(truth, rel=1e-6)
     free = {p.name for p in MODELS[law, contact].parameters if p.value is None}
@@ -130,7 +130,7 @@ def test_the_shipped_example_finds_the_law_it_was_made_of():
 
 def test_readings_that_are_all_equal_are_fitted_and_not_described():
     data = pd.DataFrame({"load_N_per_mm": np.geomspace(10.0, 1000.0, 15), "penetration_um": 1.0})
-    result = cc.fit(data, "explicit", ONE, starts=2)
+    result = cc.fit(data, "johnson", ONE, starts=1, fixed={"offset": 0.0})
     assert result.r_squared is None
     assert "the law does not describe these readings" in result.warnings[0]
 
@@ -146,7 +146,7 @@ def test_conformal_contact_is_fitted_to_rows_of_several_moduli_and_clearances():
     rows = {"load_N_per_mm": f, "penetration_um": depth, "dR_mm": dR, "E_GPa": E}
     constants = {"nu": 0.33, "R_i_mm": 10.0}
     result = cc.fit(
-        pd.DataFrame(rows), "conformal", contact="internal", constants=constants, starts=2
+        pd.DataFrame(rows), "conformal", contact="internal", constants=constants, starts=1
     )
     assert result.coefficients["stiffness_factor"] == pytest.approx(1.2, rel=2e-3)
 
@@ -157,7 +157,7 @@ def test_conformal_contact_is_fitted_to_rows_of_several_moduli_and_clearances():
 JOHNSON = ("--law", "johnson", "--contact", "internal")
 
 
-@pytest.mark.parametrize("given", [(), ("-o", "elsewhere/fit"), ("--pdf", "--show")])
+@pytest.mark.parametrize("given", [(), ("-o", "elsewhere/fit", "--pdf", "--show")])
 def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, given):
     monkeypatch.chdir(tmp_path)
     opened = []
@@ -171,7 +171,7 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     files = ["result.json", "residuals.csv", "fit.png", *["fit.pdf"] * ("--pdf" in given)]
     assert said.rstrip().endswith(f": {', '.join(files)}")
     assert {path.name for path in folder.iterdir()} == {*files}
-    assert opened == [str(folder / "fit.png")] * ("--show" in given)
+    assert [*map(Path, opened)] == [folder.relative_to(tmp_path) / "fit.png"] * ("--show" in given)
     result = read_result(folder / "result.json")
     assert result.free.keys() == {"stiffness_factor", "c"}
     settings = result.settings["campaign"]
@@ -236,12 +236,11 @@ def test_a_mounted_and_scaled_law_answers_consistently(pair, compliance):
     assert np.isnan(law.load(1.001 * end, pair))
 
 
-@pytest.mark.parametrize("noise", [None, "both"])
-def test_a_reading_of_0_is_fitted_and_drawn(noise):
+def test_a_reading_of_0_is_fitted_and_drawn():
     load = np.geomspace(1.0, 3000.0, 10)
     depth = 1e3 * laws.Explicit().penetration(load, ONE) * (1 + 0.01 * np.cos(7 * load))
     data = pd.DataFrame({"load_N_per_mm": load, "penetration_um": depth - depth[0]})
-    result = cc.fit(data, "explicit", ONE, free=["offset"], noise=noise, starts=2)
+    result = cc.fit(data, "explicit", ONE, free=["offset"], starts=1)
     assert result.max_abs_diff_percent.fitted is None  # relative to 0
     assert result.r_squared > 0.99
     assert (result.predict(load)["high_mm"] > result.predict(load)["low_mm"]).all()

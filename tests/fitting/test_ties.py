@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cylcontact import CylinderPair, InputError, Material, laws
@@ -47,6 +47,7 @@ expressions = st.recursive(
 )
 
 
+@settings(max_examples=40)
 @given(expressions, st.floats(0.1, 10), st.floats(0.1, 10))
 def test_expressions_agree_with_python(expression, a, b):
     tree = compile(ast.parse(expression, mode="eval"), "test", "eval")

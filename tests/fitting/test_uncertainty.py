@@ -123,11 +123,12 @@ def in_mm(campaign):
     return replace(campaign, noise=NoiseModel(noise="constant"))
 
 
-@pytest.fixture
-def noisy(tmp_path):
-    return best_of(measured_campaign(tmp_path, noise=NOISE))
+@pytest.fixture(scope="module")
+def noisy(tmp_path_factory):
+    return best_of(measured_campaign(tmp_path_factory.mktemp("noisy"), noise=NOISE))
 
 
+@pytest.mark.slow
 def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
     import iminuit
 
@@ -255,7 +256,7 @@ def test_coverage_of_every_law(tmp_path, law, contact):
 
 def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
     bounds = {"clearance_factor": [0.5, 2.0]}
-    campaign = in_mm(measured_campaign(tmp_path, "liu", noise=NOISE, bounds=bounds, starts=2))
+    campaign = in_mm(measured_campaign(tmp_path, "liu", noise=NOISE, bounds=bounds, starts=1))
     actual = fit_table(campaign)
     ends = actual.estimates["clearance_factor"]
     assert (ends.low, ends.low_is_bound, ends.high, ends.high_is_bound) == (0.5, True, 2.0, True)
@@ -282,14 +283,14 @@ def test_an_interval_ends_where_the_law_is_undefined_with_the_refit_before(tmp_p
 
 def test_parameters_that_act_only_together_are_named(tmp_path):
     bounds = {"Lambda_factor": [0.1, 10.0]}
-    campaign = measured_campaign(tmp_path, noise=NOISE, bounds=bounds, starts=2)
+    campaign = measured_campaign(tmp_path, noise=NOISE, bounds=bounds, starts=1)
     result = fit_table(campaign)
     assert set(result.optimum.unidentifiable) == {"c", "Lambda_factor"}
     verdicts = {name: result.estimates[name].verdict for name in result.free}
     assert (verdicts["c"], verdicts["Lambda_factor"]) == ("not", "not")
     assert "c and Lambda_factor are not identifiable" in result.warnings[0]
     # The stiffness keeps its interval, which is that of a fit with one of the two fixed.
-    fixed = fit_table(measured_campaign(tmp_path, noise=NOISE, starts=2))
+    fixed = fit_table(measured_campaign(tmp_path, noise=NOISE, starts=1))
     for end in ("low", "high"):
         actual, expected = (getattr(r.estimates["stiffness_factor"], end) for r in (result, fixed))
         assert actual == pytest.approx(expected, rel=1e-3)

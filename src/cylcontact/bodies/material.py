@@ -187,7 +187,7 @@ def changed(material: Material, **numbers: Number | str | None) -> Material:
     return copy
 
 
-def scaled(material: Material, factor: float) -> Material:
+def scaled(material: Material, factor: Number) -> Material:
     """Return a material whose modulus is that of another times a factor."""
     return changed(material, E=material.E * factor)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -159,7 +160,7 @@ def find(
     if unknown == "clearance":  # both sides of a clearance at which the law jumps
         jumps = [jump for jump in getattr(law, "jumps", ()) if low < jump < high]
         scan = np.union1d(scan, np.outer(jumps, [1 - _BESIDE, 1 + _BESIDE]))
-    x = _root(search.value, target, scan)
+    x = _root(search.value, target, scan, search.values(scan))
     if isinstance(x, float):
         return x
     of = TARGETS[key][unknown == "length"]
@@ -209,6 +210,16 @@ class _Search:
 
     def value(self, x: float) -> float:
         """Return what is to meet the target, NaN where the pin seizes."""
+        return float(self._at(x))
+
+    def values(self, grid: FloatArray) -> FloatArray:
+        """Return the value at each x: all at once, unless a pin seizes or has a housing."""
+        if self.housing is None:
+            with suppress(InputError):
+                return np.broadcast_to(self._at(grid), grid.shape)
+        return np.array([self.value(x) for x in grid.tolist()])
+
+    def _at(self, x: FloatArray | float) -> FloatArray | float:
         is_length, law = self.unknown == "length", self.law
         scale = x if is_length else 1.0
         f = self.load / scale
@@ -219,14 +230,13 @@ class _Search:
                 raise
             return float("nan")
         if self.key == "penetration":
-            return float(law.penetration(f, pair))
+            return law.penetration(f, pair)
         if self.key == "stiffness":
-            return float(scale * law.stiffness(law.penetration(f, pair), pair))
+            return scale * law.stiffness(law.penetration(f, pair), pair)
         if self.key == "peak":
             peak = law.peak_pressure if isinstance(law, Conformal) else hertz_stress
-            return float(peak(f, pair))
-        housing = self.housing
-        at = self.fixed_yield if is_length else float(first_yield(pair, housing=housing).load)
+            return peak(f, pair)
+        at = self.fixed_yield if is_length else first_yield(pair, housing=self.housing).load
         return at / f
 
 
@@ -251,12 +261,14 @@ class _Jump(NamedTuple):
 
 
 def _root(
-    value: Callable[[float], float], target: float, grid: FloatArray
+    value: Callable[[float], float], target: float, grid: FloatArray, values: FloatArray
 ) -> float | _Jump | tuple[float, float] | None:
-    """Return the largest x at which a function has a value; else what it reaches, if anything."""
+    """Return the largest x at which a function has a value; else what it reaches, if anything.
+
+    The values on the grid are those of the function up to rounding.
+    """
     from scipy.optimize import brentq  # which takes longer to import than the package
 
-    values = np.array([value(x) for x in grid.tolist()])
     known = np.isfinite(values)
     miss = np.sign(values[known] - target)
     jump = None
@@ -276,7 +288,7 @@ def _root(
     return (float(values[known].min()), float(values[known].max())) if known.any() else None
 
 
-def _with(pair: CylinderPair, unknown: Unknown, x: float) -> CylinderPair:
+def _with(pair: CylinderPair, unknown: Unknown, x: FloatArray | float) -> CylinderPair:
     """Return a pair with another value of the unknown."""
     if unknown == "length":
         return pair
