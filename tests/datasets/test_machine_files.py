@@ -7,7 +7,6 @@ from collections import Counter
 from dataclasses import replace
 
 import numpy as np
-import openpyxl
 import pandas as pd
 import pytest
 from hypothesis import given, settings
@@ -29,6 +28,7 @@ from tests.support.machine_files import (
     ROWS,
     forms,
     rows,
+    workbook,
 )
 from tests.support.random_layouts import (
     CONSTANTS,
@@ -121,23 +121,14 @@ def test_units_are_those_of_the_definitions():
     assert len(LENGTHS) == len(LENGTH_UNITS)
 
 
-def workbook(path, **sheets):
-    book = openpyxl.Workbook()
-    book.remove(book.active)
-    for title, cells in sheets.items():
-        sheet = book.create_sheet(title)
-        for row in cells:
-            sheet.append(row)
-    book.save(path)
-    return path
-
-
 def test_the_sheet_of_load_and_penetration_is_read(tmp_path):
     notes = [["Force and travel of pin 3"], ["Operator", "XY"], ["Width", 6.0]]
     head = [["Report"], [], ["Nr.", "Force\n[N]", "Displacement\n[mm]"]]
     table = [[k, *each] for k, each in enumerate(zip(LOAD.tolist(), DEPTH.tolist(), strict=True))]
     double = [[k, 2 * f, w] for k, f, w in table]
-    path = workbook(tmp_path / "t.xlsx", Notes=notes, One=head + table, Two=head + double)
+    path = workbook(
+        tmp_path / "t.xlsx", {"Notes": notes, "One": head + table, "Two": head + double}
+    )
     data = read(path)
     assert is_truth(data)
     assert "sheet 'One' of 3, the first of 2 with such columns (--sheet)" in data.read[2]
@@ -150,7 +141,7 @@ def test_the_sheet_of_load_and_penetration_is_read(tmp_path):
 def test_specimens_with_a_number_sign_stay_in_workbooks(tmp_path):
     cells = zip(["A", "#2", "#3"] * 3, LOAD.tolist(), DEPTH.tolist(), strict=True)
     table = [["Specimen", "Force [N]", "Travel [mm]"], *map(list, cells), ["#A", 5.0, 0.5]]
-    data = read(workbook(tmp_path / "t.xlsx", one=table), group="Specimen")
+    data = read(workbook(tmp_path / "t.xlsx", {"one": table}), group="Specimen")
     assert is_truth(data)
     assert set(data.data.labels["group"]) == {"A", "#2", "#3"}
     assert f"left out: row {ROWS + 2} with # in front" in data.read[1]
@@ -290,7 +281,7 @@ def test_a_table_compressed_by_gzip_and_a_workbook_under_another_name_are_read(t
     (tmp_path / "t.csv.gz").write_bytes(gzip.compress(text.encode()))
     assert is_truth(read(tmp_path / "t.csv.gz"))
     cells = [["F [N]", "w [mm]"], *map(list, zip(LOAD.tolist(), DEPTH.tolist(), strict=True))]
-    book = workbook(tmp_path / "t.xlsx", one=cells)
+    book = workbook(tmp_path / "t.xlsx", {"one": cells})
     assert is_truth(read(book.rename(tmp_path / "t.xls")))
 
 
@@ -356,7 +347,8 @@ def test_a_mark_of_decimals_and_a_sheet_are_for_the_files_that_need_them(three, 
         read(three)
     assert is_truth(read(three, decimal=","))
     cells = [["F [N]", "w [mm]"], *map(list, zip(LOAD.tolist(), DEPTH.tolist(), strict=True))]
-    book = workbook(tmp_path / "t.xlsx", one=cells[:1] + cells[1:4], two=cells[:1] + cells[4:7])
+    sheets = {"one": cells[:1] + cells[1:4], "two": cells[:1] + cells[4:7]}
+    book = workbook(tmp_path / "t.xlsx", sheets)
     data = read([three[0], book, three[2]], sheet="two")
     assert is_truth(data)
 

@@ -1,68 +1,13 @@
 """Moments: exactly the sum of squares of the samples they stand for, however they are merged."""
 
 from fractions import Fraction
-from itertools import product
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cylcontact import CylinderPair, InputError, Material, laws
-from cylcontact.datasets import Grid, Moments, concatenate, merge, reduce_grid
-from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.reference import OnMoments
-from tests.support.strategies import powers_of_ten
-
-JOHNSON = laws.Johnson()
-
-
-def axis(values, least, most):
-    """Strategy for the distinct, increasing values of an axis."""
-    return st.lists(values, min_size=least, max_size=most, unique=True).map(sorted).map(np.array)
-
-
-grids = st.builds(
-    Grid,
-    st.sampled_from(["internal", "external"]),
-    st.just("johnson"),
-    axis(powers_of_ten(0, 4), 1, 4),
-    axis(st.floats(0.0, 0.5), 1, 3),
-    axis(powers_of_ten(-2.3, 1.0).filter(lambda dR: 0.005 <= dR < 10.0), 1, 4),
-    axis(powers_of_ten(-1, 3), 2, 8),
-)
-# Coefficients around the published ones of the enhanced law.
-ENDS = {
-    "internal": [(0.2, 1.5), (0.01, 0.5), (1.2, 2.0), (-0.4, -0.05), (-0.05, 0.05), (1.0, 1.3),
-                 (-0.05, 0.05)],
-    "external": [(0.2, 1.5), (0.1, 3.0), (1.0, 1.4)],
-}  # fmt: skip
-
-
-@pytest.mark.slow
-@given(grid=grids, data=st.data())
-def test_the_objective_is_that_of_the_samples_one_by_one(grid, data):
-    candidate = data.draw(st.tuples(*(st.floats(*ends) for ends in ENDS[grid.contact])))
-    model = MODELS["enhanced", grid.contact]
-    switch = (0.34954,) if "Y_switch" in model.names else ()  # a printed number, never searched
-    law = laws.Enhanced(dict(zip(model.names, (*candidate, *switch), strict=True)))
-    squares, count = 0.0, 0
-    for E, nu, dR, load in product(grid.E, grid.nu, grid.dR, grid.load):
-        pair = CylinderPair.from_dR(grid.contact, float(dR), Material("", E * 1e3, nu))
-        reference = JOHNSON.penetration(load, pair)
-        if np.isfinite(reference):
-            squares += np.log(law.penetration(load, pair) / reference) ** 2
-            count += 1
-    if count == 0:
-        with pytest.raises(InputError):
-            reduce_grid(grid)
-        return
-    moments, counts = reduce_grid(grid)
-    assert counts.samples == moments.total == count
-    assert counts.masked == grid.size - count
-    value = OnMoments(model, model.parameters, moments).value(np.array(candidate))
-    assert value == pytest.approx(np.sqrt(squares / count), rel=1e-10, abs=1e-13)
-
+from cylcontact.datasets import Moments, concatenate, merge
 
 numbers = st.floats(-100.0, 100.0)
 samples = st.lists(st.tuples(numbers, numbers), min_size=1, max_size=40).map(np.array)

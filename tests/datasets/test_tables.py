@@ -3,7 +3,6 @@
 import datetime
 
 import numpy as np
-import openpyxl
 import pandas as pd
 import pytest
 
@@ -13,10 +12,10 @@ from cylcontact.datasets.measurements import measurements_of
 from cylcontact.datasets.measurements import read_measured as read_with
 from cylcontact.datasets.reading import TableSpec
 from cylcontact.files.units import column_named
+from tests.support.machine_files import workbook
 from tests.support.programs import require_package
 
 PAIR = {"E_GPa": 207.0, "nu": 0.3, "dR_um": 50.0}
-PLAIN = "load_N_per_mm,penetration_um\n10.5,0.25\n20,0.4\n40.25,0.7\n"
 SEMI = "load_N_per_mm;penetration_um\n"
 LOADS, DEPTHS = [10.5, 20.0, 40.25], [2.5e-4, 4e-4, 7e-4]
 # Loads up, down, up again.
@@ -50,45 +49,7 @@ def told(source, said, where="", pair=PAIR, **keywords):
     assert all(part in message for part in said.split("|")), message
 
 
-def workbook(path, sheets):
-    """Write sheets of rows as a workbook."""
-    book = openpyxl.Workbook()
-    book.remove(book.active)
-    for title, rows in sheets.items():
-        sheet = book.create_sheet(title)
-        for row in rows:
-            sheet.append(row)
-    book.save(path)
-    return path
-
-
 # --- files --------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("text", "steps"),
-    [
-        (PLAIN, []),
-        (PLAIN.replace(",", "\t"), ["tabs"]),
-        (PLAIN.replace(",", ";").replace(".", ","), ["semicolons", "decimals"]),
-        (PLAIN.replace(",", "\t").replace(".", ","), ["tabs", "decimals"]),
-        (
-            '"' + PLAIN.replace(",", '","').replace("\n", '"\n"').replace(".", ",")[:-1],
-            ["decimals"],
-        ),
-        (PLAIN.replace(",", ";").replace("\n", "\r\n"), ["semicolons"]),
-        ("sep=;\n" + PLAIN.replace(",", ";"), ["semicolons"]),
-        ("# a; b, c\n\n" + PLAIN.replace(",", "\t"), ["tabs"]),
-    ],
-)
-def test_separators_and_decimal_marks_are_recognised(tmp_path, text, steps):
-    actual = read(tmp_path / "t.csv", text)
-    assert actual.load == pytest.approx(LOADS)
-    assert actual.penetration == pytest.approx(DEPTHS, abs=0)
-    notes = [note for line in actual.read[1:] for note in line.split("; ")]
-    notes = [note for note in notes if not note.startswith("left out: line 1 before")]
-    assert len(notes) == len(steps)
-    assert all(word in note for word, note in zip(steps, notes, strict=True))
 
 
 BAD_FILES = [

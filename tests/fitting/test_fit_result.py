@@ -13,7 +13,7 @@ import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import DataFit, findings, read_result
 from tests.support.measured_files import CONSTANTS, STEEL, USER_LAW, write_measured
-from tests.support.noisy_series import LAW, PAIR, campaign_of, readings, refitted
+from tests.support.noisy_series import LAW, PAIR, readings
 
 EFFECTS = ("offset", "gain")
 RIG = {"free": ["compliance"], "fixed": {"stiffness_factor": 1.1}}
@@ -217,29 +217,6 @@ def test_a_total_load_has_no_prediction_for_rows_of_several_lengths(plain):
     assert result.predict("225 N/mm")["load_N_per_mm"].tolist() == [225.0]
 
 
-SIMULATED = {
-    "one series": (100, {"series": 1, "rows": 15}, {"noise": "constant", "ignore": ["group"]}),
-    "series": (25, {"offset": 1e-4, "gain": 0.03}, {"noise": "constant", "group": "group"}),
-}
-
-
-@pytest.mark.parametrize("kind", SIMULATED)
-@pytest.mark.slow
-def test_the_band_covers_new_readings_as_often_as_it_says(kind):
-    number, simulated, settings = SIMULATED[kind]
-    campaign = campaign_of(readings(0, **simulated), "explicit", PAIR, **settings)
-    load = np.geomspace(10.0, 1500.0, 5)
-    hits = []
-    for seed in range(number):
-        band = refitted(campaign, readings(500 + seed, **simulated)).band(PAIR, 0.95, load=load)
-        new = readings(5000 + seed, **{**simulated, "series": 20, "rows": 5})
-        new = 1e-3 * new["penetration_um"].to_numpy().reshape(20, 5)
-        hits.append((np.array(band.new_low) <= new) & (new <= np.array(band.new_high)))
-    assert np.mean(hits) == pytest.approx(0.95, abs=0.02)
-    # At the least load and at the greatest too.
-    assert np.mean(hits, axis=(0, 1)) == pytest.approx(0.95, abs=0.035)
-
-
 # --- the law ----------------------------------------------------------------------------------
 
 
@@ -350,14 +327,6 @@ def test_a_function_of_ones_own_is_drawn_in_memory_and_has_no_law_of_the_package
     assert result.plot().has_data()
     with pytest.raises(InputError, match="is your own Python function"):
         result.to_law()
-
-
-def test_readings_and_law_are_drawn_in_micrometres(plain):
-    frame, result = plain
-    law, measured = result.plot().lines
-    assert measured.get_ydata() == pytest.approx(frame["penetration_um"].to_numpy(), rel=1e-12)
-    predicted = result.predict(law.get_xdata())["penetration_mm"]
-    assert law.get_ydata() == pytest.approx(1e3 * predicted.to_numpy(), rel=1e-12)
 
 
 # --- levels and JSON --------------------------------------------------------------------------

@@ -136,21 +136,6 @@ def test_the_interval_of_a_number_is_that_of_the_parameter_it_is_made_of(fitted)
     assert (row["low"], row["high"]) == pytest.approx(ends)
 
 
-@pytest.mark.slow
-def test_intervals_of_a_stiffness_hold_the_truth_as_often_as_they_say():
-    frames = [readings(1000 + seed, 1, 15).drop(columns="group") for seed in range(300)]
-    campaign, hits = campaign_of(frames[0], "explicit", PAIR, noise="constant"), []
-
-    def stiffness(law):
-        return law.stiffness(law.penetration(200.0, PAIR), PAIR)
-
-    for frame in frames:
-        value, _, reach = refitted(campaign, frame).propagated(stiffness, 0.95)
-        below, above = reach[0]
-        hits.append(value[0] - below <= stiffness(LAW) <= value[0] + above)
-    assert np.mean(hits) == pytest.approx(0.95, abs=0.03)
-
-
 # --- predictions ------------------------------------------------------------------------------
 
 

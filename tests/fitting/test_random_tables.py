@@ -10,10 +10,11 @@ import cylcontact as cc
 from cylcontact.fitting import DataFit, choice
 from cylcontact.fitting.choice import laws_for
 from cylcontact.fitting.law_models import model_of
+from tests.support.measured_files import STEEL
+from tests.support.noisy_series import PAIR
 
-STEEL = cc.Material("steel", E="207 GPa", nu=0.3)
 PAIRS = {
-    "internal": cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0),
+    "internal": PAIR,
     "external": cc.CylinderPair.external(R_i=10.0, R_j=14.0, material=STEEL, length=20.0),
 }
 # What readings are of.
@@ -131,6 +132,7 @@ def test_singular_likelihoods_are_one_sentence(monkeypatch):
         cc.fit(frame(0.01), "johnson", PAIRS["internal"], noise="both", starts=1)
 
 
+@pytest.mark.slow
 def test_choices_do_not_depend_on_workers():
     table, laws = frame(0.01), ["johnson", "explicit"]
     one, two = (cc.choose(table, PAIRS["internal"], laws=laws, jobs=jobs) for jobs in (1, 2))

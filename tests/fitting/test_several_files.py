@@ -8,7 +8,8 @@ import pytest
 
 import cylcontact as cc
 from cylcontact.fitting import DataFit
-from tests.support.machine_files import DEPTH, LENGTH, LOAD, OPTIONS, PAIR, rows
+from tests.support.machine_files import DEPTH, LENGTH, LOAD, OPTIONS, rows
+from tests.support.noisy_series import PAIR
 
 CUT = 4
 NOISY = DEPTH * (1 + 0.003 * np.cos(7.0 * np.arange(DEPTH.size)))

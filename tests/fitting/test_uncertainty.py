@@ -1,4 +1,4 @@
-"""How sure: against NIST's certified values, iminuit, lmfit and 200 repeated experiments."""
+"""How sure: against NIST's certified values, iminuit and lmfit; test_coverage repeats fits."""
 
 from dataclasses import dataclass, replace
 
@@ -17,9 +17,7 @@ from cylcontact.fitting.readings import (
     Fit,
     Optimum,
     fit_with_noise,
-    half_width,
     independent,
-    plain_fit,
 )
 from tests.support.measured_files import (
     STEEL,
@@ -34,7 +32,6 @@ from tests.support.spec_files import golden
 
 LEVEL = 0.95
 NOISE = 0.03
-REPLICATES = 200
 
 
 def descended(problem, start, noise="constant"):
@@ -190,65 +187,6 @@ def test_lmfit_agrees_on_errors_correlation_and_profiles(tmp_path):
         actual.params[names[0]].correl[names[1]], abs=1e-4
     )
     assert np.sqrt(actual.redchi) == pytest.approx(1.0, rel=1e-3)  # in standard deviations
-
-
-# --- coverage ---------------------------------------------------------------------------------
-
-# The explicit law's three coefficients are told apart only by small scatter: at 3 %, and at 1 %,
-# the intervals of c and B reach the bounds of the search and B ends there.
-LITTLE_NOISE = {"explicit": 0.002}
-# Refits start this factor away from the truth, each coefficient in turn to the other side.
-AWAY = 1.1
-# Not among them: the internal enhanced law, whose seven coefficients no test data of one E* and
-# three clearances determine, and the external logarithmic and power laws, whose formulas are those
-# of the internal ones with another Λ.
-COVERED = sorted({key for key in TRUTHS if key[1] == "internal"} | {("enhanced", "external")})
-
-
-def coverage(campaign, replicates=REPLICATES, seed=7):
-    """Repeat an experiment; return the share of intervals that hold the truth, of each kind."""
-    truth = TRUTHS[campaign.model.law, campaign.model.contact]
-    problem = plain_fit(campaign)
-    data = problem.data
-    law = MODELS[campaign.model.law, campaign.model.contact].build(truth)
-    exact = law.penetration(data.load, data.pair)
-    names = [p.name for p in problem.free]
-    size = LITTLE_NOISE.get(campaign.model.law, NOISE)
-    ahead = data.take(np.array([len(data) // 2])).pair
-    start = problem.point(truth) * AWAY ** (-1.0) ** np.arange(len(names))
-    hits = {"covariance": [], "profile": [], "curve": [], "new": []}
-    rng = np.random.default_rng(seed)
-    for _ in range(replicates):
-        seen = with_columns(data, penetration=exact * np.exp(size * rng.normal(size=len(data))))
-        again = replace(problem, data=seen)
-        point, noise = descended(again, start, "proportional")
-        best = again.coefficients(point)
-        errors = half_width(LEVEL, noise.degrees_of_each()) * np.sqrt(np.diag(noise.covariance))
-        hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
-        for name in names:
-            held = noise.fit.fixing(**{name: truth[name]})
-            rise = noise.rise(np.array([held.minimise(held.point(best))[1]]))[0]
-            side = int(truth[name] > best[name])
-            hits["profile"].append(rise <= noise.limits(LEVEL, name)[side])
-        band = noise.band(ahead, LEVEL, load=[20.0])
-        depth = float(law.penetration(20.0, ahead)[0])
-        hits["curve"].append(band.low[0] <= depth <= band.high[0])
-        new = depth * np.exp(size * rng.normal())
-        hits["new"].append(band.new_low[0] <= new <= band.new_high[0])
-    return {kind: float(np.mean(actual)) for kind, actual in hits.items()}
-
-
-@pytest.mark.slow
-def test_intervals_and_bands_hold_the_truth_as_often_as_they_say(tmp_path):
-    shares = coverage(measured_campaign(tmp_path))
-    assert all(0.90 <= share <= 0.98 for share in shares.values()), shares
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("law", "contact"), COVERED)
-def test_coverage_of_every_law(tmp_path, law, contact):
-    shares = coverage(measured_campaign(tmp_path, law, contact))
-    assert all(0.90 <= share <= 0.98 for share in shares.values()), shares
 
 
 # --- profiles ---------------------------------------------------------------------------------

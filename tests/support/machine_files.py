@@ -2,16 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import openpyxl
 
 import cylcontact as cc
+from tests.support.noisy_series import PAIR
 
 LENGTH = 20.0
-PAIR = cc.CylinderPair.internal(
-    R_i=10.0, R_j=9.97, material=cc.Material("steel", E=207e3, nu=0.3), length=LENGTH
-)
 OPTIONS = ("--contact", "internal", "--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--Rj", 9.97)
 LOAD = np.array([64.0, 150.5, 310.0, 720.0, 1250.0, 2400.0, 4100.0, 7300.0, 11800.0])
 DEPTH = cc.laws.Explicit().penetration(LOAD / LENGTH, PAIR)
@@ -45,6 +45,18 @@ def rows(
         for row in zip(*columns, strict=True)
     )
     return "".join(separator.join(f"{quote}{c}{quote}" for c in row) + "\n" for row in cells)
+
+
+def workbook(path: Path, sheets: dict[str, list[list[Any]]]) -> Path:
+    """Write sheets of rows as a workbook."""
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for title, cells in sheets.items():
+        sheet = book.create_sheet(title)
+        for row in cells:
+            sheet.append(row)
+    book.save(path)
+    return path
 
 
 @dataclass(frozen=True)

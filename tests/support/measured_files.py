@@ -133,16 +133,13 @@ def measured_campaign(
     return campaign_of_table(table, law, contact, CONSTANTS, **searched, **settings)
 
 
-def user_campaign(
-    folder: Path, noise: str | None = None, bounds: dict[str, Any] | None = None
-) -> Campaign:
+def user_campaign(folder: Path) -> Campaign:
     """Return a campaign on points of a power law for a function of the user's own."""
     (folder / "mine.py").write_text(USER_LAW)
     table = write_measured(folder / "measured.csv", "power", "internal")
     return campaign_of_table(
         *(table, "mine:load", "internal", CONSTANTS),
-        noise=noise,
-        bounds=bounds or {"K_star": [0.5, 10.0], "n": [1.0, 1.5]},
+        bounds={"K_star": [0.5, 10.0], "n": [1.0, 1.5]},
         starts=3,
     )
 
