@@ -287,7 +287,7 @@ ROLLERS = CylinderPair.external(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
         (lambda fit: fit.predict(1.0, level=np.nan), "level = nan: must lie between 0 and 1"),
         (lambda fit: fit.predict([10.0, -1.0]), "load in N/mm = -1.0: must be above zero"),
         (lambda fit: fit.predict("4 tf"), "is not a load with its unit"),
-        (lambda fit: fit.plot_profile("speed"), "has no profile: it was not searched"),
+        (lambda fit: fit.plot_profile("speed"), "do not determine it; choose offset, compliance"),
         (lambda fit: fit.plan([20.0], parameter="kappa"), "is not free; choose offset, comp"),
         (lambda fit: fit.plan([20.0], add=0), "add = 0: must be a whole number from 1"),
     ],
