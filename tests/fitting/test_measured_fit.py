@@ -124,6 +124,21 @@ def test_the_shipped_example_finds_the_law_it_was_made_of():
     assert "<table>" in example._repr_html_()
 
 
+def test_the_bounds_that_a_function_states_are_those_of_its_fit(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, bounds in (("good", "(0.1, 0.4)"), ("bad", "(0.4, 0.1)")):
+        Path(f"{name}_bounds.py").write_text(
+            f"def load(penetration, E_star, K: {bounds}):\n    return K * E_star * penetration\n"
+        )
+    depth = np.geomspace(1e-4, 1e-2, 9)
+    data = pd.DataFrame({"load_N_per_mm": 0.5 * PAIR.E_star * depth, "penetration_um": 1e3 * depth})
+    assert cc.fit(data, "good_bounds:load", PAIR).coefficients["K"] == pytest.approx(0.4)
+    with pytest.raises(
+        InputError, match=r"bounds of K = \(0.4, 0.1\): must be two numbers, the lo"
+    ):
+        cc.fit(data, "bad_bounds:load", PAIR)
+
+
 def test_readings_that_are_all_equal_are_fitted_and_not_described():
     data = pd.DataFrame({"load_N_per_mm": np.geomspace(10.0, 1000.0, 15), "penetration_um": 1.0})
     result = cc.fit(data, "johnson", PAIR, starts=1, fixed={"offset": 0.0})

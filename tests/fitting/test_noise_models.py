@@ -32,6 +32,23 @@ def likelihood_of(result):
     return result.optimum.likelihood
 
 
+# --- the wrong kind of noise ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("made", "assumed", "says"),
+    [("proportional", "constant", "grows"), ("constant", "proportional", "falls")],
+)
+def test_scatter_of_another_kind_is_warned_of_by_its_rank_correlation(made, assumed, says):
+    scatter = {"constant": 0.0} | {made: {"constant": 1e-4, "proportional": 0.1}[made]}
+    frame = readings(1, 1, 60, **scatter).round(1)  # with ties
+    result = cc.fit(frame, "explicit", PAIR, noise=assumed, starts=1)
+    (warning,) = [each for each in result.warnings if "relative to the noise assumed" in each]
+    size = result.residuals["standardised"].abs()
+    p = stats.spearmanr(size, frame["penetration_um"]).pvalue
+    assert f"{says} with the reading (p = {p:.2g}): allow for both kinds of scatter" in warning
+
+
 # --- statsmodels ------------------------------------------------------------------------------
 
 
