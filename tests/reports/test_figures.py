@@ -43,8 +43,9 @@ def folder(tmp_path):
 # --- golden numbers ---
 
 
-# Figures of many runs or many elements.
-SLOW = ("fig17", "fig18", "fig19", "fig_housing")
+RUNS = ("fig17", "fig18", "fig19", "fig_housing")
+# Figures of many runs, fits or elements.
+SLOW = (*RUNS, "fig05", "fig_choices")
 
 
 @pytest.mark.parametrize(
@@ -260,7 +261,7 @@ def test_a_map_explains_what_it_draws_and_its_numbers_are_a_rectangle(number):
     [
         pytest.param(name, marks=[pytest.mark.slow] * (name != "fig07"))
         for name in recipes(ROOT)
-        if name not in SLOW
+        if name not in RUNS
     ],
 )
 def test_a_narrow_figure_keeps_its_labels_and_fits_a_page(name, monkeypatch):

@@ -62,6 +62,7 @@ def test_a_figure_without_a_png_is_shown_as_svg_or_missing(page, tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_the_page_fits_the_window(page):
     with chromium() as browser:
         for width in (1280, 390):
