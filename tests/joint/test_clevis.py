@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from benchmarks.clevis import ClevisOfElements, Joint
 from cylcontact import InputError, Material
 from cylcontact.joint.clevis import EDGES, check_clevis
 from cylcontact.joint.clevis_beam import Clevis, Plate
 from cylcontact.joint.tables import check_table
 from cylcontact.laws import Housing, Sector
-from tests.support.clevis_elements import ClevisOfElements, Joint
 
 ROOT = Path(__file__).resolve().parents[2]
 STEEL = Material("steel", 207e3, 0.3, yield_stress=900.0)

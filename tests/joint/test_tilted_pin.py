@@ -55,6 +55,7 @@ def test_the_mesh_has_converged(table):
     assert mesh_change(table) < 0.7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("depth", "share"), [(0.1, np.inf), (0.03, 0.25), (0.1, 0.1 / 2.2)])
 def test_a_coarse_mesh_and_cells_give_the_committed_forces(table, depth, share):
     row = table[(table["length"] == 1) & (table["ends"] == "flush")]

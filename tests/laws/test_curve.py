@@ -157,29 +157,6 @@ def test_a_hole_of_constant_volume_answers_up_to_its_end():
 # --- rows ---------------------------------------------------------------------------------------
 
 
-def test_rows_of_materials_are_the_curves_of_their_pairs():
-    rng = np.random.default_rng(4)
-    n = 5
-    E, nu, dR = rng.uniform(2e3, 400e3, (2, n)), rng.uniform(0.1, 0.499, (2, n)), np.full(n, 0.05)
-    pairs = CylinderPair(
-        "internal", dR, Material("h", E[0], nu[0]), Material("p", E[1], nu[1]), 10.0, 9.95
-    )
-    f = np.geomspace(1e-6, 1e5, n) * pairs.E_star * dR
-    law = Conformal()
-    delta = law.penetration(f, pairs)
-    for ask, numbers, allowed in (
-        *((getattr(law, name), delta, 1e-10) for name in ("load", "energy")),
-        *((getattr(law, name), f, 1e-10) for name in ("penetration", "contact_angle")),
-        (law.stiffness, delta, 1e-9),
-        (law.peak_pressure, f, 1e-9),
-    ):
-        answers = ask(numbers, pairs)
-        for k in range(n):
-            bodies = (Material("body", E[i, k], nu[i, k]) for i in range(2))
-            one = CylinderPair("internal", 0.05, *bodies, 10.0, 9.95)
-            assert answers[k] == pytest.approx(float(ask(numbers[k], one)), rel=allowed)
-
-
 def test_rows_of_every_possible_pair_are_their_own_series():
     """Over α and β up to their limits, next to β = 0 as well."""
     rng = np.random.default_rng(5)

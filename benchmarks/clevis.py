@@ -6,7 +6,7 @@ clamped at four radii of the pin, and the pin is free: its displacement and that
 from the forces. The eye pushes the pin at φ = 180°, the cheeks hold it at φ = 0. All bodies have
 ν = 0.3 and one modulus, but the plates may have another.
 
-    python -m tests.support.clevis_elements
+    python -m benchmarks.clevis
 
 solves the joints of datasets/clevis.csv again, in some minutes, and prints them.
 """
