@@ -1,5 +1,7 @@
 """First yield of many joints at once against the search of each by itself."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -22,9 +24,16 @@ def joints(count, plane, seed=7):
     return [*strengths, w_i, beta, kappa[0], across[0], kappa[1], across[1]]
 
 
-@pytest.mark.parametrize("count", [5, pytest.param(20, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(("criterion", "plane"), [("von Mises", "stress"), ("Tresca", "strain")])
-def test_many_joints_yield_where_the_search_of_each_says(criterion, plane, count):
+CASES = [
+    (5, "von Mises", "stress"),
+    (5, "Tresca", "strain"),
+    *(pytest.param(12, *case, marks=pytest.mark.slow)
+      for case in product(("von Mises", "Tresca"), ("stress", "strain"))),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("count", "criterion", "plane"), CASES)
+def test_many_joints_yield_where_the_search_of_each_says(count, criterion, plane):
     rows = joints(count, plane)
     block = np.stack(rows)
     phi, in_pin, depth = many_yields.yields_of_many(block[2:], block[:2], criterion == "Tresca")
