@@ -17,7 +17,7 @@ from cylcontact.fitting.cases import (
     in_sequence,
     routes,
 )
-from cylcontact.fitting.nodes import Axes, fit_many, gauss
+from cylcontact.fitting.nodes import Axes, fit_many, gauss, nodes_of
 from cylcontact.reports.figures import report_module
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -153,6 +153,16 @@ def test_nodes_are_exact_for_polynomials():
     nodes, weights = gauss(x, weight)
     for degree in range(24):
         assert weights @ nodes**degree == pytest.approx(weight @ x**degree, rel=1e-9)
+
+
+def test_the_largest_error_is_sought_up_to_the_last_samples_of_each_clearance():
+    """At small clearances Johnson's law ends before the largest load."""
+    grid = Axes(np.array([2e4, 2e5]), np.array([1e-3, 1.0]), np.linspace(10.0, 1000.0, 8))
+    E, dR, f, _ = samples(grid)
+    ends = nodes_of([grid], "ends").s[0, :, [0, -1]].T
+    for at, own in zip(grid.dR, ends, strict=True):
+        s = np.log(f / E)[dR == at]
+        assert own == pytest.approx([s.min(), s.max()], rel=1e-12)
 
 
 def test_the_study_has_every_different_grid_once():
