@@ -148,6 +148,12 @@ def test_figures_of_merit_are_those_of_a_normal_distribution(plain):
     assert np.diag(correlations) == pytest.approx([1, 1])
 
 
+def test_a_published_law_is_that_of_the_pair_as_given_with_the_gauge_at_zero():
+    result = cc.fit(readings(1, 1, 12), "lankarani-nikravesh", PAIR, starts=1)
+    published = {"n": 1.5, "stiffness_factor": 1.0, "offset": 0.0}
+    assert result.published.coefficients == published
+
+
 def test_deviations_and_fixed_effects_count_as_estimated(series):
     frame, result = series
     assert result.estimated == 2 + 4
