@@ -53,13 +53,12 @@ def test_a_table_is_what_its_script_writes(table):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("factor", [0.5, 2.0])
-def test_a_stiffness_that_is_not_the_pairs_is_told(factor):
+def test_a_stiffness_that_is_not_the_pairs_is_told():
     pair = script(SPECIMENS)["PAIR"]
     right = fit(SPECIMENS, group="specimen")
     assert "as given" not in str(right)
     table = pd.read_csv(SPECIMENS, comment="#")
-    table["load_kN"] *= factor
+    table["load_kN"] *= 0.5
     wrong = " ".join(str(cc.fit(table, "explicit", pair, group="specimen")).split())
     assert "for the pair as given; possible causes: a diameter given as a radius" in wrong
     assert 'free="compliance"' in wrong
@@ -90,7 +89,7 @@ def test_the_rig_with_its_compliance_and_drift_gives_the_truth(corrected):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scale", [0.0, 0.5, 2.0])
+@pytest.mark.parametrize("scale", [0.0, 2.0])
 def test_offsets_of_the_series_are_no_misfit_of_the_law(scale):
     pair = script(SPECIMENS)["PAIR"]
     table = pd.read_csv(SPECIMENS, comment="#")

@@ -1,4 +1,4 @@
-"""Noise models against statsmodels, ODRPACK, lmfit and iminuit, and against dense matrices."""
+"""Noise models against statsmodels and ODRPACK, and against dense matrices."""
 
 from dataclasses import replace
 
@@ -339,65 +339,6 @@ def test_a_balanced_layout_has_the_error_and_the_degrees_of_an_analysis_of_varia
     degrees = Degrees.of(likelihood, best)
     assert degrees.covariance[0, 0] == pytest.approx(between / y.size, rel=1e-5)
     assert degrees(np.eye(1))[0] == pytest.approx(series - 1, rel=1e-3)
-
-
-# --- lmfit and iminuit ------------------------------------------------------------------------
-
-
-def fitted_by_lmfit(frame, predicted, start):
-    """The least squares of lmfit, of readings in mm."""
-    lmfit, seen = require_package("lmfit"), 1e-3 * frame["penetration_um"].to_numpy()
-    parameters = lmfit.create_params(**start)
-    return lmfit.minimize(
-        lambda values: predicted(**values.valuesdict()) - seen, parameters, xtol=1e-12, ftol=1e-12
-    )
-
-
-def scaled(law, frame):
-    """What the law predicts, times a factor of the stiffness and with an offset."""
-    load = frame["load_N_per_mm"].to_numpy()
-    return lambda stiffness_factor, offset: law.penetration(load / stiffness_factor, PAIR) + offset
-
-
-@pytest.fixture(scope="module")
-def constant():
-    """Readings with constant scatter, and a fit to them."""
-    frame = readings(21, 2)
-    return frame, cc.fit(frame, "explicit", PAIR, noise="constant", ignore=["group"])
-
-
-@pytest.mark.slow
-def test_lmfit_agrees_with_a_fit_of_constant_noise(constant):
-    frame, own = constant
-    peers = fitted_by_lmfit(frame, scaled(LAW, frame), {"stiffness_factor": 1.0, "offset": 0.0})
-    for name in own.free:
-        estimated, theirs = own.estimates[name], peers.params[name]
-        assert estimated.value == pytest.approx(theirs.value, rel=1e-6, abs=0)
-        assert estimated.standard_error == pytest.approx(theirs.stderr, rel=1e-3, abs=0)
-    assert own.optimum.degrees_of_each() == pytest.approx(peers.nfree, rel=1e-6)
-    assert own.correlations.loc["stiffness_factor", "offset"] == pytest.approx(
-        peers.params["stiffness_factor"].correl["offset"], abs=1e-4
-    )
-    sigma = np.sqrt(peers.redchi)
-    assert own.noise.deviations["constant"] == pytest.approx(sigma, rel=1e-6)
-
-
-@pytest.mark.slow
-def test_information_criteria_of_two_laws_differ_as_lmfits_do(constant):
-    frame, own = constant
-    # Another law of as many parameters, and one of fewer.
-    power = cc.fit(frame, "power-one-pair", PAIR, noise="constant", ignore=["group"])
-    zeroed = cc.fit(frame, "liu", PAIR, noise="constant", ignore=["group"], fixed={"offset": 0.0})
-    load = frame["load_N_per_mm"].to_numpy()
-    peer = fitted_by_lmfit(frame, scaled(LAW, frame), {"stiffness_factor": 1.0, "offset": 0.0})
-    start = {name: power.coefficients[name] for name in ("K", "n")}
-    of_power = fitted_by_lmfit(frame, lambda K, n: (load / K) ** (1 / n), start)
-    liu = scaled(laws.Liu(), frame)
-    of_liu = fitted_by_lmfit(frame, lambda factor: liu(factor, 0.0), {"factor": 1.0})
-    assert (peer.nvarys, of_power.nvarys, of_liu.nvarys) == (2, 2, 1)
-    for fit, other in ((power, of_power), (zeroed, of_liu)):
-        assert fit.aic - own.aic == pytest.approx(other.aic - peer.aic, rel=1e-6)
-        assert fit.bic - own.bic == pytest.approx(other.bic - peer.bic, rel=1e-6)
 
 
 # --- findings ---------------------------------------------------------------------------------

@@ -1,7 +1,4 @@
-"""The coefficients that come back: the paper's, and those of a law that is there.
-
-The paper's are derived once more with numpy and scipy alone, sample by sample.
-"""
+"""The paper's coefficients come back: once more with numpy and scipy alone, sample by sample."""
 
 from pathlib import Path
 
@@ -9,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from cylcontact.datasets import Grid
-from cylcontact.fitting import Campaign, calibrate, read_result
+from cylcontact.fitting import read_result
 
 pytestmark = pytest.mark.slow
 
@@ -18,19 +14,6 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).resolve().parents[2]
 SPACED = {"linear": np.linspace, "log": np.geomspace}
 PUBLISHED = {"internal": (0.965, 1.51), "external": (0.39, 0.85)}
-DR_ENDS = {"internal": (0.05, 9.9), "external": (5.0, 500.0)}
-WIDE = {
-    "internal": {
-        "a": (0.05, 5.0),
-        "b": (0.0, 2.0),
-        "Y_log_scale": (0.5, 5.0),
-        "Y_log_exponent": (-1.0, 0.0),
-        "Y_slope": (-0.2, 0.2),
-        "Y_offset": (0.5, 2.0),
-        "n_exponent": (-0.2, 0.2),
-    },
-    "external": {"a": (0.01, 5.0), "b": (0.0, 10.0), "n": (0.8, 2.0)},
-}
 SEARCHED = {"internal": ("a", "Y_log_scale"), "external": ("a", "b")}
 
 
@@ -91,13 +74,3 @@ def test_the_published_coefficients_come_back(contact, rms):
     again = searched_again(contact, PUBLISHED[contact], sampled)
     assert rms_of(again) >= result.objective.value * (1 - 1e-9)
     assert again == pytest.approx(actual, rel=1e-5)
-
-
-@pytest.mark.parametrize("contact", ["internal", "external"])
-def test_the_coefficients_of_a_law_that_is_there_come_back(contact):
-    """Between wide bounds, from samples of the published law itself."""
-    dR, load = np.geomspace(*DR_ENDS[contact], 40), np.geomspace(10.0, 1000.0, 20)
-    grid = Grid(contact, "enhanced", np.array([69.0, 207.0, 600.0]), np.array([0.3]), dR, load)
-    campaign = Campaign.on(grid, "enhanced", bounds=WIDE[contact], genetic={"runs": 8})
-    result = calibrate(campaign, jobs=2)
-    assert result.coefficients == pytest.approx(result.published.coefficients, rel=1e-6)

@@ -83,18 +83,16 @@ def alone_above_the_optimum(space, genetic, seeds):
     return values / min(polish(space, each.point)[1] for each in best) - 1
 
 
-@pytest.mark.parametrize("name", ["internal", "practical", "external", "recovered-internal"])
-def test_the_search_alone_ends_at_the_optimum(name):
+@pytest.mark.parametrize(
+    ("name", "seeds"),
+    [
+        *((name, 3) for name in ("internal", "practical", "external", "recovered-internal")),
+        *(pytest.param(name, 10, marks=pytest.mark.slow) for name in CAMPAIGNS),
+    ],
+)
+def test_the_search_alone_ends_at_the_optimum_from_any_seed(name, seeds):
     campaign = Campaign.read(ROOT / f"fitting/{name}.toml")
-    above = alone_above_the_optimum(space_of(campaign)[0], campaign.spec.genetic, range(3))
-    assert np.all(above < 1e-6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CAMPAIGNS)
-def test_the_search_alone_ends_at_the_optimum_of_every_campaign_from_any_seed(name):
-    campaign = Campaign.read(ROOT / f"fitting/{name}.toml")
-    above = alone_above_the_optimum(space_of(campaign)[0], campaign.spec.genetic, range(20))
+    above = alone_above_the_optimum(space_of(campaign)[0], campaign.spec.genetic, range(seeds))
     assert np.all(above < 1e-6)
 
 
