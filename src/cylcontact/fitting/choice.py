@@ -474,7 +474,7 @@ def choose(
     >>> load, noise = np.geomspace(10.0, 3000.0, 30), 1 + 0.01 * np.cos(np.arange(30))
     >>> depth = cc.laws.Explicit().penetration(load, pair) * noise
     >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
-    >>> cc.choose(data, pair, laws=["johnson", "explicit", "power"]).undecided
+    >>> cc.choose(data, pair, laws=["johnson", "explicit"]).undecided
     ['explicit']
     """
     names = [laws] if isinstance(laws, str) else [*laws]

@@ -127,7 +127,7 @@ class Solution:
 
         Examples
         --------
-        >>> setup = Setup(hole_radius=10.0, outer_ratio=5.0, E=207e3, nu=0.3)
+        >>> setup = Setup(hole_radius=10.0, outer_ratio=5.0, E=207e3, nu=0.3, cells=8)
         >>> (case,) = solve(setup, 0.1, [1.0])
         >>> depth, stress = case.stress_below("plate")
         >>> deepest = depth[stress.von_mises.argmax()] / case.half_width
