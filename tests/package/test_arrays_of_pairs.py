@@ -112,6 +112,7 @@ def test_rings_at_rest_around_arrays_of_pins_each_with_its_interference(clamp, p
     fits = np.array([0.01, 0.006, 0.012])
     assert_rows(lambda p, i: limits.first_yields(p, eye, rest(p, i)), pair, rows, fits)
     assert_rows(lambda p, i: limits.seat_opens(p, eye, rest(p, i)), pair, rows, fits)
+    assert_rows(lambda p, x: laws.Conformal(eye).state(x, p), pair, rows, LOADS)
 
 
 # How each function of `limits` is asked about a pair; the first argument is the pair.
