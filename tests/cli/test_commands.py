@@ -95,10 +95,11 @@ def numbers_in(data):
     ("line", "digits"),
     [
         ("compare fitting/results/internal.json fitting/results/internal-E1000.json", ".5g"),
+        ("compare fitting/results/internal.json", ".5g"),
         (f"plan {TABLE} {OF_TABLE} --candidates 5:400 --add 2", ".5g"),
         (f"simulate {CRANK}", ".5g"),
     ],
-    ids=["compare", "plan", "simulate"],
+    ids=["compare", "one", "plan", "simulate"],
 )
 def test_json_has_the_numbers_of_the_text(run, shipped, monkeypatch, line, digits):
     monkeypatch.chdir(shipped)

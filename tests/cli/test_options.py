@@ -77,7 +77,7 @@ OF_FIT = [
     ("plain.csv", "--bound stiffness_factor=.5:2", {"bounds": {"stiffness_factor": (0.5, 2.0)}}),
     ("plain.csv", "--fix offset=.001", {"fixed": {"offset": 1e-3}}),
     ("plain.csv", "--tie offset=stiffness_factor/9", {"ties": {"offset": "stiffness_factor/9"}}),
-    ("plain.csv", "--runs 3 --seed 5", {"starts": 3, "seed": 5}),
+    ("plain.csv", "--runs 3 --seed 0", {"starts": 3, "seed": 0}),
     ("plain.csv", "--R-o 20 --clamp pulled:60 --layer '70 GPa, .33:14' --law conformal",
      {"law": "conformal", "housing": HOUSING}),
     ("plain.csv", "--R-o 20 --clamp pushed:90 --law conformal",

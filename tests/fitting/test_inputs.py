@@ -110,8 +110,9 @@ def test_a_wrong_clearance_is_inside_its_interval(seed):
         assert known.estimates[name].low < truth < known.estimates[name].high
 
 
-def test_the_law_of_a_fit_with_one_uncertain_modulus_is_that_of_the_contact():
-    known = cc.fit(frame(), "explicit", PAIR, uncertain={"E_j": "5%"})
+@pytest.mark.parametrize("modulus", ["E_i", "E_j"])
+def test_the_law_of_a_fit_with_one_uncertain_modulus_is_that_of_the_contact(modulus):
+    known = cc.fit(frame(), "explicit", PAIR, uncertain={modulus: "5%"})
     expected = known.coefficients["stiffness_factor"] * laws.Explicit().load(1e-3, PAIR)
     assert known.to_law().load(1e-3, PAIR) == pytest.approx(expected, rel=1e-6)
 
