@@ -12,14 +12,14 @@ from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.joint.check import check_joint
 from cylcontact.laws import compare
 from cylcontact.laws.compare import accuracy, comparison
+from tests.support.samples import sampled
 
 STEEL, BRONZE = Material.named("high-strength steel"), Material.named("bronze")
+LUG = laws.Sector(60, "pulled")
 PAIR = CylinderPair.internal(10.0, 9.95, pin=STEEL, hole=BRONZE, length=10.0)
 
 
-@pytest.mark.parametrize(
-    "clamp", [laws.Sector(60, "pulled"), pytest.param("rim", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("clamp", sampled([LUG, "rim"], [LUG]))
 def test_a_joint_in_a_housing_by_finite_elements(clamp):
     check = check_joint(PAIR, 1000.0, housing=laws.Housing(20.0, clamp))
     setup = Setup(

@@ -8,6 +8,7 @@ from cylcontact.files.spec import parse_spec
 from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.laws.housing_spec import HousingSpec
 from tests.support.ring_elements import Pressed, SlidingRings
+from tests.support.samples import sampled
 
 PIN = Material("pin", 207e3, 0.3, 9000.0, 12e-6)
 BRONZE = Material("bronze", 110e3, 0.34, 220.0, 18e-6)
@@ -92,10 +93,7 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * ("rim" not in name)) for name in CASES],
-)
+@pytest.mark.parametrize("name", sampled(CASES, few=["plane strain, a whole rim"]))
 def test_at_first_yield_elements_with_a_sliding_seat_reach_the_yield_stress(name):
     pair, housing, bush, interference, warmer = CASES[name]
     rest = limits.at_rest([bush, STEEL], RADII, interference, warmer)

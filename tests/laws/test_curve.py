@@ -8,6 +8,7 @@ from cylcontact import CylinderPair, Material
 from cylcontact.bodies.material import material_in_MPa
 from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.laws.conformal.arcs import Bodies
+from tests.support.samples import sampled
 
 STEEL, ALUMINIUM = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
 BRONZE, PTFE = Material("bronze", 110e3, 0.34), Material("PTFE", "500 MPa", 0.46)
@@ -42,9 +43,7 @@ CASES = {
 # A case of each kind; the others have other numbers.
 FEW = ("steel in aluminium", "a number as datum", "rubber in steel", "ring of constant volume",
        "near 60", "layers", "thin far 60", "PTFE bush")  # fmt: skip
-every_case = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in FEW)) for name in CASES]
-)
+every_case = pytest.mark.parametrize("name", sampled(CASES, FEW))
 
 
 @every_case

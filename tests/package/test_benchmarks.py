@@ -14,6 +14,7 @@ from benchmarks import page
 from benchmarks.calibration import PEERS, Samples, calibrations, reach, space_of
 from benchmarks.harness import require_agreement
 from tests.support.programs import require_program
+from tests.support.samples import sampled
 
 
 @pytest.fixture(autouse=True)
@@ -27,12 +28,10 @@ def old_names_of_peers():
 MINUTES = ("calculix", "calibration", "processes")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=pytest.mark.long if name in MINUTES else pytest.mark.slow)
-        for name in program.BENCHMARKS
-    ],
+    sampled(program.BENCHMARKS, set(program.BENCHMARKS) - set(MINUTES), pytest.mark.long),
 )
 def test_the_sides_of_every_benchmark_agree(name):
     if name == "calculix":

@@ -20,6 +20,7 @@ from cylcontact.reports.figures import caption, draw, recipes, report_module, wr
 from tests.support import frozen
 from tests.support import paper_equations as paper
 from tests.support.report_files import FIGURE, shipped_figure
+from tests.support.samples import sampled
 
 ROOT = Path(__file__).resolve().parents[2]
 ENDINGS = {".png", ".pdf", ".csv", ".txt"}
@@ -48,13 +49,7 @@ RUNS = ("fig17", "fig18", "fig19", "fig_housing")
 SLOW = (*RUNS, "fig05", "fig_choices")
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name
-        for name in recipes(ROOT)
-    ],
-)
+@pytest.mark.parametrize("name", sampled(recipes(ROOT), recipes(ROOT).keys() - SLOW))
 def test_numbers_behind_a_figure(name):
     """Those of runs and finite elements may differ in their last digits."""
     _, table = shipped_figure(name)
@@ -256,14 +251,7 @@ def test_a_map_explains_what_it_draws_and_its_numbers_are_a_rectangle(number):
     assert np.array_equal(np.isnan(grid.to_numpy()), grid.columns.to_numpy() > ends)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] * (name != "fig07"))
-        for name in recipes(ROOT)
-        if name not in RUNS
-    ],
-)
+@pytest.mark.parametrize("name", sampled([n for n in recipes(ROOT) if n not in RUNS], ["fig07"]))
 def test_a_narrow_figure_keeps_its_labels_and_fits_a_page(name, monkeypatch):
     monkeypatch.chdir(ROOT)
     with figure_style(width=85.0):
