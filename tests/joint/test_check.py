@@ -118,6 +118,8 @@ def test_print_html_and_plot():
 
 
 def test_mistakes():
+    with pytest.raises(InputError, match=r"pair = '20H7/g6': must be a CylinderPair"):
+        check_joint("20H7/g6", 100.0)
     with pytest.raises(InputError, match="load = 0: must be positive"):
         check_joint(PAIR, 0)
     with pytest.raises(InputError, match="radii"):

@@ -123,6 +123,8 @@ def resolve(
     InputError
         If arguments contradict each other, the error names both.
     """
+    remedy = "build one with CylinderPair.internal or .external; a fit such as 20H7/g6 is iso"
+    require(isinstance(pair, CylinderPair), _SOURCE, "pair", pair, "must be a CylinderPair", remedy)
     force = require_positive(load, _SOURCE, "load", "give it in N/mm")
     is_pin = pair.contact == "internal"
     of_pin = {"housing": housing, "iso": iso, "temperature": temperature, "rim": rim}
