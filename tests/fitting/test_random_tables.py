@@ -90,7 +90,7 @@ def outcome(seed):
 # The first of some tables, and how many: a few in every run, some before a change goes in.
 SLOW, LONG = pytest.mark.slow, pytest.mark.long
 TABLES = [
-    (9, 6),
+    (16, 4),
     *(pytest.param(first, 8, marks=SLOW) for first in (15, 29)),
     *(pytest.param(first, 50, marks=LONG) for first in range(0, 2000, 50)),
 ]
