@@ -61,7 +61,8 @@ _LEAST, _MOST = -14.0, 9.0
 _SMALL = 0.02
 # Steps of the derivatives of ℓ, and of its curvature.
 _STEP, _WIDE_STEP = 1e-4, 1e-2
-_OPTIONS: Any = {"ftol": 1e-14, "maxiter": 500}
+# Precision of −2ℓ in a search for the best start, and in the last one; the most steps.
+_COARSE, _FINE, _MOST_STEPS = 1e-2, 1e-14, 500
 # A deviation is zero if −2ℓ loses no more than this by it.
 _NO_LOSS = 1e-6
 
@@ -447,24 +448,20 @@ def _largest(
 
     from scipy.optimize import minimize  # slow to import
 
-    k = len(names)
+    def descend(at: FloatArray, precision: float) -> Any:
+        # L-BFGS-B would wait for threads of OpenBLAS at each step.
+        bounds = [(_LEAST, _MOST)] * at.size
+        options: Any = {"ftol": precision, "maxiter": _MOST_STEPS}
+        return minimize(value, at, jac=slopes, method="SLSQP", bounds=bounds, options=options)
+
     if start:  # from 0 the search could not return
-        starts = np.array([[max(start[name] / first[name], _SMALL) for name in names]])
-    else:  # few readings may have several minima: one for each deviation that exceeds the others
-        starts = np.vstack([np.ones(k), np.where(np.eye(k) > 0, 1.0, _SMALL)])[: k + (k > 1)]
-    # L-BFGS-B would wait for threads of OpenBLAS at each step.
-    ends = [
-        minimize(
-            value,
-            np.log(shares),
-            jac=slopes,
-            method="SLSQP",
-            bounds=[(_LEAST, _MOST)] * k,
-            options=_OPTIONS,
-        )
-        for shares in starts
-    ]
-    solution = min(ends, key=lambda end: float(end.fun))
+        at = np.log([max(start[name] / first[name], _SMALL) for name in names])
+    else:
+        at = np.zeros(len(names))
+        if at.size > 1:  # few readings may have several minima: here each deviation exceeds others
+            starts = np.vstack([at, np.log(np.where(np.eye(at.size) > 0, 1.0, _SMALL))])
+            at = min((descend(each, _COARSE) for each in starts), key=lambda end: end.fun).x
+    solution = descend(at, _FINE)
     best, lowest = _scaled(first, names, solution.x), float(solution.fun)
     for name in sorted(names, key=lambda name: best[name] / first[name]):
         without = best | {name: 0.0}
