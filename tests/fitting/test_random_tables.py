@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 import cylcontact as cc
+from benchmarks.coverage import KINDS
 from cylcontact.fitting import DataFit, choice
 from cylcontact.fitting.choice import laws_for
 from cylcontact.fitting.law_models import model_of
@@ -130,6 +131,15 @@ def test_singular_likelihoods_are_one_sentence(monkeypatch):
     monkeypatch.setattr("cylcontact.fitting.noise.Likelihood._terms", singular)
     with pytest.raises(cc.InputError, match="the information matrix is singular"):
         cc.fit(frame(0.01), "johnson", PAIRS["internal"], noise="both", starts=1)
+
+
+@pytest.mark.parametrize("number", [2, 4])
+def test_a_search_of_the_noise_goes_on_where_the_information_is_singular(number):
+    """Sound tables: the search tries such deviations on its way."""
+    seed = np.random.SeedSequence([4242, 7]).spawn(number + 1)[number]
+    kind = KINDS["8 series with a drift"]
+    table = kind.sample(np.random.default_rng(seed))
+    assert np.isfinite(cc.fit(table, "explicit", PAIR, starts=1, **kind.options).log_likelihood)
 
 
 @pytest.mark.slow

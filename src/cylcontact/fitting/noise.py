@@ -30,6 +30,7 @@ readings of them (`Likelihood.known`).
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -335,12 +336,7 @@ class Likelihood:
 
     def __call__(self, deviations: Mapping[str, float]) -> float:
         """Return −2ℓ; inf if the covariance or the information matrix is singular."""
-        if not (self.covariance.variance(deviations) > 0).all():
-            return np.inf
-        try:
-            log_det, normal, rest = self._terms(deviations)
-        except np.linalg.LinAlgError:
-            return np.inf
+        log_det, normal, rest = self._terms_or_infinite(deviations)
         value = float(log_det + np.linalg.slogdet(normal)[1] + rest)
         return value if np.isfinite(value) else np.inf
 
@@ -352,15 +348,27 @@ class Likelihood:
         """
 
         def unrestricted(deviations: Mapping[str, float]) -> float:
-            if not (self.covariance.variance(deviations) > 0).all():
-                return np.inf
-            log_det, _, rest = self._terms(deviations)
+            log_det, _, rest = self._terms_or_infinite(deviations)
             return log_det + rest
 
         names = self.covariance.names
         best = _largest(unrestricted, names, self._first()) if names else {}
-        constant = self.residuals.size * float(np.log(2 * np.pi))
-        return -0.5 * (constant + unrestricted(best))
+        lowest = unrestricted(best)
+        if not np.isfinite(lowest):
+            raise np.linalg.LinAlgError("Singular matrix")
+        return -0.5 * (self.residuals.size * float(np.log(2 * np.pi)) + lowest)
+
+    def _terms_or_infinite(
+        self, deviations: Mapping[str, float]
+    ) -> tuple[float, FloatArray, float]:
+        """Return `_terms`; where the covariance or the information matrix is singular, infinity.
+
+        A search over the deviations tries such ones on its way.
+        """
+        if (self.covariance.variance(deviations) > 0).all():
+            with contextlib.suppress(np.linalg.LinAlgError):
+                return self._terms(deviations)
+        return np.inf, np.eye(1), np.inf
 
     def _first(self) -> dict[str, float]:
         """Return a first guess of the deviations."""
