@@ -37,6 +37,23 @@ def test_clearance_modulus_and_length_come_back(law, dR):
     assert length == pytest.approx(10.0, rel=1e-9)
 
 
+@pytest.mark.parametrize("key", ["penetration", "stiffness", "peak", "factor"])
+def test_a_clearance_is_found_although_the_pin_would_seize_in_smaller_ones(key):
+    warm = 120.0, 60.0
+    cold = CylinderPair.from_dR("internal", 0.05, pin=BRONZE, hole=STEEL, R_i=10.0)
+    pair = limits.at_temperature(cold, *warm)
+    assert pair.dR < 0.04
+    depth = LAW.penetration(50.0, pair)
+    target = {
+        "penetration": depth,
+        "stiffness": LAW.stiffness(depth, pair),
+        "peak": LAW.peak_pressure(50.0, pair),
+        "factor": limits.yield_load(pair) / 50.0,
+    }
+    found = find("clearance", cold, 50.0, law=LAW, temperature=warm, **{key: float(target[key])})
+    assert found == pytest.approx(0.05, rel=1e-9)
+
+
 # A factor of a clearance or a modulus takes seconds, and several may have it.
 @pytest.mark.parametrize(
     ("unknown", "target"),

@@ -210,10 +210,15 @@ class _Search:
 
     def value(self, x: float) -> float:
         """Return what is to meet the target, NaN where the pin seizes."""
-        return float(self._at(x))
+        try:
+            return float(self._at(x))
+        except InputError as error:
+            if "seizes" not in error.rule:
+                raise
+            return float("nan")
 
     def values(self, grid: FloatArray) -> FloatArray:
-        """Return the value at each x: all at once, unless a pin seizes or has a housing."""
+        """Return the value at each x: all at once, unless a pin seizes or there is a housing."""
         if self.housing is None:
             with suppress(InputError):
                 return np.broadcast_to(self._at(grid), grid.shape)
@@ -223,12 +228,7 @@ class _Search:
         is_length, law = self.unknown == "length", self.law
         scale = x if is_length else 1.0
         f = self.load / scale
-        try:
-            pair = self.fixed if is_length else self.warm(_with(self.pair, self.unknown, x))
-        except InputError as error:
-            if "seizes" not in error.rule:
-                raise
-            return float("nan")
+        pair = self.fixed if is_length else self.warm(_with(self.pair, self.unknown, x))
         if self.key == "penetration":
             return law.penetration(f, pair)
         if self.key == "stiffness":
