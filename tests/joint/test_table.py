@@ -109,7 +109,16 @@ def test_a_row_without_an_answer_says_why_and_the_others_are_answered():
     assert "pin = 'soap': is not in the tables of materials" in errors[2]
     assert "is not a number" in errors[3]
     assert check.table.loc[[1, 2, 3], "penetration_um"].isna().all()
-    assert "2 of 5 joints answered; 3 refused, the first: " in str(check)
+    assert "2 of 5 joints answered; 3 refused, first: row 2: radial_clearance" in str(check)
+
+
+def test_the_command_names_the_first_row_without_an_answer_and_exits_with_1(run, tmp_path):
+    path, out = tmp_path / "joints.csv", tmp_path / "answers.csv"
+    plain(4).assign(pin=["bronze", "soap", "salt", "bronze"]).to_csv(path, index=False)
+    code, said, err = run("check", path, "-o", out)
+    assert (code, said) == (1, f"{out}: 2 of 4 joints answered\n")
+    assert err.startswith("cylcontact: 2 of 4 joints refused; first: line 3: pin = 'soap': is not")
+    assert pd.read_csv(out)["error"].isna().tolist() == [True, False, False, True]
 
 
 def test_what_all_rows_have_in_common_may_be_an_option(run, tmp_path):

@@ -6,6 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 from cylcontact.cli.options import (
     JSON,
     QUIET,
@@ -19,7 +21,7 @@ from cylcontact.cli.options import (
     takes,
 )
 from cylcontact.cli.pair import JOINT, option_of, own_materials
-from cylcontact.cli.terminal import progress_bars, say
+from cylcontact.cli.terminal import note, progress_bars, say
 from cylcontact.files.reading import require_file
 from cylcontact.files.writing import json_text
 from cylcontact.joint.bush_words import EXAMPLE, bush_words, diameter_words
@@ -140,8 +142,12 @@ def _check_table(
         say(json_text(checked.table))
     if out is not None:
         checked.save(out)
-        if not (as_json or quiet):
-            say(f"{out}: {checked}")
+        counted = f"{checked.answered:,} of {len(checked.table):,} joints answered"
+        note(f"{out}: {counted}", as_json or quiet)
+    if checked.refused:
+        counted = f"{checked.refused:,} of {len(checked.table):,} joints refused"
+        say(f"cylcontact: {counted}; first: {checked.first_refusal}", err=True)
+        raise typer.Exit(1)
 
 
 def _check_joint_file(

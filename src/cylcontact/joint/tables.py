@@ -80,9 +80,12 @@ class TableCheck:
         The columns that were given, then the answers, as in `Numbers`. For an ISO fit they are
         those of the middle, and `worst` names the pair that yields first. `error` says why a row
         has no answer.
+    rows : sequence of str
+        Where each row is, as "line 2" of a text and "row 1" of a frame.
     """
 
     table: pd.DataFrame
+    rows: Sequence[str]
 
     @property
     def answered(self) -> int:
@@ -94,11 +97,16 @@ class TableCheck:
         """How many rows have none."""
         return len(self.table) - self.answered
 
+    @property
+    def first_refusal(self) -> str:
+        """The first row without an answer, and why; empty if there is none."""
+        wrong = np.flatnonzero(self.table["error"] != "")
+        return f"{self.rows[wrong[0]]}: {self.table['error'].iloc[wrong[0]]}" if wrong.size else ""
+
     def __str__(self) -> str:
         text = f"{self.answered:,} of {len(self.table):,} joints answered"
         if self.refused:
-            first = self.table.loc[self.table["error"] != "", "error"].iloc[0]
-            text += f"; {self.refused:,} refused, the first: {first}"
+            text += f"; {self.refused:,} refused, first: {self.first_refusal}"
         return text
 
     def _repr_html_(self) -> str:
@@ -212,9 +220,16 @@ def check_table(
     own = None if materials is None else Path(materials)
     if are_clevises(table.names if isinstance(table, Sheet) else list(table.columns)):
         sheet = table if isinstance(table, Sheet) else read_sheet(table)
-        return TableCheck(answers_of_clevises(sheet, same or {}, own, progress))
+        return TableCheck(answers_of_clevises(sheet, same or {}, own, progress), _places(sheet))
     rows = _of_sheet(table) if isinstance(table, Sheet) else _of_frame(table, source)
-    return TableCheck(_Rows(rows, dict(same or {}), own, progress).answers())
+    return TableCheck(_Rows(rows, dict(same or {}), own, progress).answers(), _places(table))
+
+
+def _places(table: Sheet | pd.DataFrame) -> list[str]:
+    """Return where each row is."""
+    if isinstance(table, Sheet):
+        return [f"{table.row_word} {line}" for line in table.lines]
+    return [f"row {k}" for k in range(1, len(table) + 1)]
 
 
 # --- reading ------------------------------------------------------------------------------------
