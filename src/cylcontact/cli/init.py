@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import filecmp
 import os
-import shutil
+import re
 from collections.abc import Iterable
 from fnmatch import fnmatch
 from pathlib import Path
@@ -21,6 +20,8 @@ _NOT_SHIPPED = (
     *("__pycache__", ".*", "figures", "generated", "html", "typeset"),
     *("mine*", "materials.csv", "*.lock", "*.partial"),
 )
+# A link of Markdown to the pages, which lie beside these folders in a checkout only.
+_NOT_THERE = re.compile(rb"\[([^]]*)\]\((?:\.\./)+docs/[^)]*\)")
 
 
 def init(
@@ -35,7 +36,7 @@ def init(
     missing = _missing(source, folder, names)
     with replacing_all(folder / name for name in missing) as temporaries:
         for temporary, name in zip(temporaries, missing, strict=True):
-            shutil.copyfile(source / name, temporary)
+            temporary.write_bytes(_content(source / name))
     note(f"{len(names)} files in {folder.resolve()}: {', '.join(FOLDERS)}", quiet)
     note("in that folder, try: cylcontact figure fig12", quiet)
 
@@ -55,6 +56,12 @@ def shipped_files(source: Path) -> list[Path]:
     )
 
 
+def _content(file: Path) -> bytes:
+    """Return what is written of a file: of a link to a page that is not shipped its text."""
+    content = file.read_bytes()
+    return _NOT_THERE.sub(rb"\1", content) if file.suffix == ".md" else content
+
+
 def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
     """Return the files missing in a folder; refuse a folder with other files of these names."""
     require_writable(folder / "any")
@@ -63,7 +70,7 @@ def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
         file = folder / name
         if not os.path.lexists(file):
             missing.append(name)
-        elif not (file.is_file() and filecmp.cmp(file, source / name, shallow=False)):
+        elif not (file.is_file() and file.read_bytes() == _content(source / name)):
             taken.append(str(name))
     if taken:
         rule = f"has other files named {first_of(taken, 3)}, and nothing is overwritten"
