@@ -442,6 +442,20 @@ def test_noise_other_than_assumed_is_found_and_what_is_advised_allows_for_it(nam
     assert test not in found(frame(), **settings | allowed)
 
 
+@pytest.mark.parametrize("test", ["sequence", pytest.param("drift", marks=SLOW)])
+def test_an_unused_column_of_words_is_offered_by_its_name(test):
+    if test == "drift":
+        frame = by_load(time_s=np.arange(40.0))
+    else:
+        frame = ungrouped(readings(1, offset=1e-4, gain=0.02))
+    names = np.array([f"S{k}" for k in range(8)])
+    frame["Test piece"] = names[np.arange(len(frame)) * 8 // len(frame)]
+    frame["remark"], frame["shot"] = "sound", [f"p{k}.png" for k in range(len(frame))]
+    warning = found(frame)[test]
+    assert "allow for series with --group 'Test piece'" in warning
+    assert ("remark" in warning, "shot" in warning, "--drift" in warning) == (False, False, True)
+
+
 def test_a_drift_along_one_sweep_cannot_be_told_from_the_law():
     assert "drift" not in found(ungrouped(readings(7, 1, 40, drift=4e-4)))
     assert "drift" not in found(by_load())  # nor where no time is given

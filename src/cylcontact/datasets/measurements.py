@@ -117,6 +117,8 @@ class MeasuredData(Spec):
     # What was read of the table, and its units of load and penetration.
     read: list[str] = Field([], validation_alias=AliasChoices("read", "steps"))
     units: dict[str, str] = Field({})
+    # Columns of words that were not read; they may name series.
+    unused: list[str] = Field([])
 
 
 @dataclass(frozen=True, eq=False)
@@ -381,6 +383,7 @@ def _joined(parts: Mapping[str, MeasuredData], spec: TableSpec) -> MeasuredData:
         labels=words,
         notes=notes,
         read=read,
+        unused=[name for name in every[0].unused if all(name in part.unused for part in every)],
         units={
             quantity: unit
             for quantity, unit in every[0].units.items()
@@ -435,6 +438,7 @@ def _measured_of(
         },
         notes=notes,
         read=readings.block(kept.tolist()),
+        unused=readings.unused(kept.tolist()),
         units={c.quantity: c.unit for c in columns if c.quantity in MEASURED},
     )
 

@@ -18,6 +18,7 @@ from cylcontact.datasets.columns import (
     has_column,
     named_columns,
 )
+from cylcontact.files.cells import is_number
 from cylcontact.files.numbers import numbers, seconds, words
 from cylcontact.files.reading import plain_number
 from cylcontact.files.sheet import Sheet, counted, read_sheet
@@ -85,12 +86,23 @@ class Readings:
     warnings: list[str] = field(default_factory=list)
     turned: set[str] = field(default_factory=set)  # quantities whose sign was turned
     absent: set[str] = field(default_factory=set)  # columns that options name in other tables
+    ignored: set[int] = field(default_factory=set)
 
     @property
     def unread(self) -> list[int]:
         """The columns that are not read."""
         others = ((k, x) for k, x in enumerate(self.sheet.columns) if k not in self.columns)
         return [k for k, x in others if self.sheet.name(k) or any(c is not None for c in x)]
+
+    def unused(self, rows: Sequence[int]) -> list[str]:
+        """Return the columns of words that would divide some rows into series."""
+        found = []
+        for k in self.unread:
+            cells = [self.sheet.columns[k][row] for row in rows]
+            words = k not in self.ignored and all(isinstance(x, str) for x in cells)
+            if words and not any(map(is_number, cells)) and 1 < len({*cells}) <= len(cells) / 2:
+                found.append(self.sheet.name(k))
+        return found
 
     def block(self, rows: Sequence[int]) -> list[str]:
         """Return the lines that say what was read, left out and decided; `rows` are the kept."""
@@ -138,7 +150,7 @@ def read_readings(
     columns |= others
     _drop_empty(sheet, {*columns} | ({group} if group is not None else set()))
     optional = {k for k, c in others.items() if c.quantity in ("time", "group")}
-    readings = Readings(sheet, columns, {}, {}, unclear, absent=absent)
+    readings = Readings(sheet, columns, {}, {}, unclear, absent=absent, ignored=skipped)
     for k, column in list(columns.items()):
         try:
             if column.quantity in LABELS:

@@ -7,6 +7,7 @@ residuals in standard deviations, in which they should be alike.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
@@ -26,6 +27,7 @@ from cylcontact.fitting.records import (
     with_verdict,
 )
 from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
+from cylcontact.support.choices import listed
 from cylcontact.support.parallel import Workers, call, collect
 
 LEVEL = 0.95
@@ -143,8 +145,8 @@ def _on_misfit(optimum: Optimum) -> str:
             "rises, so one of them has the opposite sign (--sign penetration, or --sign load)"
         )
     causes = ("the units of the columns", "the materials", "the radii")
-    listed = _causes(optimum, "and", *causes, "a kink (the seat settles)", "a drift")
-    return f"the law does not describe these readings ({how}): check {listed}"
+    said = _causes(optimum, "and", *causes, "a kink (the seat settles)", "a drift")
+    return f"the law does not describe these readings ({how}): check {said}"
 
 
 def _causes(optimum: Optimum, word: str, *causes: str) -> str:
@@ -556,7 +558,7 @@ def _series(optimum: Optimum) -> str:
         f"the residuals differ between the {len(names)} pairs of the table: each pair has its "
         "own error, or the law depends wrongly on the clearance or the moduli"
     )
-    return _failed(p, says, "name the series by a column, and add --group COLUMN")
+    return _failed(p, says, _by_series(optimum))
 
 
 def _drift(optimum: Optimum) -> str:
@@ -569,7 +571,18 @@ def _drift(optimum: Optimum) -> str:
         return ""  # along a single sweep of the load a drift looks like another law
     p = _f_test(optimum, position[:, None] * (index[:, None] == np.unique(index)))
     says = "the residuals drift along the rows of a series"
-    return _failed(p, says, "allow for it with --drift")
+    remedy = "allow for it with --drift"
+    if "group" not in data.data.labels and data.data.unused:
+        remedy += f", or {_by_series(optimum)}"
+    return _failed(p, says, remedy)
+
+
+def _by_series(optimum: Optimum) -> str:
+    """Return how to allow for series, by the table's own columns of words if it has some."""
+    names = optimum.fit.data.data.unused[:2]
+    if not names:
+        return "name the series by a column with --group COLUMN"
+    return f"allow for series with {listed(f'--group {shlex.quote(name)}' for name in names)}"
 
 
 def _less_mean(values: FloatArray, index: Indices) -> FloatArray:
@@ -589,7 +602,7 @@ def _sequence(optimum: Optimum, allowed: Collection[str]) -> str:
     remedy = "repeat some loads in another order, to tell a drift from a wrong law"
     if np.any(turns != 0):
         untried = {
-            "offset": "name the series by a column with --group COLUMN",
+            "offset": _by_series(optimum),
             "drift": "allow for a drift with --drift",
         }
         options = [text for effect, text in untried.items() if effect not in allowed]
