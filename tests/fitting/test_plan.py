@@ -200,7 +200,7 @@ def test_the_exchange_finds_the_best_of_all_with_series_and_a_compliance():
 
 def test_readings_that_narrow_nothing_are_refused_and_others_loads_cautioned(fitted):
     two = cc.fit(readings(1, 2, 6), "explicit", PAIR, group="group", starts=2)
-    with pytest.raises(cc.InputError, match="narrow nothing as one new series"):
+    with pytest.raises(cc.InputError, match="to the 2 series there are, or measure 3 more series"):
         two.plan([20.0, 20.0], add=4, parameter="offset")
     assert "outside the measured loads" in str(fitted.plan([1.0, 2.0], add=2))
     with pytest.raises(cc.InputError, match="must be positive loads"):

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cylcontact.bodies.pair import CylinderPair
+from cylcontact.fitting.noise import FEWEST_RANDOM
 from cylcontact.fitting.readings import Optimum, half_width
 from cylcontact.support.arrays import FloatArray, as_floats
 from cylcontact.support.errors import InputError
@@ -162,9 +163,7 @@ def plan(
 
     chosen = _best_set(candidates, before, cost, add)
     if cost(before + candidates.information(chosen)) > (1 - _NARROWER) * cost(before):
-        rule = "narrow nothing as one new series"
-        remedy = "measure the series there are again, or take other candidates"
-        raise InputError("plan", "candidates", None, rule, remedy)
+        raise InputError("plan", "candidates", None, *_on_nothing(optimum))
     covariance = as_floats(np.linalg.inv(before + candidates.information(chosen)))
     return Plan(
         readings=candidates.table.assign(number=np.bincount(chosen, minlength=len(candidates)))
@@ -175,6 +174,19 @@ def plan(
         parameter=parameter or "",
         read=tuple(optimum.fit.data.read),
         warning=_on_loads(candidates.table["load_N_per_mm"].to_numpy()[chosen], optimum),
+    )
+
+
+def _on_nothing(optimum: Optimum) -> tuple[str, str]:
+    """Return why readings narrow nothing, and what to do about it."""
+    noise, rule = optimum.fit.noise, "narrow nothing"
+    if noise.is_random or not noise.model.over:
+        return rule, "take other candidates"
+    number = np.unique(noise.series).size
+    return (
+        f"{rule} as a new series, which only shows its own offset and gain while series are few",
+        f"add readings to the {number} series there are, or measure {FEWEST_RANDOM - number} more "
+        f"series in full, fit again, and plan with {FEWEST_RANDOM}",
     )
 
 
