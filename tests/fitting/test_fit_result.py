@@ -13,7 +13,7 @@ import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import DataFit, findings, read_result
 from tests.support.measured_files import CONSTANTS, STEEL, USER_LAW, write_measured
-from tests.support.noisy_series import LAW, PAIR, readings
+from tests.support.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 
 EFFECTS = ("offset", "gain")
 RIG = {"free": ["compliance"], "fixed": {"stiffness_factor": 1.1}}
@@ -221,6 +221,29 @@ def test_a_total_load_has_no_prediction_for_rows_of_several_lengths(plain):
     with pytest.raises(InputError, match="no single axial length is known"):
         result.predict("4500 N")
     assert result.predict("225 N/mm")["load_N_per_mm"].tolist() == [225.0]
+
+
+SIMULATED = {
+    "one series": (100, {"series": 1, "rows": 15}, {"noise": "constant", "ignore": ["group"]}),
+    "series": (25, {"offset": 1e-4, "gain": 0.03}, {"noise": "constant", "group": "group"}),
+}
+
+
+@pytest.mark.parametrize("kind", SIMULATED)
+@pytest.mark.slow
+def test_the_band_covers_new_readings_as_often_as_it_says(kind):
+    number, simulated, settings = SIMULATED[kind]
+    campaign = campaign_of(readings(0, **simulated), "explicit", PAIR, **settings)
+    load = np.geomspace(10.0, 1500.0, 5)
+    hits = []
+    for seed in range(number):
+        band = refitted(campaign, readings(500 + seed, **simulated)).band(PAIR, 0.95, load=load)
+        new = readings(5000 + seed, **{**simulated, "series": 20, "rows": 5})
+        new = 1e-3 * new["penetration_um"].to_numpy().reshape(20, 5)
+        hits.append((np.array(band.new_low) <= new) & (new <= np.array(band.new_high)))
+    assert np.mean(hits) == pytest.approx(0.95, abs=0.02)
+    # At the least load and at the greatest too.
+    assert np.mean(hits, axis=(0, 1)) == pytest.approx(0.95, abs=0.035)
 
 
 # --- the law ----------------------------------------------------------------------------------
