@@ -142,6 +142,8 @@ import cylcontact, s; 0.15; a process; import cylcontact
 cylcontact --help, s; 0.3; a process; cylcontact --help
 cylcontact check, s; 0.9; a process; cylcontact check
 cylcontact fit of 60 readings, s; 1.2; a process; cylcontact fit of a table
+a fit of 60 readings, times starting its libraries; 1.2; a fit of; 60 readings; start its libraries
+a fit of 20,000 readings, times the same; 4; a fit of; 20,000 readings; start its libraries
 cylcontact predict, s; 0.6; a process; cylcontact predict
 first simulation after an install, s; 9; first simulation; cylcontact simulate
 all figures, s; 20; all figures; cylcontact figure
