@@ -24,7 +24,7 @@ REFUSED = [
     (("explicit", "--to", "c"), "--contact: is missing, and the explicit law has other coef"),
     ((INTERNAL, "--contact", "external", "--to", "c"), "contradicts --contact external"),
     (("liu", "--contact", "external", "--to", "c"), "the law 'liu' is for a pin in a hole"),
-    (("conformal", "--to", "c"), "depends on the materials, and on the radius in a housing"),
+    (("conformal", "--to", "c"), "on the radius in a housing; give them, e.g. --material"),
     (("conformal", "--contact", "external", "--to", "c"), "is for a pin in a hole"),
     (("johnson", *RADII, "--R-o", 20, "--to", "c"), "takes no housing; choose conformal"),
     (("johnson", "--Ri", 10, "--to", "c"), "--Ri = 10.0: is for conformal contact or a joint"),
@@ -68,6 +68,7 @@ def joint(**changes):
 @pytest.mark.parametrize(
     ("ask", "message"),
     [
+        (partial(export, laws.Conformal(laws.Housing(20.0)), None, "c"), "give those of the fit"),
         (partial(export, laws.Johnson(datum=5.0), None, "c"), "is for a plane, which has no dR"),
         (lambda: export_joint(joint(name="Arms_of"), "fortran"), "'Arms_of': is taken by somethi"),
         (lambda: export_joint(joint(name="evaluate"), "matlab"), "'evaluate': is taken by somethi"),

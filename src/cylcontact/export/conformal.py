@@ -79,13 +79,18 @@ def stiffness(
 
 
 def table_of(
-    law: Conformal, pair: CylinderPair | None, nodes: tuple[float, ...] = COARSE
+    law: Conformal,
+    pair: CylinderPair | None,
+    nodes: tuple[float, ...] = COARSE,
+    fitted: bool = False,
 ) -> tuple[Formula, dict[str, Any]]:
     """Return conformal contact at a pair as a formula, and its constants."""
     if pair is None:
         if not isinstance(law, Persson):
             rule = "depends on the materials, and on the radius in a housing"
             remedy = "give them, e.g. --material bronze --Ri 10 --Rj 9.95, or export persson"
+            if fitted or isinstance(law.datum, Housing):  # which persson is not
+                remedy = "give those of the fit, as --pin, --hole, --Ri and --Rj"
             raise InputError("export", "law", law.name, rule, remedy)
         pair = CylinderPair.from_dR("internal", 1.0, _ANY)
     curve = law.curve(pair)

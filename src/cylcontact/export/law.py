@@ -233,7 +233,8 @@ def exported(
         raise InputError("export", "--contact", contact, rule, f"give --contact internal, {remedy}")
     factors = load_factor, penetration_factor
     if isinstance(base, Conformal):
-        return ExportedLaw(law, "internal", "", *table_of(base, pair), *factors)
+        table = table_of(base, pair, fitted=bool(origin) or law is not base)
+        return ExportedLaw(law, "internal", "", *table, *factors)
     if not has_formula(base):
         raise InputError(
             "export", "law", getattr(law, "name", law), "has no formula to write", "export explicit"
