@@ -147,6 +147,7 @@ REFUSED = [
     (pair("internal", np.inf, R_i=10.0), POSITIVE),
     (internal(10.0, 9.0, plane="bent"), "plane = 'bent'"),
     (lambda: CylinderPair("internal", 0.1, STEEL, "bronze"), "material_j"),
+    (lambda: CylinderPair.internal(10.0, 9.9, pin="bronze", hole=STEEL), "al: pin = 'bronze'"),
     (internal([10.0, 11.0, 12.0], [9.0, 9.5]), "do not go together"),
     (lambda: CylinderPair.from_dR("internal", [0.1, 0.2], STEEL, R_i=[1.0, 2.0, 3.0]),
      "do not go together"),

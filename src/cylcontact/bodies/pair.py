@@ -31,6 +31,7 @@ PLANES: tuple[Plane, ...] = ("strain", "stress")
 Length = float | FloatArray
 
 _SOURCE = "CylinderPair"
+_MATERIAL = "e.g. Material.named('bronze'), or Material(name, E, nu)"
 # ΔR may differ from that of the radii by rounding, as a part of the larger one.
 _AGREEMENT = 1e-6
 # α and β may leave the possible ones by that much.
@@ -100,11 +101,10 @@ class CylinderPair(OfArrays):
         rule = "must be 'strain' or 'stress'"
         remedy = "plane strain is for long cylinders, plane stress for thin sheets"
         require(self.plane in PLANES, _SOURCE, "plane", self.plane, rule, remedy)
-        remedy = "e.g. Material.named('bronze'), or Material(name, E, nu)"
         moduli: dict[str, Length] = {}
         for key in ("material_i", "material_j"):
             body = getattr(self, key)
-            require(isinstance(body, Material), _SOURCE, key, body, "must be a Material", remedy)
+            require(isinstance(body, Material), _SOURCE, key, body, "must be a Material", _MATERIAL)
             moduli |= {f"E of {key}": body.E, f"nu of {key}": body.nu}
         optional = {"R_i": self.R_i, "R_j": self.R_j, "length": self.length}
         given = {key: value for key, value in optional.items() if value is not None}
@@ -228,6 +228,7 @@ class CylinderPair(OfArrays):
         10 mm, 601.7 MPa
         """
         outer, inner = _lengths("R_j", R_i=R_i, R_j=R_j).values()
+        _require_materials("CylinderPair.external", material=material, material_j=material_j)
         bodies = material, material_j or material
         return cls("external", outer + inner, *bodies, R_i, R_j, length, plane)
 
@@ -494,6 +495,7 @@ def _bodies(
     hole: Material | None,
 ) -> tuple[Material, Material]:
     """Return the materials of bodies i and j, given by body or by what the body is."""
+    _require_materials(source, material=material, material_j=material_j, pin=pin, hole=hole)
     if pin is None and hole is None:
         if material is not None:
             return material, material_j or material
@@ -507,6 +509,13 @@ def _bodies(
         key, other = ("pin", "hole") if pin is None else ("hole", "pin")
         rule, remedy = f"is missing beside {other}", "give both, or material for both bodies"
     raise InputError(source, key, None, rule, remedy)
+
+
+def _require_materials(source: str, **given: object) -> None:
+    """Raise `InputError` for what is given as a material and is none."""
+    for key, body in given.items():
+        good = body is None or isinstance(body, Material)
+        require(good, source, key, body, "must be a Material", _MATERIAL)
 
 
 def _require_contact(contact: object) -> None:
