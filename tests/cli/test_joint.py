@@ -162,6 +162,7 @@ def test_a_size_of_a_fit_serves_all_of_its_pairs(run):
     assert modulus["values"]["middle"] == pytest.approx(113_928, rel=1e-5)
     assert modulus["value"] == max(modulus["values"].values())
     length = answer(run, f"size length {line} --penetration 3 --load 3000")
+    assert length == answer(run, f"size length {line} --penetration '0.003 mm' --load 3000")
     assert length["values"]["middle"] == pytest.approx(15.9, rel=1e-3)
     assert length["value"] == length["values"]["loosest"]
 

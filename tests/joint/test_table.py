@@ -150,6 +150,13 @@ def test_columns_that_are_not_understood_are_refused(columns, message):
     assert message in str(caught.value)
 
 
+@pytest.mark.parametrize("more", [(), ("-o", "joint.pdf")])
+def test_what_is_wrong_with_the_file_goes_before_what_is_wrong_with_the_output(run, tmp_path, more):
+    (tmp_path / "page.html").write_text("<html></html>")
+    code, _, err = run("check", tmp_path / "page.html", *more)
+    assert (code, "is a web page (HTML)" in err) == (2, True)
+
+
 def test_a_label_of_a_joint_is_carried_along():
     frame = plain(2)
     found = check_table(frame.assign(name=["first", "second"])).table

@@ -23,6 +23,7 @@ from cylcontact.cli.options import (
 from cylcontact.cli.pair import JOINT, option_of, own_materials
 from cylcontact.cli.terminal import note, progress_bars, say
 from cylcontact.files.reading import require_file
+from cylcontact.files.units import length_in_mm, split_number
 from cylcontact.files.writing import json_text
 from cylcontact.joint.bush_words import EXAMPLE, bush_words, diameter_words
 from cylcontact.joint.words import blaming, joint_from_words, temperature_words
@@ -37,6 +38,11 @@ if TYPE_CHECKING:
 
 PAGES = (".html", ".pdf", ".png")
 WHAT = ("clearance", "modulus", "length")
+
+
+def _depth(text: str) -> float:
+    """Return a penetration in mm; without a unit it is in µm."""
+    return length_in_mm(text if split_number(text)[1] else f"{text} µm")
 
 
 _AT: dict[str, Any] = {"rich_help_panel": "Load and surroundings"}
@@ -58,7 +64,15 @@ AROUND: Options = {
 }  # fmt: skip
 TARGETS: Options = {
     "stiffness": (float | None, number("In N/mm²; for a length N/mm.", metavar="STIFFNESS", **_TO)),
-    "penetration": (float | None, number("In µm.", metavar="MICRONS", **_TO)),
+    "penetration": (
+        float | None,
+        option(
+            "In µm, or with its unit.",
+            metavar="MICRONS",
+            parser=reader(_depth, "is not a length; give µm, or e.g. '0.02 mm'"),
+            **_TO,
+        ),
+    ),
     "peak": (float | None, number("Largest pressure, MPa.", metavar="MPA", **_TO)),
     "factor": (float | None, number("First yield over the load.", metavar="FACTOR", **_TO)),
 }
@@ -127,8 +141,10 @@ def _check_table(
     path: Path, bush: Any, out: Path | None, as_json: bool, quiet: bool, given: dict[str, Any]
 ) -> None:
     """Check the joints of a table, and write their answers."""
-    from cylcontact.joint.tables import SUFFIXES, check_table
+    from cylcontact.joint.tables import SUFFIXES, check_table, require_joints
 
+    if not as_json and (out is None or out.suffix.lower() not in SUFFIXES):
+        require_joints(path)  # what is wrong with the file goes before what it lacks
     require_output(out, *SUFFIXES)
     rule, remedy = f"is for one joint, and {path} is a table", "leave it out"
     require(bush is None, "check", "--bush", None, rule, remedy)
@@ -233,8 +249,6 @@ def size(
         rule = f"is given beside {given[0]}" if given else "is missing"
         key = given[1] if given else "--stiffness"
         raise InputError("size", key, None, rule, f"give one of {listed(names)}")
-    if "penetration" in targets:
-        targets["penetration"] *= 1e-3
     joint = joint_of(pair, around, "size", what)
     try:
         with blaming(option_of, "size", _TARGETS):

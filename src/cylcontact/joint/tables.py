@@ -225,6 +225,13 @@ def check_table(
     return TableCheck(_Rows(rows, dict(same or {}), own, progress).answers(), _places(table))
 
 
+def require_joints(path: Path) -> None:
+    """Refuse a file that is no table of joints, without answering any."""
+    table, source = _opened(path)
+    if not are_clevises(table.names if isinstance(table, Sheet) else list(table.columns)):
+        _of_sheet(table) if isinstance(table, Sheet) else _of_frame(table, source)
+
+
 def _places(table: Sheet | pd.DataFrame) -> list[str]:
     """Return where each row is."""
     if isinstance(table, Sheet):
