@@ -35,6 +35,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import itemgetter
 from types import MappingProxyType
 from typing import Any
 
@@ -456,21 +457,24 @@ def _largest(
 
     from scipy.optimize import minimize  # slow to import
 
-    def descend(at: FloatArray, precision: float) -> Any:
+    def descend(at: FloatArray, precision: float) -> tuple[float, FloatArray]:
         # L-BFGS-B would wait for threads of OpenBLAS at each step.
         bounds = [(_LEAST, _MOST)] * at.size
         options: Any = {"ftol": precision, "maxiter": _MOST_STEPS}
-        return minimize(value, at, jac=slopes, method="SLSQP", bounds=bounds, options=options)
+        with np.errstate(invalid="ignore"):  # where the likelihood is infinite on both sides
+            end = minimize(value, at, jac=slopes, method="SLSQP", bounds=bounds, options=options).x
+        return value(end), end
 
     if start:  # from 0 the search could not return
         at = np.log([max(start[name] / first[name], _SMALL) for name in names])
-    else:
-        at = np.zeros(len(names))
-        if at.size > 1:  # few readings may have several minima: here each deviation exceeds others
-            starts = np.vstack([at, np.log(np.where(np.eye(at.size) > 0, 1.0, _SMALL))])
-            at = min((descend(each, _COARSE) for each in starts), key=lambda end: end.fun).x
-    solution = descend(at, _FINE)
-    best, lowest = _scaled(first, names, solution.x), float(solution.fun)
+        ends = [(value(at), at)]
+    else:  # few readings may have several minima: in each start but one a deviation exceeds others
+        k = len(names)
+        starts = np.vstack([np.ones(k), np.where(np.eye(k) > 0, 1.0, _SMALL)])[: k + (k > 1)]
+        ends = [descend(np.log(each), _COARSE) for each in starts]
+    coarse = min(ends, key=itemgetter(0))
+    lowest, at = min(coarse, descend(coarse[1], _FINE), key=itemgetter(0))
+    best = _scaled(first, names, at)
     for name in sorted(names, key=lambda name: best[name] / first[name]):
         without = best | {name: 0.0}
         if (reached := minus_twice(without)) <= lowest + _NO_LOSS:
