@@ -401,7 +401,7 @@ def coverage():
     axes.set_yticks(range(len(kinds)), kinds)
     axes.invert_yaxis()
     axes.set(xlabel="95 % intervals that contain the true offset (%)", xlim=(0, 101))
-    axes.legend(loc="lower left")
+    axes.legend(loc="upper left")
     return figure
 
 
