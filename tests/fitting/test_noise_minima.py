@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+import cylcontact as cc
+from benchmarks.coverage import KINDS, PAIR
 from cylcontact.fitting.noise import Covariance, Likelihood, NoiseModel, estimate
 
 
@@ -33,3 +35,15 @@ def test_no_other_deviations_are_more_likely(seed):
         for b in shares
     ]
     assert found <= min(others) + 1e-6
+
+
+@pytest.mark.parametrize("kind", ["both", "8 series with a drift"])
+def test_the_last_digit_of_the_readings_does_not_change_what_verify_compares(kind):
+    kind = KINDS[kind]
+    table = kind.sample(np.random.default_rng(1))
+    other = table.assign(penetration_um=table["penetration_um"] * (1 + 1e-15))
+    one, other = (
+        cc.fit(each, "explicit", PAIR, starts=1, **kind.options).objective.value
+        for each in (table, other)
+    )
+    assert other == pytest.approx(one, rel=1e-10)

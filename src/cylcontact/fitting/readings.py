@@ -39,6 +39,7 @@ from cylcontact.fitting.noise import (
     Mixture,
     NoiseModel,
     estimate,
+    sharpened,
 )
 from cylcontact.fitting.profile import Profiles
 from cylcontact.fitting.search import EXACT, descend
@@ -284,7 +285,8 @@ class Fit(Space):
             size = float(np.abs(likelihood.residuals).max())
             if float(np.abs(step).max(initial=0.0)) <= _SETTLED * size:
                 break
-        return weighed
+        deviations = sharpened(likelihood, deviations)
+        return replace(weighed, noise=replace(weighed.noise, deviations=deviations))
 
 
 def agree(values: Sequence[float]) -> bool:
