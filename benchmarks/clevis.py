@@ -61,12 +61,12 @@ def compliances(r, z, R, bands, *, clamped=None, pin=False, half=False):
     (zero, linear, square), component = in_harmonics(basis)
     weight = mass.assemble(basis)
     x, y = basis.doflocs
-    held = np.zeros(basis.N, bool)
+    fixed = np.zeros(basis.N, bool)
     if clamped is not None:
-        held |= x > clamped - 1e-9
+        fixed |= x > clamped - 1e-9
     if half:  # z = 0 is the middle of the eye
-        held |= (y < 1e-9) & (component == 1)
-    free = np.flatnonzero(~held)
+        fixed |= (y < 1e-9) & (component == 1)
+    free = np.flatnonzero(~fixed)
     motion = np.array([1.0, 0.0, -1.0])[component][free]
     weight = weight[free][:, free]
     force = weight @ motion / (motion @ weight @ motion)
@@ -87,11 +87,11 @@ def compliances(r, z, R, bands, *, clamped=None, pin=False, half=False):
 
 def between(S, count):
     """S_m for all m below a count."""
-    m, known = np.arange(count), np.array(HARMONICS)
-    spline = CubicSpline(np.log(known[3:]), known[3:, None, None] * S[3:])
-    found = spline(np.log(np.clip(m, known[3], known[-1]))) / np.maximum(m, 1)[:, None, None]
-    found[known[known < count]] = S[known < count]
-    return found
+    m, solved = np.arange(count), np.array(HARMONICS)
+    spline = CubicSpline(np.log(solved[3:]), solved[3:, None, None] * S[3:])
+    every = spline(np.log(np.clip(m, solved[3], solved[-1]))) / np.maximum(m, 1)[:, None, None]
+    every[solved[solved < count]] = S[solved < count]
+    return every
 
 
 class ClevisOfElements:

@@ -22,8 +22,10 @@ FIT = "fit datasets/examples/pin-in-hole.csv --law johnson --contact internal"
 SIMULATE = "simulate datasets/slider_crank.toml --revolutions 2"
 CHECK = "check --material bronze --Ri 10 --Rj 9.95 --load 100"
 # What a fit with its picture imports.
-LIBRARIES = "scipy.special, scipy.optimize, matplotlib.figure, matplotlib.backends.backend_agg"
-LIBRARIES = f"import numpy, {LIBRARIES}, pydantic, typer"
+LIBRARIES = (
+    "import numpy, scipy.special, scipy.optimize, matplotlib.figure, "
+    "matplotlib.backends.backend_agg, pydantic, typer"
+)
 
 
 def measure(short: bool) -> Iterator[list[Row]]:
