@@ -32,18 +32,21 @@ LOADS = np.geomspace(10.0, 1000.0, 41)  # N/mm
 
 
 class PowerFit(NamedTuple):
-    """The line ln f = ln K + n·ln δ through points; K in N/mm per mmⁿ."""
+    """Lines ln f = ln K + n·ln δ through points; K in N/mm per mmⁿ."""
 
-    K: float
-    n: float
-    r_squared: float
+    K: FloatArray
+    n: FloatArray
+    r_squared: FloatArray
 
 
 def fit_power(load: FloatArray, penetration: FloatArray) -> PowerFit:
-    """Fit f = K·δⁿ (Eq 3) by least squares on ln f."""
+    """Fit f = K·δⁿ (Eq 3) by least squares on ln f, along the last axis and without what is NaN."""
     x, y = np.log(penetration), np.log(load)
-    n, ln_K = np.polyfit(x, y, 1)
-    return PowerFit(float(np.exp(ln_K)), float(n), float(np.corrcoef(x, y)[0, 1] ** 2))
+    x_mean, y_mean = (np.nanmean(each, axis=-1, keepdims=True) for each in (x, y))
+    dx, dy = x - x_mean, y - y_mean
+    xx, xy, yy = (np.nansum(each, axis=-1) for each in (dx * dx, dx * dy, dy * dy))
+    n = xy / xx
+    return PowerFit(np.exp(y_mean[..., 0] - n * x_mean[..., 0]), n, xy**2 / (xx * yy))
 
 
 def fig02() -> tuple[Figure, pd.DataFrame]:
@@ -123,12 +126,8 @@ def exponents(contact: str, dR: FloatArray) -> pd.DataFrame:
         pair = CylinderPair.from_dR(contact, dR[:, None], Material("any", 1e3 * E, nu))
         inside = LOADS <= Johnson().max_load(pair)
         load = np.where(inside, LOADS, np.nan)
-        x, y = np.log(Johnson().penetration(load, pair)), np.log(load)
-        x_mean, y_mean = (np.nanmean(each, axis=1) for each in (x, y))
-        x, y = x - x_mean[:, None], y - y_mean[:, None]
-        xx, xy, yy = (np.nansum(each, axis=1) for each in (x * x, x * y, y * y))
-        n = xy / xx
-        fit = {"n": n, "K_N_per_mm_n": np.exp(y_mean - n * x_mean), "R2": xy**2 / (xx * yy)}
+        of_power = fit_power(load, Johnson().penetration(load, pair))
+        fit = {"n": of_power.n, "K_N_per_mm_n": of_power.K, "R2": of_power.r_squared}
         case = {"contact": contact, "E_GPa": E, "nu": nu, "dR_mm": dR}
         tables.append(pd.DataFrame({**case, "points": inside.sum(axis=1), **fit}))
     return pd.concat(tables, ignore_index=True)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
 
 from cylcontact.files.sheet import Sheet
-from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray
+from cylcontact.support.arrays import BoolArray, FloatArray, IndexArray, equal_rows
 from cylcontact.support.choices import BRANCHES, Branch
 from cylcontact.support.errors import InputError
 
@@ -67,15 +67,6 @@ def _rows(chosen: BoolArray) -> str:
     """Return how many rows are chosen, in words."""
     count = int(np.count_nonzero(chosen))
     return "1 row" if count == 1 else f"{count} rows"
-
-
-def equal_rows(columns: Sequence[FloatArray], size: int) -> IndexArray:
-    """Return a number for each of N rows, the same for rows that are equal in all columns."""
-    number = np.zeros(size, dtype=np.intp)
-    for column in columns:  # faster than whole rows at once
-        _, own = np.unique(column, return_inverse=True, equal_nan=False)
-        number = np.unique(number * (own.size + 1) + own, return_inverse=True)[1]
-    return number
 
 
 def is_unloading(load: FloatArray, series: IndexArray, in_order: bool = False) -> BoolArray | None:

@@ -29,7 +29,7 @@ from cylcontact.bodies.material import (
     shipped_materials,
 )
 from cylcontact.bodies.pair import Contact, CylinderPair, roles, unusual_lengths
-from cylcontact.datasets.branches import equal_rows, kept_rows
+from cylcontact.datasets.branches import kept_rows
 from cylcontact.datasets.columns import MEASURED, option_for
 from cylcontact.datasets.reading import (
     Readings,
@@ -41,7 +41,7 @@ from cylcontact.datasets.reading import (
 from cylcontact.files.spec import Spec
 from cylcontact.files.units import LABELS, Column, column_named, spellings
 from cylcontact.laws import Housing
-from cylcontact.support.arrays import BoolArray, FloatArray, as_floats
+from cylcontact.support.arrays import BoolArray, FloatArray, as_floats, equal_rows
 from cylcontact.support.choices import BRANCHES, first_of, listed
 from cylcontact.support.errors import InputError
 
@@ -195,11 +195,11 @@ class Measurements:
     def _grouped(self, over: str) -> tuple[list[str], Indices]:
         """Return groups in the order of their first rows; rows that are alike are named once."""
         alike = equal_rows(self._keys(over), len(self))
-        _, first, index = np.unique(alike, return_index=True, return_inverse=True)
+        _, first = np.unique(alike, return_index=True)
         names = [self._group_name(over, int(k)) for k in first]
         in_order = dict.fromkeys(names[k] for k in np.argsort(first))  # some have the same name
         number = {name: k for k, name in enumerate(in_order)}
-        return [*number], np.array([number[name] for name in names], dtype=np.intp)[index]
+        return [*number], np.array([number[name] for name in names], dtype=np.intp)[alike]
 
     def _keys(self, over: str) -> list[FloatArray]:
         """Return numbers that are equal in rows of one group, each of shape (N,)."""
@@ -626,10 +626,10 @@ def _yield_notes(measured: Measurements, own: Path | None, housing: Housing | No
         if hole.yield_stress is not None and pin.yield_stress is not None:
             sizes = [part.columns[name] for name in ("dR", "R_i", "R_j")]
             alike = equal_rows(sizes, len(part))
-            _, first, index = np.unique(alike, return_index=True, return_inverse=True)
+            _, first = np.unique(alike, return_index=True)
             pair = replace(part.take(first).pair, material_i=hole, material_j=pin)
             largest = limits.yield_load(pair, housing=housing)
-            above += int(np.count_nonzero(part.load > largest[index]))
+            above += int(np.count_nonzero(part.load > largest[alike]))
     if not above:
         return []
     return [

@@ -96,13 +96,13 @@ class Readings:
 
     def unused(self, rows: Sequence[int]) -> list[str]:
         """Return the columns of words that would divide some rows into series."""
-        found = []
+        names = []
         for k in self.unread:
             cells = [self.sheet.columns[k][row] for row in rows]
             words = k not in self.ignored and all(isinstance(x, str) for x in cells)
             if words and not any(map(is_number, cells)) and 1 < len({*cells}) <= len(cells) / 2:
-                found.append(self.sheet.name(k))
-        return found
+                names.append(self.sheet.name(k))
+        return names
 
     def block(self, rows: Sequence[int]) -> list[str]:
         """Return the lines that say what was read, left out and decided; `rows` are the kept."""

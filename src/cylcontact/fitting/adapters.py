@@ -75,9 +75,7 @@ class RigCompliance:
         reading = as_floats(contact.penetration + self.compliance * contact.load + self.offset)
         if self.compliance >= 0:
             return reading
-        with np.errstate(invalid="ignore"):
-            rises = 1 + self.compliance * contact.stiffness > 0
-        return inside_or_nan(reading, np.asarray(rises))
+        return inside_or_nan(reading, np.asarray(self._slope(contact.stiffness) > 0))
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at a reading `penetration` in mm; 0 before first touch."""
@@ -105,10 +103,10 @@ class RigCompliance:
         rig = np.where(np.isinf(deepest), 0.0, self.compliance * np.nan_to_num(largest))
         return as_floats(deepest + rig + self.offset)
 
-    def _slope(self, depth: FloatArray, pair: CylinderPair) -> FloatArray:
-        """Return d(reading)/d(penetration) of the contact alone, 1 + compliance·k."""
+    def _slope(self, stiffness: FloatArray) -> FloatArray:
+        """Return d(reading)/d(penetration) of the contact alone, from its stiffness k: 1 + C·k."""
         with np.errstate(invalid="ignore"):
-            return as_floats(1 + self.compliance * self.base.stiffness(depth, pair))
+            return as_floats(1 + self.compliance * stiffness)
 
     def _end(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return the penetration of the contact alone and the load where the domain ends.
@@ -122,7 +120,7 @@ class RigCompliance:
         high = last = np.log(np.minimum(deepest * (1 - _SHORT_OF_THE_END), _DEEP * pair.dR))
         for _ in range(_HALVINGS):
             middle = (low + high) / 2
-            rises = self._slope(np.exp(middle), pair) > 0
+            rises = self._slope(self.base.stiffness(np.exp(middle), pair)) > 0
             low, high = np.where(rises, middle, low), np.where(rises, high, middle)
         turn = np.exp(low)
         is_earlier = high < last
@@ -147,7 +145,7 @@ class RigCompliance:
             excess = d + self.compliance * self.base.load(d, pair) - depth
             low, high = np.where(excess < 0, d, low), np.where(excess < 0, high, d)
             with np.errstate(divide="ignore", invalid="ignore"):  # at 0 and at the ends
-                step = d - excess / self._slope(d, pair)
+                step = d - excess / self._slope(self.base.stiffness(d, pair))
             new = np.where((step >= low) & (step <= high), step, (low + high) / 2)
             if np.all(np.abs(new - d) <= _ROUNDING * d):
                 break

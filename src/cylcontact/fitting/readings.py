@@ -109,24 +109,24 @@ class Fit(Space):
         """
         depths = np.full((len(points), len(self.data)), np.nan)
         load, pair = self.data.load, self.data.pair
-        of_contact: dict[bytes, ContactAlone] = {}
+        contacts: dict[bytes, ContactAlone] = {}
         for depth, values in zip(depths, self.complete(points), strict=True):
             law = law_of(self.model, values)
             if law is None:
                 continue
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
                 if isinstance(law, RigCompliance):
-                    key = values[self._beside_rig].tobytes()
-                    if key not in of_contact:
-                        of_contact[key] = ContactAlone(law.base, load, pair)
-                    depth[:] = law.reading_of(of_contact[key])
+                    key = values[self._of_contact].tobytes()
+                    if key not in contacts:
+                        contacts[key] = ContactAlone(law.base, load, pair)
+                    depth[:] = law.reading_of(contacts[key])
                 else:
                     depth[:] = law.penetration(load, pair)
         return depths
 
     @cached_property
-    def _beside_rig(self) -> BoolArray:
-        """Which parameters are not of the rig alone."""
+    def _of_contact(self) -> BoolArray:
+        """Whether each parameter changes the contact itself, shape (all,): the rig's do not."""
         return np.array([p.name not in ("offset", "compliance") for p in self.parameters])
 
     def differences(self, points: FloatArray) -> FloatArray:
@@ -217,8 +217,9 @@ class Fit(Space):
         order = [k for k in np.argsort(values, kind="stable") if np.isfinite(values[k])]
         if nominal is not None and np.isfinite(values[0]):
             order = [0, *(k for k in order if k != 0)]
-        defined = (k for k in order if np.isfinite(self.value(points[k])))
-        return as_floats(points[[*islice(defined, number)]])
+        if rows.size <= last:  # where all readings are defined, of which these are some
+            order = [*islice((k for k in order if np.isfinite(self.value(points[k]))), number)]
+        return as_floats(points[order[:number]])
 
     def minimise(self, start: FloatArray, precision: float = EXACT) -> tuple[FloatArray, float]:
         """Return the minimum below a point, and its value."""

@@ -133,8 +133,11 @@ def on_one_thread() -> Iterator[None]:
 
 
 @lru_cache(maxsize=2)
-def _threads(with_scipy: bool) -> ThreadpoolController:  # noqa: ARG001 - it has threads of its own
-    """Return what limits threads; to look for the libraries takes milliseconds."""
+def _threads(scipy_is_loaded: bool) -> ThreadpoolController:  # noqa: ARG001 - looks again after it
+    """Return what limits threads of the libraries loaded; to look for them takes milliseconds.
+
+    SciPy brings a library of its own, and may be loaded later.
+    """
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
@@ -159,13 +162,19 @@ def on_all_cores(function: Callable[[Any], None], parts: Iterable[Any]) -> None:
         list(pool.map(function, parts))
 
 
+def equal_rows(columns: Sequence[FloatArray], size: int) -> IndexArray:
+    """Return for each of N rows the number, from 0, of those that equal it in all columns."""
+    which = np.zeros(size, dtype=np.intp)
+    for column in columns:  # sorting numbers is much faster than sorting rows
+        if column.strides != (0,):
+            values, of_column = np.unique(column, return_inverse=True, equal_nan=False)
+            which = np.unique(which * values.size + of_column, return_inverse=True)[1]
+    return which
+
+
 def distinct_columns(rows: Sequence[FloatArray]) -> tuple[FloatArray, list[IndexArray]]:
     """Return the distinct columns of rows of one length, and where each of them is."""
-    which = np.zeros(rows[0].size, dtype=np.intp)
-    for row in rows:  # sorting numbers is much faster than sorting columns
-        if row.strides != (0,):
-            values, number = np.unique(row, return_inverse=True)
-            which = np.unique(which * values.size + number, return_inverse=True)[1]
+    which = equal_rows(rows, rows[0].size)
     order = np.argsort(which, kind="stable")
     places = np.split(order, np.flatnonzero(np.diff(which[order])) + 1)
     return np.stack([row[[place[0] for place in places]] for row in rows]), places
