@@ -148,6 +148,12 @@ def test_figures_of_merit_are_those_of_a_normal_distribution(plain):
     assert np.diag(correlations) == pytest.approx([1, 1])
 
 
+def test_a_length_as_published_is_in_the_unit_of_the_fitted_one():
+    result = cc.fit(readings(1, 1, 12), "johnson", PAIR, uncertain={"dR": "2 um"}, starts=1)
+    (row,) = (line.split() for line in str(result).splitlines() if line.startswith("dR "))
+    assert (row[2], row[-3:]) == ("µm", ["30", "as", "given"])
+
+
 def test_a_published_law_is_that_of_the_pair_as_given_with_the_gauge_at_zero():
     result = cc.fit(readings(1, 1, 12), "lankarani-nikravesh", PAIR, starts=1)
     published = {"n": 1.5, "stiffness_factor": 1.0, "offset": 0.0}

@@ -217,6 +217,11 @@ class FitResult(Spec):
         paper = self.published.coefficients if self.published else {}
         # The searched ones first: the others are often the law's own constants.
         order = sorted(self.estimates.items(), key=lambda item: item[0] not in self.free)
+        paper = {
+            name: self._in_its_unit(estimate.model_copy(update={"value": paper[name]})).value
+            for name, estimate in order
+            if name in paper
+        }
         order = [(name, self._in_its_unit(estimate)) for name, estimate in order]
         rows = [
             {
